@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     if not HAVE_NUMBA:
         return function
-    folder = Path(function.__code__.co_filename).parent / "__pycache__" / f"formulas-{_digest(function)}"
+    folder = Path(function.__code__.co_filename).parent / "__pycache__" / f"formulas-{_digest(_package_of(function))}"
     default_folder = config.CACHE_DIR  # type: ignore[attr-defined]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -43,10 +44,14 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
         config.CACHE_DIR = default_folder  # type: ignore[attr-defined]
 
 
-def _digest(function: Callable[..., Any]) -> str:
-    """Digest of all files with formulas that the function may call: those of its top-level package and of this one."""
-    file, depth = Path(function.__code__.co_filename), function.__module__.count(".")
-    package = file.parents[max(depth - 1, 0)]
+def _package_of(function: Callable[..., Any]) -> Path:
+    """The folder of the function's top-level package."""
+    return Path(function.__code__.co_filename).parents[max(function.__module__.count(".") - 1, 0)]
+
+
+@cache
+def _digest(package: Path) -> str:
+    """Digest of all files with formulas that a function of this package may call: those there and beside this file."""
     files = sorted({*package.rglob("*.py"), *Path(__file__).parent.rglob("*.py")})
     texts = [text for file in files if b"@formula" in (text := file.read_bytes()) or file == Path(__file__)]
     return hashlib.sha256(b"".join(texts)).hexdigest()[:12]

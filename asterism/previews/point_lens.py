@@ -63,7 +63,7 @@ def checked_points(points: Floats) -> Floats:
 
 def checked_positions(x: Floats | None, state: PreviewState) -> Floats:
     """(N, 3) positions of the shell's dofs; by default those that the state shows."""
-    x = state.equilibrium.x if x is None else np.asarray(x, dtype=float)
-    if x.shape != state.equilibrium.x.shape:
-        raise ValueError(f"x must be a stage's, shape {state.equilibrium.x.shape}, got shape {x.shape}")
+    x = state.x if x is None else np.asarray(x, dtype=float)
+    if x.shape != state.x.shape:
+        raise ValueError(f"x must be a stage's, shape {state.x.shape}, got shape {x.shape}")
     return x

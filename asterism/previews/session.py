@@ -220,7 +220,7 @@ class Preview(PreviewReadings):
             self._edits += 1
             number = self._edits
         if response is not None:
-            yield Stage("linear", self.state.equilibrium.x.copy())
+            yield Stage("linear", self.state.x.copy())
             if self._edits != number:
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
             with one_blas_thread():
@@ -233,7 +233,7 @@ class Preview(PreviewReadings):
                     if self._watch.has_stopped:
                         self.state = replace(before, is_factor_resting=False)
                     raise
-        yield Stage("equilibrium", self.state.equilibrium.x.copy())
+        yield Stage("equilibrium", self.state.x.copy())
 
     @one_blas_thread()
     def flip(self) -> Side:
@@ -260,7 +260,7 @@ class Preview(PreviewReadings):
         self._clock = Clock()
         self._edits += 1
         self.state = restarted(self.state, self._clock)
-        return Stage("equilibrium", self.state.equilibrium.x.copy())
+        return Stage("equilibrium", self.state.x.copy())
 
     def snapshot(self) -> Snapshot:
         """The design and the last equilibrium, for `restore`.
@@ -317,7 +317,7 @@ class Preview(PreviewReadings):
         if state.factor is self.state.factor:
             self.state = replace(self.state, is_factor_resting=False)  # the search overwrites the factor
         self.state = at_form(state, x, self._clock)
-        return Stage("equilibrium", self.state.equilibrium.x.copy())
+        return Stage("equilibrium", self.state.x.copy())
 
     def __reduce__(self) -> NoReturn:
         """Refuse copies, because they would share the factor, which edits overwrite."""
@@ -335,7 +335,7 @@ class Preview(PreviewReadings):
         self.state = with_shown_sheet(self.state, self._clock)
         state, shown = self.state, self.state.shown
         assert shown is not None
-        places = self._clock("shown", shown.lens, state.equilibrium.x, state.values)
+        places = self._clock("shown", shown.lens, state.x, state.values)
         shape: Shape = self._clock("shown", shape_of, state.sheet, shown.mesh, places)
         up = np.eye(3)[2]
         if not shape.held:

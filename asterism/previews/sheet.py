@@ -104,8 +104,14 @@ class Sheet:
         sheet = replace(self, design=design, layout=layout, stars=stars)
         if design.mesh.edge_mm == self.design.mesh.edge_mm and "_pin_softness" in self.__dict__:
             sheet.__dict__["_pin_softness"] = self._pin_softness
-        if self.has_arms_of(layout) and "arms" in self.__dict__:
-            sheet.__dict__["arms"] = self.arms.with_layout(layout)
+        if "arms" in self.__dict__:
+            arms = (
+                self.arms.with_layout(layout)
+                if self.has_arms_of(layout)
+                else self.arms.with_lengths(layout, self.space)
+            )
+            if arms is not None:
+                sheet.__dict__["arms"] = arms
         return sheet
 
     def has_arms_of(self, layout: Layout) -> bool:

@@ -14,6 +14,7 @@ from asterism.previews.fields.star_values import StarValues
 from asterism.previews.search.apply_supports import apply_supports
 from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
 from asterism.previews.sheet import Sheet
+from asterism.previews.shown_response import ShownResponse
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.surface import Lens, ShownSheet, shown_mesh
 from equilibrium.clock import Clock
@@ -21,7 +22,7 @@ from equilibrium.linear.watched_factor import WatchedFactor
 from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
-from fem.search.relax import energies_by_part, factorise, follow, softest_shell_modes
+from fem.search.relax import factorise, follow, softest_shell_modes
 from fem.search.sides import Side
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -134,19 +135,9 @@ def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response |
         state = replace(state, is_factor_resting=factorise(shell, resting.x, factor))
     if not state.is_factor_resting:
         return restarted(state, clock), None
-    response = clock("linear response", linear_response, shell, resting.x, factor)
-    gradient = float(np.linalg.norm(shell.gradient(response.x)))
-    shown = replace(
-        resting,
-        x=shell.shifted_to_ground(response.x),
-        strains=response.strains,
-        energies=energies_by_part(shell, response.x),
-        gradient_norm=gradient,
-        definite=resting.definite and gradient <= resting.tolerance,
-        soft_modes=np.empty(0),
-        trials=(),
-    )
-    return replace(state, equilibrium=shown), response
+    response: Response = clock("linear response", linear_response, shell, resting.x, factor)
+    shown = ShownResponse(shell, resting, response, shell.shifted_to_ground(response.x))
+    return replace(state, result=shown), response
 
 
 def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewState:
@@ -156,7 +147,7 @@ def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewSt
     if not equilibrium.is_minimum:
         return restarted(state, clock)
     equilibrium = replace(equilibrium, x=state.shell.shifted_to_ground(equilibrium.x))
-    return replace(state, equilibrium=equilibrium, resting=equilibrium, is_factor_resting=True)
+    return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
 def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
@@ -177,7 +168,7 @@ def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
     x = state.shell.shifted_to_ground(equilibrium.x)
     trials = state.resting.trials
     equilibrium = replace(equilibrium, x=x, trials=trials if len(trials) > 1 else equilibrium.trials)
-    return replace(state, equilibrium=equilibrium, resting=equilibrium, is_factor_resting=True)
+    return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
 def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
@@ -189,7 +180,7 @@ def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
         state = replace(state, is_factor_resting=factorise(state.shell, shown.x, state.factor))
     if not len(shown.soft_modes):
         stiffness, _ = clock("soft modes", softest_shell_modes, state.shell, shown.x, state.factor)
-        state = replace(state, equilibrium=replace(shown, soft_modes=stiffness))
+        state = replace(state, result=replace(shown, soft_modes=stiffness))
     return state
 
 

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PreviewModel
 from asterism.previews.sheet import Sheet
+from asterism.previews.shown_response import ShownResponse
 from asterism.previews.surface.surface import ShownSheet
 from equilibrium.linear.factor import Factor
+from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.sides import Side
 from fem.shell.shell import Shell
@@ -35,7 +37,7 @@ class PreviewState:
     side : to which the edges were asked to go.
     values : the law at the stars.
     shell : with the supports of all steps.
-    equilibrium : what is shown; after the first stage of an edit it is the linear response, and no equilibrium.
+    result : what is shown: an equilibrium or, after the first stage of an edit, the linear response.
     resting : the last equilibrium, from which edits go on.
     factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
     watch : called at least once in each Newton iteration; an error that it raises ends the search.
@@ -48,12 +50,22 @@ class PreviewState:
     side: Side
     values: StarValues
     shell: Shell
-    equilibrium: ShellEquilibrium
+    result: ShellEquilibrium | ShownResponse
     resting: ShellEquilibrium
     factor: Factor
     watch: Callable[[], None]
     is_factor_resting: bool = True
     shown: ShownSheet | None = None
+
+    @property
+    def x(self) -> Floats:
+        """(N, 3) mm, positions of the shell's dofs as shown."""
+        return self.result.x
+
+    @property
+    def equilibrium(self) -> ShellEquilibrium:
+        """What is shown, with its certificate; a linear response is no minimum."""
+        return self.result.evidence if isinstance(self.result, ShownResponse) else self.result
 
     @property
     def design(self) -> Design:

@@ -169,8 +169,8 @@ class Engine:
 
     def _show_stages(self, preview: Preview, design: Design, edit: Edit) -> None:
         for stage in preview.edit(design, keep_form=True):
-            if preview.equilibrium.guess != EDIT_START:
-                self._owes_search = preview.equilibrium.guess == FORM_START
+            if (guess := preview.state.resting.guess) != EDIT_START:
+                self._owes_search = guess == FORM_START
             self._show(stage.name, stage.x)
             if stage.name == "linear" and edit.is_dragging and self._may_skip(preview):
                 return
@@ -251,7 +251,7 @@ class Engine:
         preview = self._preview
         assert preview is not None and self._known is not None
         view = self._coarse = self._view(preview, self._coarse, is_fine=False)
-        if preview.equilibrium.guess != EDIT_START and stage == "equilibrium":
+        if stage == "equilibrium" and preview.equilibrium.guess != EDIT_START:
             view.stand_up(preview, x)
         frame = self._frame(view, preview, stage, x)
         snapshot = None
@@ -284,7 +284,7 @@ class Engine:
         preview, known = self._preview, self._known
         if preview is None or known is None or known.is_dragging:
             return
-        if preview.equilibrium is not preview.state.resting:
+        if preview.state.result is not preview.state.resting:
             return  # a linear response
         if self._owes_search:
             preview.search_again()

@@ -28,6 +28,7 @@ class SheetMarks:
     def __init__(self, printed: Floats, triangles: Ints) -> None:
         self.printed, self.triangles = printed, triangles
         self._arms_of: Layout | None = None
+        self._station_triangles: Ints = np.empty(0, dtype=np.int64)
         self._needle_points = np.empty((0, 2))
 
     def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
@@ -36,7 +37,9 @@ class SheetMarks:
             share = np.linspace(0.0, 1.0, STATIONS)[:, None]
             start = layout.centres[layout.arm_star][:, None]
             points = start + share * (layout.arm_tip[:, None] - start)
-            self._stations, self._arms_of = self._interpolation(points.reshape(-1, 2)), layout
+            known = self._station_triangles if len(self._station_triangles) == STATIONS * len(points) else None
+            self._stations, self._station_triangles = self._interpolation(points.reshape(-1, 2), known)
+            self._arms_of = layout
         shape = len(layout.arm_star), STATIONS, 3
         middle = (self._stations @ positions).reshape(shape)
         normal = _unit((self._stations @ normals).reshape(shape))
@@ -56,17 +59,24 @@ class SheetMarks:
         if not len(points):
             return np.empty((0, 2, 3))
         if not np.array_equal(points, self._needle_points):
-            self._needle_points, self._in_needles = points, self._interpolation(points)
+            self._needle_points, (self._in_needles, _) = points, self._interpolation(points)
         tips = self._in_needles @ positions
         feet = tips.copy()
         feet[:, 2] = min(0.0, float(tips[:, 2].min()))
         return np.stack([feet, tips], axis=1)
 
-    def _interpolation(self, points: Floats) -> sp.csr_matrix:
-        """(n, V) linear interpolation from the vertices to printed points (n, 2)."""
-        triangle, weights = self._finder.nearest(points, STATION_CANDIDATES)
+    def _interpolation(self, points: Floats, known: Ints | None = None) -> tuple[sp.csr_matrix, Ints]:
+        """(n, V) linear interpolation from the vertices to printed points (n, 2), and their triangles (n,).
+
+        The points are in the triangles `known` (n,), if these are given, but for a few.
+        """
+        if known is None:
+            triangle, weights = self._finder.nearest(points, STATION_CANDIDATES)
+        else:
+            triangle, weights = self._finder.near_before(points, known, STATION_CANDIDATES)
         corners, ends = self.triangles[triangle], np.arange(0, 3 * len(points) + 1, 3)
-        return sp.csr_matrix((clipped(weights).ravel(), corners.ravel(), ends), (len(points), len(self.printed)))
+        shape = len(points), len(self.printed)
+        return sp.csr_matrix((clipped(weights).ravel(), corners.ravel(), ends), shape), triangle
 
     @cached_property
     def _finder(self) -> TriangleFinder:

@@ -113,7 +113,7 @@ class SheetView:
             arms=arms.astype(small),
             arm_normals=arm_normals.astype(small),
             needles=self._marks.needles(layout, positions).astype(small),
-            is_minimum=preview.equilibrium.is_minimum,
+            is_minimum=stage == "equilibrium" and preview.equilibrium.is_minimum,
             height_mm=float(np.ptp(positions[:, 2])),
             smooth=None if smooth is None else self._smooth_part(layout, smooth),
         )

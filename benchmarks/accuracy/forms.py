@@ -47,7 +47,7 @@ def _rows(design: Design, folder: Path) -> Iterator[dict[str, Any]]:
         if any(abs(trial.energy - energy) <= APART * abs(energy) for energy in energies):
             continue
         energies.append(trial.energy)
-        preview.state = replace(preview.state, equilibrium=replace(shown, x=trial.x))
+        preview.state = replace(preview.state, result=replace(shown, x=trial.x))
         start = preview.shape()
         exact = simulate(design, near=start)
         write_results(exact, folder / design.name / f"form-{len(energies)}")

@@ -172,7 +172,7 @@ class Argyris:
 
         def jets(x: Floats) -> Floats:
             out = np.empty((len(points), 6, x.shape[1]))
-            polynomials(POWERS, np.matmul(self.coefficients, x[self.dofs]), self._scale, triangles, local, out)
+            polynomials(self.degree, np.matmul(self.coefficients, x[self.dofs]), self._scale, triangles, local, out)
             return out
 
         return Evaluation(lambda: self.jets(triangles, points), self.size, jets)

@@ -44,28 +44,30 @@ def _derivatives(exponents: bytes, count: int, kind: str) -> tuple[Floats, Ints,
 
 
 @loop
-def polynomials(exponents, factors, scale, pieces, points, out):  # type: ignore[no-untyped-def]
+def polynomials(degree, factors, scale, pieces, points, out):  # type: ignore[no-untyped-def]
     """Write values and derivatives 1, 2, 11, 22, 12 of c piecewise polynomials at points (n, 2) to out (n, 6, c).
 
-    `pieces` (n,) are the pieces of the points, `factors` (T, k, c) the coefficients of a piece, and `scale` (T,) its
-    unit of length; points are in this unit.
+    `pieces` (n,) are the pieces of the points, `factors` (T, k, c) the coefficients of a piece in the order of
+    `powers(degree)`, and `scale` (T,) its unit of length; points are in this unit. Horner's scheme, first along the
+    second coordinate and then along the first one.
     """
-    top = exponents.max()
-    ladder = np.ones((2, top + 1))
-    row = np.empty(6)
     for p in range(points.shape[0]):
         coefficients, unit = factors[pieces[p]], 1.0 / scale[pieces[p]]
-        for power in range(1, top + 1):
-            for a in range(2):
-                ladder[a, power] = ladder[a, power - 1] * points[p, a]
-        out[p] = 0.0
-        for k in range(exponents.shape[0]):
-            i, j = exponents[k, 0], exponents[k, 1]
-            u, v = ladder[0, i], ladder[1, j]
-            du, dv = i * ladder[0, max(i - 1, 0)] * unit, j * ladder[1, max(j - 1, 0)] * unit
-            ddu = i * (i - 1) * ladder[0, max(i - 2, 0)] * unit * unit
-            ddv = j * (j - 1) * ladder[1, max(j - 2, 0)] * unit * unit
-            row[0], row[1], row[2], row[3], row[4], row[5] = u * v, du * v, u * dv, ddu * v, u * ddv, du * dv
-            for a in range(6):
-                for c in range(coefficients.shape[1]):
-                    out[p, a, c] += row[a] * coefficients[k, c]
+        square = unit * unit
+        u, v = points[p]
+        for c in range(coefficients.shape[1]):
+            f = f1 = f11 = f2 = f12 = f22 = 0.0  # of second derivatives in the same coordinate the half
+            for i in range(degree, -1, -1):
+                q = q2 = q22 = 0.0
+                for n in range(degree, i - 1, -1):
+                    q22 = q22 * v + q2
+                    q2 = q2 * v + q
+                    q = q * v + coefficients[n * (n + 1) // 2 + i, c]
+                f11 = f11 * u + f1
+                f1 = f1 * u + f
+                f = f * u + q
+                f12 = f12 * u + f2
+                f2 = f2 * u + q2
+                f22 = f22 * u + q22
+            out[p, 0, c], out[p, 1, c], out[p, 2, c] = f, f1 * unit, f2 * unit
+            out[p, 3, c], out[p, 4, c], out[p, 5, c] = 2.0 * f11 * square, 2.0 * f22 * square, f12 * square

@@ -45,6 +45,16 @@ class TriangleFinder:
         row, best = np.arange(len(points)), weights.min(axis=-1).argmax(axis=1)
         return near[row, best], weights[row, best]
 
+    def near_before(
+        self, points: Float[np.ndarray, "n 2"], known: Int[np.ndarray, " n"], candidates: int = CANDIDATE_TRIANGLES
+    ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
+        """As `nearest`, in less time for points that are still in the triangles `known`."""
+        triangle, weights = known.copy(), self._weights_in(known[:, None], points)[:, 0]
+        left = np.flatnonzero(weights.min(axis=1) < 0.0)
+        if len(left):
+            triangle[left], weights[left] = self.nearest(points[left], candidates)
+        return triangle, weights
+
     def best_of_all(self, point: Float[np.ndarray, " 2"]) -> tuple[int, Float[np.ndarray, " 3"]]:
         """The same for one point (2,) among all triangles."""
         weights = self._weights_in(np.arange(len(self._corners))[None], point[None])[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,6 +13,7 @@ from pattern.design.border import Border
 from pattern.design.design import Design
 from pattern.design.errors import BlankSheetError, DesignError
 from pattern.design.lattice import Lattice
+from pattern.design.pins import Pins
 from pattern.design.stars import MIN_ARM_MM
 from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
@@ -21,6 +23,7 @@ from pattern.layout.pin_placement import pin_set, snapped_to_arms
 from pattern.layout.pin_reach import check_reach
 from pattern.layout.star_cells import star_cells, star_margin_mm
 from pattern.layout.star_sizes import star_sizes
+from pattern.layout.supports import PinSet
 from pattern.rods.arms import check_clear, cut
 
 KEPT_OUTLINES = 8
@@ -54,12 +57,12 @@ def layout(design: Design) -> Layout:
     corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
     # first the stars: a sheet with too many of them also has too many vertices
     cells = _kept_cells(design.border, lattice).copy()
-    _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)
+    _check_mesh(design.mesh.edge_mm, design.border, lattice)
     if len(cells) == 0:
         margin = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
         raise BlankSheetError("border", f"must have room for at least one star, {margin}")
     centres = lattice.sites.place(cells)
-    _check_tip_margin(design.border.tip_margin_mm, centres, corners)
+    _check_tip_margin(design.border, lattice)
     directions = lattice.arm_directions
     sizes = star_sizes(design.stars, cells, lattice)
 
@@ -93,10 +96,13 @@ def layout(design: Design) -> Layout:
     meeting = MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm
     check_clear(centres[star], tips, star, width, meeting)
 
-    sets = [pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins)]
-    pins = tuple(snapped_to_arms(pin, corners, centres[star], tips) for pin in sets)
-    check_conflicts(pins, corners)
-    check_reach(pins, corners)
+    placed = _placed_pins(design.pins, design.border, lattice)
+    pins = tuple(snapped_to_arms(pin, corners, centres[star], tips) for pin in placed)
+    if all(pin is place for pin, place in zip(pins, placed, strict=True)):
+        _check_placed_pins(design.pins, design.border, lattice)
+    else:
+        _check_pins(pins, corners)
+    pins = tuple(replace(pin, points=pin.points.copy()) for pin in pins)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
         outline=corners,
@@ -152,8 +158,29 @@ def _kept_cells(border: Border, lattice: Lattice) -> Ints:
     return star_cells(border, lattice, _kept_outline(border, lattice))
 
 
-def _check_tip_margin(margin: float, centres: Floats, corners: Floats) -> None:
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tuple[PinSet, ...]:
+    """The pins where the design places them, kept for edits."""
+    corners = _kept_outline(border, lattice)
+    return tuple(pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(pins))
+
+
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _check_placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> None:
+    """The checks of pins that are not moved onto arms."""
+    _check_pins(_placed_pins(pins, border, lattice), _kept_outline(border, lattice))
+
+
+def _check_pins(pins: tuple[PinSet, ...], corners: Floats) -> None:
+    check_conflicts(pins, corners)
+    check_reach(pins, corners)
+
+
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _check_tip_margin(border: Border, lattice: Lattice) -> None:
     """Refuse a margin in which whole stars would disappear."""
+    corners, margin = _kept_outline(border, lattice), border.tip_margin_mm
+    centres = lattice.sites.place(_kept_cells(border, lattice))
     distance = shapely.distance(shapely.linearrings(corners), shapely.points(centres))
     room = float(distance.min())
     if margin >= room:
@@ -167,8 +194,10 @@ def _shortened(ends: Floats, part: Floats) -> Floats:
     return np.column_stack([ends[:, 0], ends[:, 0] + part * (ends[:, 1] - ends[:, 0])])
 
 
-def _check_mesh(edge: float, spacing: float, corners: Floats) -> None:
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _check_mesh(edge: float, border: Border, lattice: Lattice) -> None:
     """Refuse mesh edges longer than the spacing, or too short for the memory of a computer."""
+    corners, spacing = _kept_outline(border, lattice), lattice.spacing_mm
     if edge > spacing:
         raise DesignError("mesh.edge_mm", f"must be at most the spacing of the stars, {spacing:g}", edge)
     # equilateral triangles of this edge have half a vertex each

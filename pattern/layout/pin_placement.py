@@ -95,6 +95,12 @@ def snapped_to_arms(pins: PinSet, corners: Floats, centres: Floats, tips: Floats
         return pins
     places = shapely.points(pins.points)
     inside = shapely.distance(shapely.linearrings(corners), places) > 1e-6 * float(np.ptp(corners, axis=0).max())
+    # only arms that reach a pin count; most sheets have few of these
+    reach = float(np.linalg.norm(tips - centres, axis=1).max(initial=0.0)) + PIN_TOLERANCE_MM
+    near = (np.linalg.norm(centres[:, None] - pins.points[inside], axis=2) <= reach).any(axis=1)
+    centres, tips = centres[near], tips[near]
+    if not len(centres):
+        return pins
     ends = np.concatenate([centres, tips])
     end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
     at_end = np.linalg.norm(pins.points - end, axis=1) <= PIN_TOLERANCE_MM
@@ -102,6 +108,8 @@ def snapped_to_arms(pins: PinSet, corners: Floats, centres: Floats, tips: Floats
     arm = arms[shapely.STRtree(arms).nearest(places)]
     foot = shapely.get_coordinates(shapely.line_interpolate_point(arm, shapely.line_locate_point(arm, places)))
     beside = inside & (shapely.distance(arm, places) <= PIN_TOLERANCE_MM)
+    if not beside.any():
+        return pins
     on_arm = np.where(at_end[:, None], end, foot)
     return replace(pins, points=np.where(beside[:, None], on_arm, pins.points))
 

@@ -116,7 +116,7 @@ def rim_fall(
 
 def stars_share(weights: sp.csr_matrix) -> Floats:
     """(n,) share of all stars together; bare fabric has the rest to 1."""
-    return np.asarray(weights.sum(axis=1)).ravel()
+    return np.asarray(weights @ np.ones(weights.shape[1]))
 
 
 def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> Floats:

@@ -21,7 +21,7 @@ from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.compiled import formula, loop
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
+from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 
 # resolution of the grid
@@ -68,8 +68,24 @@ class Shares:
         long = long_arms(length, self.spacing_mm, self._model)
         if (long == 1.0).all():
             return self.wide
-        part = (self.wide @ long) / np.maximum(self.wide @ np.ones(len(long)), MIN_SHARE_OFF_SHEET)
-        return sp.csr_matrix(_scaled(self.wide, part) + _scaled(self.narrow, 1.0 - part))
+        like, row, wide, narrow, total = self._both
+        part = ((self.wide @ long) / total)[row]
+        return sp.csr_matrix((wide * part + narrow * (1.0 - part), like.indices, like.indptr), shape=like.shape)
+
+    @cached_property
+    def _both(self) -> tuple[sp.csr_matrix, Ints, Floats, Floats, Floats]:
+        """A matrix with the entries of both, the row and both values of each entry, and (n,) all wide shares.
+
+        Edits change the lengths only: the entries of the sum stay where they are.
+        """
+        like = sp.csr_matrix(self.wide + self.narrow)
+        like.sort_indices()
+        row, place = _entries(like)
+        wide, narrow = np.zeros((2, len(row)))
+        for matrix, values in ((self.wide, wide), (self.narrow, narrow)):
+            values[np.searchsorted(place, _entries(matrix)[1])] = matrix.data
+        total = np.maximum(self.wide @ np.ones(like.shape[1]), MIN_SHARE_OFF_SHEET)
+        return like, row, wide, narrow, total
 
 
 def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
@@ -77,10 +93,10 @@ def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODE
     return np.clip((length / spacing - model.short_arm) / (model.long_arm - model.short_arm), 0.0, 1.0)
 
 
-def _scaled(matrix: sp.csr_matrix, rows: Floats) -> sp.csr_matrix:
-    """The matrix with each row multiplied by a number (n,)."""
-    data = matrix.data * np.repeat(rows, np.diff(matrix.indptr))
-    return sp.csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+def _entries(matrix: sp.csr_matrix) -> tuple[Ints, Ints]:
+    """(m,) row of each entry, and its place in the matrix, counted row by row."""
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    return row, row * matrix.shape[1] + matrix.indices
 
 
 class StarCells:

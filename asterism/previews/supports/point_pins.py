@@ -111,8 +111,10 @@ def softened(stiffness: Floats, part: Floats) -> Floats:
     If membrane and bending are coupled, the bending part is the Schur complement: the stiffness to bending of a sheet
     that is free to stretch.
     """
-    membrane, both = stiffness[..., :3, :3], stiffness[..., :3, 3:]
-    alone = np.zeros_like(stiffness)
-    alone[..., 3:, 3:] = stiffness[..., 3:, 3:] - np.swapaxes(both, -1, -2) @ np.linalg.solve(membrane, both)
-    share = part[..., None, None]
-    return share * stiffness + (1.0 - share) * alone
+    out, near = stiffness.copy(), part != 1.0  # far from all pins the softness is below the last digit of 1
+    at, share = stiffness[near], part[near][:, None, None]
+    membrane, both = at[..., :3, :3], at[..., :3, 3:]
+    alone = np.zeros_like(at)
+    alone[..., 3:, 3:] = at[..., 3:, 3:] - np.swapaxes(both, -1, -2) @ np.linalg.solve(membrane, both)
+    out[near] = share * at + (1.0 - share) * alone
+    return out

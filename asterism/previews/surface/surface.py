@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asterism.previews.corrugation.arms import Arms
+from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
 from asterism.previews.edges.free_rim import beyond_stars
 from asterism.previews.edges.supported_edge import SupportedEdge
@@ -76,11 +76,7 @@ class Lens:
         self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)
-        self._follow_arms(sheet.arms)
-
-    def _follow_arms(self, arms: Arms) -> None:
-        self._arms = arms
-        self._out, self._lifted = arms.beside(self.points)
+        self._arms, self._arm_shares = sheet.arms, arm_shares(sheet.arms, self.points)
 
     def renewed(self, sheet: Sheet) -> Lens:
         """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
@@ -102,7 +98,7 @@ class Lens:
         if self.sheet.has_arms_of(sheet.layout):
             lens._arms = sheet.arms
         else:
-            lens._follow_arms(sheet.arms)
+            lens._arms, lens._arm_shares = sheet.arms, arm_shares(sheet.arms, self.points, self._arm_shares)
         return lens
 
     def __call__(self, x: Floats, values: StarValues) -> Places:
@@ -116,10 +112,10 @@ class Lens:
         rim = self._beyond, self._nearest, self._spacing, self._model
         heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
         out, lift = self._arms.moves(x, values.value["kappa"])
-        heights += self._lifted @ lift
+        heights += self._arm_shares.lifted @ lift
         if self._held:
             heights *= flattening(values, weights, smooth.area, self._model)
-        return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
+        return Places(smooth, smooth.moved(self._arm_shares.along @ out) + heights[:, None] * smooth.normals)
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ def _free(state: PreviewState, x: Floats) -> FreeMotions:
 def forms_met(state: PreviewState) -> list[tuple[OtherForm, Trial]]:
     """`other_minima` of the last equilibrium, by the diameter of the smooth sheet."""
     resting = state.resting
-    return other_minima(replace(state, equilibrium=resting), diameter(state.shell.node_positions(resting.x)))
+    return other_minima(replace(state, result=resting), diameter(state.shell.node_positions(resting.x)))
 
 
 def close_form(forms: Sequence[OtherForm], energy_uncertainty: float) -> OtherForm | None:

@@ -61,7 +61,7 @@ def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, en
     assert final.summary["is_minimum"]
 
 
-@pytest.mark.parametrize("part", ["linear_response", "energies_by_part"])
+@pytest.mark.parametrize("part", ["linear_response", "ShownResponse"])
 def test_an_edit_that_is_broken_off_changes_nothing(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     preview = Preview(edited("dome"))
     before, height = preview.design, preview.shape().height_mm

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.exact.simulation import simulate
+from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
@@ -56,7 +57,7 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
     weights = cell.weights / cell.weights.sum()
     preview = Preview(cell_design(length, 0.4, border={"rings": 3}), plain_law())
     arms = Arms(preview.sheet.layout, preview.sheet.space)
-    found = arms.beside(offset)[0] @ ((1.0 - flat.stretch) * length * arms.direction)
+    found = arm_shares(arms, offset).along @ ((1.0 - flat.stretch) * length * arms.direction)
     right, found = right - weights @ right, found - weights @ found
     assert np.sqrt(weights @ ((found - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
 
@@ -108,15 +109,15 @@ def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     assert distance_to_outline(preview.sheet.layout.arm_tip, preview.sheet.layout.outline).min() < 1.0
     assert (bumpy / smooth).max() < 2.0
     pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
-    out, lifted = pinned.sheet.arms.beside(np.array([[0.0, -4.0]]))
-    assert max(out.max(), lifted.max()) < 1e-9
+    shares = arm_shares(pinned.sheet.arms, np.array([[0.0, -4.0]]))
+    assert max(shares.along.max(), shares.lifted.max()) < 1e-9
 
 
 def test_held_borders_stay() -> None:
     preview = sheet([{"where": "border", "scale": 0.8}])
     mesh = mesh_layout(preview.sheet.layout, 4.0)
-    out, lifted = Arms(preview.sheet.layout, preview.sheet.space).beside(mesh.points[mesh.pin_vertices[0]])
-    assert max(out.max(), lifted.max()) < 0.02
+    shares = arm_shares(Arms(preview.sheet.layout, preview.sheet.space), mesh.points[mesh.pin_vertices[0]])
+    assert max(shares.along.max(), shares.lifted.max()) < 0.02
 
 
 def _from_star(cell: UnitCell) -> np.ndarray:
@@ -159,10 +160,10 @@ def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: flo
 def test_the_lift_of_an_arm_grows_with_the_square_of_the_way_to_its_tip() -> None:
     preview = sheet([])
     plan, arms, parts = preview.sheet.layout, preview.sheet.arms, np.array([0.25, 0.5, 0.75, 1.0])
-    out, lifted = arms.beside(plan.centres[0] + parts[:, None] * (plan.arm_tip[0] - plan.centres[0]))
+    shares = arm_shares(arms, plan.centres[0] + parts[:, None] * (plan.arm_tip[0] - plan.centres[0]))
     assert plan.arm_star[0] == 0
-    assert out[:, [0]].toarray().ravel() == pytest.approx(parts)
-    assert lifted[:, [0]].toarray().ravel() == pytest.approx(parts**2)
+    assert shares.along[:, [0]].toarray().ravel() == pytest.approx(parts)
+    assert shares.lifted[:, [0]].toarray().ravel() == pytest.approx(parts**2)
 
 
 def _laid(preview: Preview, shape: SimpleShape, stretch: float) -> np.ndarray:

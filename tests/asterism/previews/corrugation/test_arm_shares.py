@@ -1,0 +1,99 @@
+"""Shares of arms in the fabric beside them: by the formula, and the same whether an edit keeps old ones or not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asterism.previews.corrugation.arm_shares import CREASE_ROUNDING, DECAY_LENGTHS, ArmShares, arm_shares
+from asterism.previews.corrugation.arms import Arms
+from asterism.previews.sheet import sheet_of
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.painted_stars import with_painted_stars
+
+DESIGN = Design.from_dict(
+    {
+        "stars": {"length_mm": 9.0},
+        "border": {"rings": 2},
+        "pins": [{"points_mm": [[0.0, 25.0], [20.0, -15.0], [-20.0, -15.0]], "scale": 0.8}],
+    }
+)
+PLAN = layout(DESIGN)
+SHEET = sheet_of(DESIGN, PLAN)
+POINTS = np.random.default_rng(0).uniform(-30.0, 30.0, (400, 2))
+
+
+def arms_with(lengths: dict[int, float]) -> Arms:
+    """Arms of the design with other lengths (mm) of some stars, by their numbers."""
+    sites = PLAN.sheet_sites[list(lengths)]
+    sizes = [[length, np.nan, np.nan] for length in lengths.values()]
+    return Arms(layout(with_painted_stars(DESIGN, sites, sizes)), SHEET.space)
+
+
+def by_formula(arms: Arms) -> tuple[np.ndarray, np.ndarray]:
+    """(n, A) of both shares."""
+    beside, beyond = (b * PLAN.spacing_mm for b in (arms.model.fabric_beside_arm, arms.model.fabric_beyond_tip))
+    pins = PLAN.pin_points
+    to_pin = np.linalg.norm(POINTS[:, None] - pins, axis=2).min(axis=1) / beside
+    offset = POINTS[:, None] - arms.centre
+    along = np.einsum("nac,ac->na", offset, arms.direction)
+    aside = offset[..., 1] * arms.direction[:, 0] - offset[..., 0] * arms.direction[:, 1]
+    part, ahead = np.clip(along / arms.length, 0.0, 1.0), np.maximum(along - arms.length, 0.0)
+    near = np.exp(CREASE_ROUNDING - np.sqrt(CREASE_ROUNDING**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
+    near *= np.maximum(1.0 - np.hypot(aside, ahead) / arms.room, 0.0) * np.minimum(to_pin, 1.0)[:, None]
+    middle = arms.centre + 0.5 * arms.length[:, None] * arms.direction
+    reach = 0.5 * arms.length.max() + DECAY_LENGTHS * beyond
+    near *= np.linalg.norm(POINTS[:, None] - middle, axis=2) <= reach
+    return part * near, part**2 * near
+
+
+def assert_equal(one: ArmShares, along: np.ndarray, lifted: np.ndarray) -> None:
+    assert one.along.toarray() == pytest.approx(along, abs=1e-12)
+    assert one.lifted.toarray() == pytest.approx(lifted, abs=1e-12)
+
+
+def test_shares_are_those_of_the_formula() -> None:
+    shares = arm_shares(SHEET.arms, POINTS)
+    along, lifted = by_formula(SHEET.arms)
+    assert along.max() > 0.5
+    assert_equal(shares, along, lifted)
+
+
+LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0.0, 11.0), min_size=1, max_size=6)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(LENGTHS, min_size=1, max_size=3))
+def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, float]]) -> None:
+    """Also if stars or arms disappear and come back, and if the longest arm changes."""
+    followed = arm_shares(SHEET.arms, POINTS)
+    for lengths in edits:
+        arms = arms_with(lengths)
+        followed, anew = arm_shares(arms, POINTS, followed), arm_shares(arms, POINTS)
+        assert_equal(followed, anew.along.toarray(), anew.lifted.toarray())
+
+
+@settings(max_examples=10, deadline=None)
+@given(LENGTHS)
+def test_arms_with_other_lengths_are_those_made_anew(lengths: dict[int, float]) -> None:
+    anew = arms_with(lengths)
+    followed = SHEET.arms.with_lengths(anew.layout, SHEET.space)
+    same = np.array_equal(anew.layout.arm_star, PLAN.arm_star) and np.array_equal(anew.layout.centres, PLAN.centres)
+    assert (followed is not None) == same
+    if followed is not None:
+        assert np.array_equal(followed.last, anew.last) and np.array_equal(followed.room, anew.room)
+        assert np.array_equal(followed.tip, anew.tip) and np.array_equal(followed.direction, anew.direction)
+        x, kappa = SHEET.space.interpolate(_arc), np.full(len(PLAN.centres), 0.01)
+        for mine, other in zip(followed.moves(x, kappa), anew.moves(x, kappa), strict=True):
+            assert np.abs(mine - other).max() <= 1e-12
+
+
+def _arc(points: np.ndarray) -> np.ndarray:
+    """(n, 6, 3) a parabolic trough of the sheet, with its derivatives."""
+    out = np.zeros((len(points), 6, 3))
+    out[:, 0, :2], out[:, 1, 0], out[:, 2, 1] = points, 1.0, 1.0
+    out[:, 0, 2], out[:, 1, 2], out[:, 3, 2] = -0.005 * points[:, 0] ** 2, -0.01 * points[:, 0], -0.01
+    return out
