@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.compiled import loop
+from equilibrium.compiled import formula, loop
 from fem.elements.tabulation import Floats
 from fem.shell.density import EnergyTerm
 from fem.shell.fields import Fields
@@ -34,49 +34,46 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
     membrane = stiffness[..., :3, :3].reshape(-1, 3, 3)
     # strains are measured from the rest metric at the current curvature
     follows = np.linalg.solve(membrane, stiffness[..., :3, 3:].reshape(-1, 3, 3))
-    coupled = bool(follows.any())
     plane = bare.ravel() * membrane[:, 0, 0] * square**2
     lam = plane * membrane[:, 0, 1] / membrane[:, 0, 0]
     mu = 0.5 * (plane - lam)
+    of_fabric = follows, bool(follows.any()), square, mu, lam
 
     def law(e: Floats) -> tuple[Floats, Floats, Floats]:
-        energy, gradient, hessian = np.zeros(len(e)), np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
-        own = np.ascontiguousarray(e)
-        if coupled:
-            own = own.copy()
-            own[:, :3] += np.einsum("pij,pj->pi", follows, e[:, 3:])
-        _beyond_quadratic(own, square, mu, lam, energy, gradient, hessian)
-        if coupled:
-            both = hessian[:, :3, :3] @ follows
-            back = np.swapaxes(follows, -1, -2)
-            gradient[:, 3:] = np.einsum("pji,pj->pi", follows, gradient[:, :3])
-            hessian[:, :3, 3:], hessian[:, 3:, :3] = both, np.swapaxes(both, -1, -2)
-            hessian[:, 3:, 3:] = back @ both
+        energy, gradient, hessian = np.empty(len(e)), np.empty((len(e), 6)), np.empty((len(e), 6, 6))
+        _beyond_quadratic(np.ascontiguousarray(e), *of_fabric, energy, gradient, hessian)
         return energy, gradient, hessian
 
     return law
 
 
 @loop
-def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    """Set energy (P,), gradient and Hessian at strains e (P, 6)."""
-    turn, stress = np.empty(3), np.empty(3)
+def _beyond_quadratic(e, follows, coupled, square, mu, lam, energy, gradient, hessian):  # type: ignore[no-untyped-def]
+    """Set energy (P,), gradient and Hessian at strains e (P, 6).
+
+    The membrane strains count from `follows` (P, 3, 3) times the bending strains, if they are coupled.
+    """
+    own, turn, stress, both = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
     for p in range(e.shape[0]):
-        one, two, both = e[p, 0] / square[p], e[p, 1] / square[p], e[p, 2] / square[p]
+        for a in range(3):
+            own[a] = e[p, a]
+            if coupled:
+                own[a] += follows[p, a, 0] * e[p, 3] + follows[p, a, 1] * e[p, 4] + follows[p, a, 2] * e[p, 5]
+        one, two, shear = own[0] / square[p], own[1] / square[p], own[2] / square[p]
         c11, c22 = 1.0 + 2.0 * one, 1.0 + 2.0 * two
-        det = c11 * c22 - both * both
+        det = c11 * c22 - shear * shear
         at = max(det, MIN_DET_C)
         by = (det - at) / at
         log = 0.5 * (np.log(at) + by - 0.5 * by * by)  # ln J, and its derivatives by det C
         first, second = 0.5 * (1.0 - by) / at, -0.5 / (at * at)
         slope = lam[p] * log - mu[p]  # of W by ln J
         rate = lam[p] * first * first + slope * second
-        turn[0], turn[1], turn[2] = 2.0 * c22, 2.0 * c11, -2.0 * both  # of det C by the strain
+        turn[0], turn[1], turn[2] = 2.0 * c22, 2.0 * c11, -2.0 * shear  # of det C by the strain
         stress[0] = 2.0 * mu[p] * one + lam[p] * (one + two)
         stress[1] = 2.0 * mu[p] * two + lam[p] * (one + two)
-        stress[2] = mu[p] * both
+        stress[2] = mu[p] * shear
         energy[p] = mu[p] * (one + two - log) + 0.5 * lam[p] * log * log
-        energy[p] -= 0.5 * (stress[0] * one + stress[1] * two + stress[2] * both)
+        energy[p] -= 0.5 * (stress[0] * one + stress[1] * two + stress[2] * shear)
         # a negative trace of C is impossible for a surface; it occurs if the rest metric follows the curvature
         inside_out = min(c11 + c22, 0.0)
         energy[p] += mu[p] * inside_out * inside_out
@@ -92,3 +89,26 @@ def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: i
                 if a == 2 and b == 2:
                     value -= mu[p] + 2.0 * slope * first
                 hessian[p, a, b] = value / (square[p] * square[p])
+        if coupled:
+            _by_bending(follows[p], gradient[p], hessian[p], both)
+        else:
+            gradient[p, 3:] = 0.0
+            hessian[p, :3, 3:] = hessian[p, 3:, :3] = hessian[p, 3:, 3:] = 0.0
+
+
+@formula
+def _by_bending(follows, gradient, hessian, both):  # type: ignore[no-untyped-def]
+    """Set the derivatives by the bending strains from those by the membrane strains, by the chain rule."""
+    for a in range(3):
+        gradient[3 + a] = follows[0, a] * gradient[0] + follows[1, a] * gradient[1] + follows[2, a] * gradient[2]
+        for b in range(3):
+            value = 0.0
+            for k in range(3):
+                value += hessian[a, k] * follows[k, b]
+            both[a, b] = hessian[a, 3 + b] = hessian[3 + b, a] = value
+    for a in range(3):
+        for b in range(3):
+            value = 0.0
+            for k in range(3):
+                value += follows[k, a] * both[k, b]
+            hessian[3 + a, 3 + b] = value
