@@ -19,6 +19,9 @@ from asterism.process.version import __version__
 
 if TYPE_CHECKING:
     from asterism.exact.simulation import simulate
+    from asterism.fitting.fit import fit
+    from asterism.fitting.result import Fit
+    from asterism.fitting.target import TargetSurface, load_target
     from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare, write_comparison
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from asterism.previews.session import Preview
     from asterism.print.export import export
     from asterism.reports.design_report import report
+    from asterism.reports.fit_files import write_fit
     from asterism.reports.verification_files import write_verification
     from asterism.reports.write_results import write_results
     from asterism.shape.read_shape import read_shape
@@ -47,17 +51,21 @@ if TYPE_CHECKING:
 _HOMES = {
     "Design": ("pattern.design.design", "Design"),
     "Error": ("equilibrium.errors", "Error"),
+    "Fit": ("asterism.fitting.result", "Fit"),
     "Law": ("homogenize.law.law", "Law"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
+    "TargetSurface": ("asterism.fitting.target", "TargetSurface"),
     "Verification": ("asterism.verification.verification", "Verification"),
     "calibrate": ("asterism.laws.calibrate", "calibrate"),
     "compare": ("asterism.measure.compare.compare", "compare"),
     "export": ("asterism.print.export", "export"),
+    "fit": ("asterism.fitting.fit", "fit"),
     "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
     "load_design": ("pattern.layout.load_design", "load_design"),
     "load_law": ("homogenize.law.law_file", "load_law"),
     "load_material": ("homogenize.law.material", "load_material"),
+    "load_target": ("asterism.fitting.target", "load_target"),
     "new": ("pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
     "preview": ("asterism.previews.run", "preview"),
@@ -69,6 +77,7 @@ _HOMES = {
     "simulate": ("asterism.exact.simulation", "simulate"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
+    "write_fit": ("asterism.reports.fit_files", "write_fit"),
     "write_material": ("asterism.measure.strips.fit_strips", "write_material"),
     "write_results": ("asterism.reports.write_results", "write_results"),
     "write_verification": ("asterism.reports.verification_files", "write_verification"),
@@ -76,18 +85,22 @@ _HOMES = {
 __all__ = [
     "Design",
     "Error",
+    "Fit",
     "Law",
     "Preview",
     "Shape",
+    "TargetSurface",
     "Verification",
     "__version__",
     "calibrate",
     "compare",
     "export",
+    "fit",
     "fit_strips",
     "load_design",
     "load_law",
     "load_material",
+    "load_target",
     "new",
     "new_strips",
     "preview",
@@ -99,6 +112,7 @@ __all__ = [
     "simulate",
     "verify",
     "write_comparison",
+    "write_fit",
     "write_material",
     "write_results",
     "write_verification",

@@ -26,6 +26,7 @@ ORDER: dict[str, list[list[str]]] = {
         ["print"],
         ["measure"],
         ["verification"],
+        ["fitting"],
         ["reports"],
         ["studio"],
         ["notebook"],

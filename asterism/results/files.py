@@ -27,6 +27,7 @@ SUMMARY_COMPANIONS = "|".join(
         r"report\.html|exact\.vtu|preview\.vtu",  # verify
         r"compare\.png",  # compare
         r"law\.png|cells\.csv",  # law show
+        r"fit\.png|target\.obj",  # fit
     )
 )
 # value of the key `model` in the summary of a verification

@@ -10,6 +10,7 @@ from asterism.results.record import Record, is_record, keys_of, value_types
 from asterism.results.records.comparison import OutlineComparisonRecord, ScanComparisonRecord
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.export import ExportRecord
+from asterism.results.records.fit import FitRecord
 from asterism.results.records.law import LawRecord
 from asterism.results.records.preview import PreviewRecord
 from asterism.results.records.strips import StripFitRecord
@@ -36,6 +37,7 @@ SUMMARIES: dict[type[Record], tuple[str, str]] = {
         "Fit of strips",
         "The JSON file beside the material of `asterism strips fit`, and `material.summary` of `asterism.fit_strips`.",
     ),
+    FitRecord: ("Fit to a target", "`summary.json` of `asterism fit`, and `fit.summary` of `asterism.fit`."),
     LawRecord: ("Law", "`summary.json` of `asterism law show`."),
 }
 _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", NoneType: "null", Any: "any"}

@@ -133,7 +133,7 @@ def _coloured(figure: Figure, comparison: ScanComparison, scale: Normalize) -> N
 def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -> None:
     """Draw the section of the shape along x (0) or y (1), where the other coordinate is `level` (mm), with the scan."""
     across = 1 - along
-    segments = _cut(comparison.shape.positions, comparison.shape.triangles, across, level)[:, :, [along, 2]]
+    segments = surface_cut(comparison.shape.positions, comparison.shape.triangles, across, level)[:, :, [along, 2]]
     near = np.abs(comparison.points[:, across] - level) < _SECTION_HALF_WIDTH_MM
     for some, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
         axes.plot(*comparison.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
@@ -147,7 +147,7 @@ def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -
     style_axes(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
 
 
-def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> Floats:
+def surface_cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> Floats:
     """(k, 2, 3) segments in which triangles intersect the plane where a coordinate is `level`."""
     height = positions[:, axis] - level
     # a vertex on the plane counts as above it, so that a triangle has two intersected edges or none

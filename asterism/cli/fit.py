@@ -1,0 +1,110 @@
+"""`asterism fit`: a design for a target surface."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from asterism.cli.common.options import LawFile, output_option
+from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
+
+
+class _TargetUnit(StrEnum):
+    mm = "mm"
+    cm = "cm"
+    m = "m"
+    inches = "in"
+    um = "um"
+
+
+class _PlasticSideOption(StrEnum):
+    auto = "auto"
+    normals = "normals"
+    other = "other"
+
+
+@command
+def fit(
+    run: Run,
+    target: Annotated[Path, typer.Argument(help="Surface of the target (.obj, .stl, .ply).")],
+    output: Annotated[Path | None, output_option("Design file (default: TARGET.toml).")] = None,
+    unit: Annotated[_TargetUnit, typer.Option(help="Unit of the numbers in the file.")] = _TargetUnit.mm,
+    size_mm: Annotated[
+        float | None, typer.Option(min=1.0, help="Scale the target: largest distance of two of its points in mm.")
+    ] = None,
+    side: Annotated[
+        _PlasticSideOption,
+        typer.Option(help="Side of the plastic; auto: the convex one. normals: that of the file's normals."),
+    ] = _PlasticSideOption.auto,
+    stretch: Annotated[
+        float | None, typer.Option(help="Stretch of the fabric (default: the smallest one of the law that suffices).")
+    ] = None,
+    needles: Annotated[
+        int | None, typer.Option(min=0, max=1000, help="Number of needles along the outline (default: by its length).")
+    ] = None,
+    free: Annotated[bool, typer.Option("--free", help="No needles; the same as --needles 0.")] = False,
+    printer: Annotated[
+        str, typer.Option(help="Printer to whose layers and lines sizes are rounded (see asterism printers).")
+    ] = "ultimaker2",
+    rounding: Annotated[
+        bool, typer.Option("--rounding/--no-rounding", help="Round sizes to the layers and lines of the printer.")
+    ] = True,
+    exact: Annotated[bool, typer.Option("--exact/--no-exact", help="Check the design with the exact model.")] = True,
+    nearest: Annotated[
+        bool, typer.Option("--nearest", help="If the target is out of reach, make the sheet that comes nearest.")
+    ] = False,
+    within: Annotated[
+        float, typer.Option(min=0.0, help="Distance in % of the diameter within which the target counts as reached.")
+    ] = 1.0,
+    law: LawFile = None,
+) -> int:
+    """Find star sizes whose sheet comes near to a target surface.
+
+    Writes the design file, and a folder beside it, DESIGN-fit, with summary.json, shape.vtu, rods.vtu, target.obj and
+    fit.png. The exit status is 1 if the shape is further from the target than --within, or no minimum.
+    """
+    from asterism.cli.common.mistake import Mistake
+    from asterism.fitting.fit import fit as compute
+    from asterism.fitting.target import load_target
+    from asterism.print.profiles import load_printer
+    from asterism.reports.fit_files import write_fit
+    from asterism.results.files import check_writable, write_file
+    from homogenize.law.law_file import load_law
+    from pattern.design.files import table_text
+
+    file = output or target.with_suffix(".toml")
+    if file.suffix != ".toml":
+        raise Mistake(f"--output: {str(file)!r} must end with .toml")
+    if free and needles:
+        raise Mistake(f"--free: conflicts with --needles {needles}")
+    if needles in (1, 2):
+        raise Mistake(f"--needles: {needles} needles hold no sheet; must be 0, or 3 or more")
+    surface = load_target(target, unit.value, size_mm, side.value)
+    directory = file.with_name(f"{file.stem}-fit")
+    check_writable(file.parent, file.name)
+    check_writable(directory)
+    chosen_printer = load_printer(printer) if rounding else None
+    chosen_law = None if law is None else load_law(law)
+    with run.computing():
+        found = compute(
+            surface,
+            chosen_law,
+            stretch,
+            0 if free else needles,
+            chosen_printer,
+            exact,
+            nearest,
+            within,
+            say=run.say,
+            report=run.report,
+        )
+    files = write_fit(found, directory)
+    write_file(file, table_text(found.design.to_dict(), file))
+    run.table(found.summary.table())
+    run.lines([str(file)])
+    run.files(directory, files)
+    run.warn(*found.summary.warnings)
+    return DONE if found.summary.reached else NO_ANSWER

@@ -1,0 +1,184 @@
+"""A triangulated disk: one piece of a surface with one border and two sides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+from asterism.fitting.errors import TargetError
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.normals import triangle_normals
+
+# vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself
+WELD_SHARE = 1e-6
+# a triangle with less area than this part of its squared longest side has no area
+MIN_AREA_SHARE = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Disk:
+    """A triangulated surface that is one disk, with equally oriented triangles; made by `disk_of`.
+
+    Attributes
+    ----------
+    vertices : (V, 3) mm.
+    triangles : (T, 3), counterclockwise seen from the side of the normals.
+    """
+
+    vertices: Floats
+    triangles: Ints
+
+    @cached_property
+    def border(self) -> Ints:
+        """(B,) vertices of the border in order, with the surface on the left."""
+        starts, ends = _border_edges(self.triangles).T
+        after = dict(zip(starts.tolist(), ends.tolist(), strict=True))
+        ring = [int(starts.min())]
+        while (vertex := after[ring[-1]]) != ring[0]:
+            ring.append(vertex)
+        return np.asarray(ring)
+
+    @cached_property
+    def inner(self) -> Ints:
+        """(I,) vertices that are not on the border, in increasing order."""
+        return np.setdiff1d(np.arange(len(self.vertices)), self.border)
+
+    def turned_over(self) -> Disk:
+        """The same surface with its normals on the other side."""
+        return Disk(self.vertices, np.ascontiguousarray(self.triangles[:, ::-1]))
+
+
+def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
+    """The disk of some triangles, welded and equally oriented.
+
+    Parameters
+    ----------
+    vertices : (V, 3) mm.
+    triangles : (T, 3).
+    name : of the target, for messages.
+
+    Raises
+    ------
+    TargetError
+        The triangles are no disk: several pieces, closed, holes, a handle, one side only, edges of three triangles, or
+        a border that touches itself.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0]])
+    >>> disk_of(square, np.array([[0, 1, 2], [0, 3, 2]]), "square").border.tolist()
+    [0, 1, 2, 3]
+    """
+    vertices, triangles = _welded(vertices, triangles)
+    if len(triangles) == 0:
+        raise TargetError(name, "holds no triangles: a target is a triangulated surface")
+    _check_areas(vertices, triangles, name)
+    edges = np.sort(_directed_edges(triangles), axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    if count.max() > 2:
+        place = vertices[unique[count.argmax()]].mean(axis=0)
+        raise TargetError(name, f"{count.max()} triangles share the edge at {_place(place)}: at most 2 can")
+    pieces, piece = connected_components(_graph(unique, len(vertices)), directed=False)
+    if pieces > 1:
+        share = np.bincount(piece[triangles[:, 0]], minlength=pieces)
+        raise TargetError(
+            name, f"has {pieces} pieces, the largest with {share.max()} of {len(triangles)} triangles: keep one piece"
+        )
+    triangles = _equally_oriented(triangles, name)
+    _check_border(vertices, triangles, unique, name)
+    return Disk(vertices, triangles)
+
+
+def _welded(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
+    """Vertices in their order, without copies and unused ones, and triangles without those that have a vertex twice."""
+    if len(triangles) == 0:
+        return vertices, triangles
+    used = np.unique(triangles)
+    step = WELD_SHARE * max(float(np.ptp(vertices[used], axis=0).max()), 1e-300)
+    keys = np.round((vertices[used] - vertices[used].min(axis=0)) / step).astype(np.int64)
+    _, first, same = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    number = np.zeros(len(vertices), dtype=np.int64)
+    number[used] = rank[same.ravel()]
+    triangles = number[triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    points = vertices[used][first[order]]
+    kept, triangles = np.unique(triangles, return_inverse=True)
+    return points[kept], np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
+
+
+def _check_areas(vertices: Floats, triangles: Ints, name: str) -> None:
+    corners = vertices[triangles]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    area = 0.5 * np.linalg.norm(triangle_normals(vertices, triangles), axis=1)
+    flat = np.flatnonzero(area < MIN_AREA_SHARE * longest**2)
+    if len(flat):
+        place = _place(corners[flat[0]].mean(axis=0))
+        raise TargetError(name, f"{len(flat)} of {len(triangles)} triangles have no area, the first at {place}")
+
+
+def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> None:
+    """Raise TargetError unless the border is one loop and the surface a disk."""
+    border = _border_edges(triangles)
+    if len(border) == 0:
+        raise TargetError(name, "is closed: cut it open, a target has one border")
+    degree = np.bincount(border.ravel(), minlength=len(vertices))
+    if degree.max() > 2:
+        raise TargetError(name, f"the border touches itself at {_place(vertices[degree.argmax()])}")
+    ring = np.unique(border)
+    loops = connected_components(_graph(border, len(vertices)), directed=False)[0] - (len(vertices) - len(ring))
+    if loops > 1:
+        holes = loops - 1
+        raise TargetError(name, f"has {holes} hole{'s' if holes > 1 else ''}: fill or cut it, a target is one disk")
+    if len(vertices) - len(edges) + len(triangles) != 1:
+        raise TargetError(name, "has a handle: a target is one disk")
+
+
+def _equally_oriented(triangles: Ints, name: str) -> Ints:
+    """The triangles, some of them reversed, so that neighbours have the same side; the first one stays."""
+    count = len(triangles)
+    edges = _directed_edges(triangles)
+    owner = np.tile(np.arange(count), 3)
+    key = np.sort(edges, axis=1)
+    order = np.lexsort(key.T[::-1])
+    same = np.flatnonzero((key[order][1:] == key[order][:-1]).all(axis=1))
+    one, other = order[same], order[same + 1]
+    # neighbours that run through their common edge in the same direction have opposite sides
+    opposite = (edges[one] == edges[other]).all(axis=1)
+    graph = sp.coo_array((np.where(opposite, 2, 1), (owner[one], owner[other])), shape=(count, count)).tocsr()
+    visited, parent = breadth_first_order(graph, 0, directed=False)
+    between = (graph + graph.T).tocsr()
+    is_reversed = np.zeros(count, dtype=bool)
+    for triangle in visited[1:]:
+        before = parent[triangle]
+        is_reversed[triangle] = is_reversed[before] ^ (between[before, triangle] == 2)
+    if (is_reversed[owner[one]] ^ is_reversed[owner[other]] ^ opposite).any():
+        raise TargetError(name, "has one side only, as a Moebius strip has: a target has two sides")
+    return np.where(is_reversed[:, None], triangles[:, ::-1], triangles)
+
+
+def _directed_edges(triangles: Ints) -> Ints:
+    """(3 T, 2) edges in the direction of their triangles: first edges of all triangles, second ones, third ones."""
+    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+
+
+def _border_edges(triangles: Ints) -> Ints:
+    """(B, 2) edges of one triangle only, in its direction."""
+    edges = _directed_edges(triangles)
+    _, where, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return edges[count[where.ravel()] == 1]
+
+
+def _graph(edges: Ints, count: int) -> sp.csr_array:
+    return sp.coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
+
+
+def _place(point: Floats) -> str:
+    return "(" + ", ".join(f"{part:.1f}" for part in point) + ") mm"

@@ -1,0 +1,174 @@
+"""The first guess of a design: flattening, placement on the lattice, and star sizes from the law.
+
+A place of the target that is `exp(-u)` times as large as on the print needs stars of that contraction. Its curvature
+needs a natural curvature: if the sheet is free to bend, the sum `k1 + k2` of the principal curvatures. Gauss
+curvature locks the sheet, and then the energy of a plate with Poisson's ratio nu is least for `(1 + nu)(k1 + k2)/2`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from asterism.fitting.errors import TargetError
+from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
+from asterism.fitting.flattening.least_ratio import least_ratio_border
+from asterism.fitting.outline_choice import OutlineChoice, choose_outline
+from asterism.fitting.placement import FITTED_STAR_MARGIN_MM, placed, star_sites
+from asterism.fitting.reach import Reach, choose_stretch, target_reach
+from asterism.fitting.star_menu import StarMenu
+from asterism.fitting.target import TargetSurface
+from asterism.fitting.target_map import TargetMap
+from homogenize.law.anisotropy import BENDING_POISSON
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.geometry.arrays import Floats
+from pattern.layout.build import layout
+from pattern.layout.painted_stars import with_painted_stars
+
+# mm, width of the arms unless the law does not cover it
+FITTED_WIDTH_MM = 1.2
+# arms whose contractions frame the middle of what a target needs
+MIDDLE_ARMS_MM = (3.0, 12.5)
+# Gauss curvature of both signs, each with at least this share of the sum of its absolute values, needs the programme
+MIN_MIXED_SHARE = 0.1
+# decimals of mm in the design
+FITTED_SIZE_DECIMALS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class FirstGuess:
+    """A design from the flattening and the law alone.
+
+    Attributes
+    ----------
+    design : with its outline, needles and star sizes.
+    target, target_map : the target, and its map to the print.
+    menu : of the stretch.
+    reach : what the target needs and what is available.
+    """
+
+    design: Design
+    target: TargetSurface
+    target_map: TargetMap
+    menu: StarMenu
+    reach: Reach
+
+
+def guess_design(
+    target: TargetSurface,
+    law: Law,
+    stretch: float | None = None,
+    needles: int | None = None,
+    nearest: bool = False,
+    say: Callable[[str], None] = lambda text: None,
+) -> FirstGuess:
+    """The first guess of a design for a target.
+
+    Parameters
+    ----------
+    law : of the material; its lattice is that of the design.
+    stretch : of the fabric; by default the smallest one of the law that suffices.
+    needles : number of needles along the outline; 0 for a free sheet. By default at the corners of the target, and
+        every 1.6 spacings between.
+    nearest : where the contractions do not suffice, go on with the nearest ones.
+    say : called with a line of text at the beginning of each stage.
+
+    Raises
+    ------
+    TargetError
+        The flat target overlaps itself.
+    ReachError
+        Stars cannot make the target.
+    ForeignLaw
+        The law has no table for the stretch.
+    """
+    say("flattening the target")
+    flat = flatten_target(target)
+    width = float(np.clip(FITTED_WIDTH_MM, *law.size_ranges(law.stretches[0])["width_mm"]))
+    menus = [StarMenu.of(law, one, width) for one in sorted(law.stretches)]
+    menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
+    lattice = law.material.lattice
+    target_map = placed(flat, _log_size(flat, menu), lattice)
+    outline = choose_outline(target_map, needles)
+    stars = star_sites(outline.corners, lattice)
+    curvatures = target_map.principal_curvatures(stars)
+    reach = target_reach(
+        target.name, target_map, stars, curvatures, menu, menus, len(outline.needles) > 0, nearest
+    )  # fmt: skip
+    say(f"{len(stars)} stars, {len(outline.needles)} needles, stretch {menu.stretch:g}")
+    bare = _design(target, law, menu, outline)
+    plan = layout(bare)
+    guessed = sizes_from_law(target_map, menu, plan.centres)
+    sizes = np.column_stack([guessed, np.full(len(guessed), np.nan)]).round(FITTED_SIZE_DECIMALS)
+    return FirstGuess(with_painted_stars(bare, plan.sites, sizes), target, target_map, menu, reach)
+
+
+def flatten_target(target: TargetSurface) -> FlatDisk:
+    """The flattening with the smallest ratio of scale factors.
+
+    Raises
+    ------
+    TargetError
+        The flat target overlaps itself.
+    """
+    import shapely  # slow to import
+
+    flattener = Flattener(target.disk)
+    gauss = flattener.gauss_curvature
+    total = np.abs(gauss).sum()
+    mixed = min(gauss[gauss > 0.0].sum(), -gauss[gauss < 0.0].sum()) > MIN_MIXED_SHARE * total
+    flat = flattener.flatten(least_ratio_border(flattener) if mixed and total > 1e-3 else None)
+    if flat.flipped or not shapely.is_valid(shapely.polygons(flat.points[target.disk.border])):
+        raise TargetError(target.name, "overlaps itself when it is laid flat: cut it into parts")
+    return flat
+
+
+def sizes_from_law(target_map: TargetMap, menu: StarMenu, centres: Floats) -> Floats:
+    """(S, 2) length and thickness (mm) of stars at printed centres (S, 2)."""
+    contraction = np.exp(target_map.interpolate(target_map.log_contraction, centres))
+    curvatures = target_map.principal_curvatures(centres)
+    bend, gauss = curvatures.sum(axis=1), curvatures.prod(axis=1)
+    locked = np.minimum(4.0 * np.abs(gauss) / np.maximum(bend**2, 1e-12), 1.0)
+    kappa = bend * (1.0 - locked * (1.0 - 0.5 * (1.0 + BENDING_POISSON)))
+    return menu.sizes(contraction, kappa, bend)
+
+
+def _log_size(flat: FlatDisk, menu: StarMenu) -> float:
+    """Logarithm of the size of the print over the flat disk: the needed contractions lie in the middle of the menu."""
+    ends = [int(np.abs(menu.lengths_mm - length).argmin()) for length in MIDDLE_ARMS_MM]
+    contraction = menu.contraction(0.0)
+    columns = [contraction[end][menu.allowed[end]] for end in ends]
+    middle = float(np.mean([np.log(column).mean() if len(column) else np.log(menu.range).mean() for column in columns]))
+    u = flat.log_scale
+    return -middle - 0.5 * float(u.max() + u.min())
+
+
+def _design(target: TargetSurface, law: Law, menu: StarMenu, outline: OutlineChoice) -> Design:
+    """The design without its star sizes."""
+    material = law.material.model_dump(mode="json", by_alias=True, exclude_none=True)
+    data = {
+        "name": _title(target.name),
+        "fabric": material["fabric"] | {"stretch": menu.stretch},
+        "plastic": material["plastic"],
+        "lattice": law.material.lattice.model_dump(mode="json", exclude_unset=True),
+        "stars": {"length_mm": float(np.round(np.mean(MIDDLE_ARMS_MM), 1)), "width_mm": menu.width_mm},
+        "border": {
+            "polygon_mm": outline.corners.round(FITTED_SIZE_DECIMALS).tolist(),
+            "star_margin_mm": FITTED_STAR_MARGIN_MM,
+        },
+        "mesh": {"edge_mm": law.edge_mm},
+    }
+    if len(outline.needles):
+        places = outline.places[outline.needles].round(FITTED_SIZE_DECIMALS)
+        data["pins"] = [{"corners": outline.needles.tolist(), "target_mm": places.tolist()}]
+    return Design.from_dict(data)
+
+
+def _title(name: str) -> str:
+    """The name of a design for a target: without folder and ending, in printable characters."""
+    stem = name.replace("\\", "/").rsplit("/", 1)[-1].rsplit(".", 1)[0]
+    kept = "".join(letter for letter in stem if letter.isprintable()).strip()
+    return kept[:80] or "target"

@@ -1,0 +1,190 @@
+"""`asterism.fit`: a design whose shape comes near to a target surface."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asterism.exact.simulation import Say
+from asterism.fitting.distance import FitDistance, target_distance
+from asterism.fitting.first_guess import guess_design
+from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.result import Fit
+from asterism.fitting.search import FitSearch
+from asterism.fitting.star_unknowns import StarUnknowns
+from asterism.fitting.target import TargetSurface
+from asterism.previews.run import preview
+from asterism.previews.session import paper_law
+from asterism.print.printer import Printer
+from asterism.print.rounded import choose_rounding, with_rounding
+from asterism.process.version import __version__
+from asterism.results.records.fit import FitRecord, TargetDistanceRecord
+from asterism.shape.shape import Shape
+from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
+from asterism.verification.run import verify
+from asterism.verification.verification import Verification
+from discrete.release.continuation import Report
+from homogenize.law.law import Law
+from pattern.design.arguments import check_type
+from pattern.design.design import Design
+from pattern.design.section import is_whole
+from pattern.layout.build import layout
+
+# % of the diameter, distance of the mean surface within which a target counts as reached
+REACHED_PERCENT = 1.0
+# steps on the lengths after thicknesses are rounded
+ROUNDED_STEPS = 4
+# a warning names the share of stars at the ends of the law's lengths from this one on
+MIN_SHARE_AT_BOUNDS = 0.1
+# % of the diameter, largest distance from which on a warning names its place
+MAX_QUIET_DISTANCE_PERCENT = 4.0
+# largest number of needles
+MAX_FITTED_NEEDLES = 1000
+
+
+def fit(
+    target: TargetSurface,
+    law: Law | None = None,
+    stretch: float | None = None,
+    needles: int | None = None,
+    printer: Printer | None = None,
+    exact: bool = True,
+    nearest: bool = False,
+    within_percent: float = REACHED_PERCENT,
+    say: Say | None = None,
+    report: Report | None = None,
+) -> Fit:
+    """Find star sizes whose sheet comes near to a target surface.
+
+    The target is flattened conformally, which gives the contraction that each place needs; the law gives the stars.
+    Then star lengths and thicknesses are fitted through the preview, and the exact model checks the result.
+
+    Parameters
+    ----------
+    target : from `load_target`, or made by `TargetSurface.of_formula`, `of_heights` or `of_triangles`.
+    law : of the material, whose lattice the design has; that of the paper's material by default.
+    stretch : of the fabric; by default the smallest one of the law whose stars contract differently enough.
+    needles : number of needles that hold the outline at their places on the target; 0 for a free sheet. By default they
+        stand at the corners of the target, and at distances of about 1.6 spacings between.
+    printer : whose layers and lines the thicknesses and widths are rounded to; not rounded by default.
+    exact : check the design with the exact model, as `verify` does.
+    nearest : if stars cannot contract as differently as the target needs, make the sheet that comes nearest, in place
+        of an error.
+    within_percent : distance, in % of the diameter, within which the target counts as reached.
+    say, report : as in `simulate`.
+
+    Returns
+    -------
+    The design, its shapes and their distance to the target.
+
+    Raises
+    ------
+    TargetError, ReachError
+        The target has no flattening, or stars cannot make it.
+    LawError
+        The law has no table for the stretch.
+    ValueError
+        `needles` is not a whole number from 0 to 1000, or between 1 and 2.
+
+    Examples
+    --------
+    >>> target = TargetSurface.of_formula("10*(1 - (x/50)**2 - (y/50)**2)", 80.0, name="dome")
+    >>> found = fit(target, exact=False)
+    >>> found.summary.preview.mean_percent < 0.5, found.summary.reached
+    (True, True)
+    """
+    check_type(target, TargetSurface, "load_target reads one from a file")
+    if needles is not None and not (is_whole(needles) and 0 <= needles <= MAX_FITTED_NEEDLES and needles not in (1, 2)):
+        raise ValueError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
+    if law is not None:
+        check_type(law, Law, "load_law reads one from a file")
+    law, tell = law or paper_law(), say or (lambda text: None)
+    guess = guess_design(target, law, stretch, needles, nearest, tell)
+    plan = layout(guess.design)
+    places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
+    is_free = not plan.pins
+
+    def distance(shape: Shape) -> FitDistance:
+        return target_distance(shape, target, places, plan.lattice_vectors)
+
+    def measured(design: Design) -> TargetDistanceRecord:
+        shape = preview(design, law)
+        return _record(distance(shape), shape)
+
+    search = FitSearch(
+        guess.design,
+        law,
+        Residual(target, places, is_free),
+        target.diameter_mm,
+        StarUnknowns.of(plan, guess.menu),
+        tell,
+    )
+    search.run()
+    design, unrounded = search.best.design(guess.design), None
+    if printer is not None:
+        unrounded = measured(design)
+        rounding = choose_rounding(layout(design), printer)
+        tell(f"rounding to layers of {rounding.layer_mm:g} mm on {rounding.first_layer_mm:g} mm")
+        search.refine_lengths(with_rounding(guess.design, rounding), ROUNDED_STEPS)
+        design = search.best.design(with_rounding(guess.design, rounding))
+    shape = preview(design, law)
+    verification = verify(design, law, report=report, say=tell, ready=shape) if exact else None
+    result = shape if verification is None else verification.exact[verification.result]
+    near = distance(shape)
+    best = near if verification is None else distance(result)
+    record = _record(near, shape)
+    summary: dict[str, Any] = {
+        "model": "fit",
+        "target": target.name,
+        "diameter_mm": target.diameter_mm,
+        "motion": target.motion.tolist(),
+        "shift_mm": target.shift_mm.tolist(),
+        "stretch": guess.menu.stretch,
+        "stars": len(plan.centres),
+        "needles": sum(len(pins.corners or ()) for pins in design.pins),
+        **{name: value for name, value in vars(guess.reach).items() if name != "warnings"},
+        "share_at_bounds": search.best.share_at_bounds,
+        "first_guess": measured(guess.design),
+        "unrounded": unrounded,
+        "preview": record,
+        "exact": None if verification is None else _record(best, result),
+        "exact_agrees": None if verification is None else verification.summary.starts_agree,
+        "reached": bool(best.mean_percent <= within_percent and result.summary["is_minimum"]),
+        "within_percent": within_percent,
+        "rounding_loss_percent": None if unrounded is None else record.mean_percent - unrounded.mean_percent,
+        "steps": [vars(step) for step in search.steps],
+        "restarts": search.restarts,
+        "warnings": [*guess.reach.warnings, *_warnings(search, best, verification)],
+        "version": __version__,
+        "design": design.to_dict(),
+    }
+    return Fit(design, target, shape, verification, best, FitRecord.from_json(summary))
+
+
+def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:
+    return TargetDistanceRecord(
+        mean_percent=distance.mean_percent,
+        surface_percent=distance.surface_percent,
+        largest_percent=distance.largest_percent,
+        largest_at_mm=[float(part) for part in np.round(distance.farthest, 1)],
+        is_minimum=bool(shape.summary["is_minimum"]),
+    )
+
+
+def _warnings(search: FitSearch, distance: FitDistance, verification: Verification | None) -> list[str]:
+    """What limits the fit, one line each."""
+    lines = []
+    share = search.best.share_at_bounds
+    if share > MIN_SHARE_AT_BOUNDS:
+        lines.append(f"{100 * share:.0f} % of the stars have the shortest or the longest arms that the law covers")
+    if distance.largest_percent > MAX_QUIET_DISTANCE_PERCENT:
+        x, y, z = distance.farthest
+        lines.append(
+            f"the largest distance, {distance.largest_percent:.1f} % of the diameter, is at "
+            f"({x:.0f}, {y:.0f}, {z:.0f}) mm: more needles hold a rim, a larger target has more stars"
+        )
+    if verification is not None and verification.summary.starts_distance_percent > MAX_FORM_DISTANCE_PERCENT:
+        apart = verification.summary.starts_distance_percent
+        lines.append(f"two forms: a print may rest in another one, {apart:.1f} % of the diameter away")
+    return lines

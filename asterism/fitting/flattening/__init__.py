@@ -1,0 +1,1 @@
+"""Conformal flattening of a triangulated disk. It knows surfaces, and no sheets."""

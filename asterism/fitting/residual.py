@@ -1,0 +1,198 @@
+"""The distance of a preview to its target, as residuals of a least-squares problem with their derivatives.
+
+At each place of the print the residuals are the distance to the target along its normal at the nearest point, and,
+with a small weight, the distance along the target from the point that the flattening assigns. The square of their
+norm is about the mean square distance in mm^2. The sheet is the mean surface: the smooth surface and the mean of the
+bumps over a cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from asterism.fitting.target import TargetSurface
+from asterism.fitting.target_map import TargetMap
+from asterism.previews.session import Preview
+from asterism.shape.cell_mean import CellMean
+from pattern.geometry.arrays import Floats
+from pattern.geometry.normals import vertex_normals
+from pattern.geometry.planar import distance_to_outline, inside
+from pattern.geometry.rigid_fit import rigid_fit
+
+# of the spacing: distance of the residual's places, and of those over which the bumps are averaged
+PLACE_STEP, BUMP_STEP = 0.5, 0.125
+# of the spacing: places of the grid this near to the outline are left out, since the outline has its own
+MIN_PLACE_MARGIN = 0.1
+# weight of the distance along the target, inside and at the outline
+SLIDE_WEIGHT, OUTLINE_SLIDE_WEIGHT = 0.15, 0.5
+# rounds of the registration of a free sheet
+POSE_ROUNDS = 30
+# mm, change of a place by one round that ends the registration
+POSE_TOLERANCE_MM = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class FitPlaces:
+    """The places of the print at which the distance counts, for one outline.
+
+    Attributes
+    ----------
+    points : (n, 2) mm: the residual's places, then the further ones over which bumps are averaged.
+    count : number of the residual's places.
+    goals : (count, 3) mm, where the flattening has them.
+    slide_weight : (count,).
+    bump_mean : means of the bumps at the residual's places.
+    """
+
+    points: Floats
+    count: int
+    goals: Floats
+    slide_weight: Floats
+    bump_mean: CellMean
+
+    @classmethod
+    def of(cls, target_map: TargetMap, outline: Floats, lattice_vectors: Floats) -> FitPlaces:
+        """The places for an outline (n, 2) mm."""
+        coarse = _grid(outline, PLACE_STEP * target_map.spacing_mm)
+        coarse = coarse[distance_to_outline(coarse, outline) > MIN_PLACE_MARGIN * target_map.spacing_mm]
+        fine = _grid(outline, BUMP_STEP * target_map.spacing_mm)
+        points = np.concatenate([coarse, outline, fine])
+        count = len(coarse) + len(outline)
+        weight = np.concatenate([np.full(len(coarse), SLIDE_WEIGHT), np.full(len(outline), OUTLINE_SLIDE_WEIGHT)])
+        # the places themselves have no weight in the means: they would count twice
+        shares = np.concatenate([np.full(count, 1e-9), np.ones(len(fine))])
+        mean = CellMean(points, shares, lattice_vectors, np.arange(count))
+        return cls(points, count, target_map.places(points[:count]), weight, mean)
+
+
+def _grid(outline: Floats, step: float) -> Floats:
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    middle = 0.5 * (low + high)
+    half = np.ceil((high - middle) / step)
+    axes = (np.arange(-count, count + 1) for count in half)
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2) * step + middle
+    return np.asarray(points[inside(points, outline)])
+
+
+@dataclass(frozen=True, eq=False)
+class SheetState:
+    """The residuals at one state of a preview.
+
+    Attributes
+    ----------
+    places : (n, 3) mm, the mean surface in the pose of the target.
+    rotation : (3, 3) of that pose; the unit matrix for supported sheets.
+    normal_mm : (n,) distance along the normal of the target.
+    frame : (n, 3, 3) rows: normal of the target, and two directions along it.
+    values : (3 n,) residuals.
+    """
+
+    places: Floats
+    rotation: Floats
+    normal_mm: Floats
+    frame: Floats
+    values: Floats
+
+    @property
+    def rms_mm(self) -> float:
+        """Root mean square distance to the target along its normal."""
+        return float(np.sqrt((self.normal_mm**2).mean()))
+
+
+class Residual:
+    """Residuals of the previews of one print.
+
+    Parameters
+    ----------
+    target : the surface.
+    places : of the print.
+    is_free : whether the sheet has no supports; then it is laid on the target.
+    """
+
+    def __init__(self, target: TargetSurface, places: FitPlaces, is_free: bool) -> None:
+        self._target, self.places, self._is_free = target, places, is_free
+
+    @cached_property
+    def _normals(self) -> Floats:
+        disk = self._target.disk
+        return vertex_normals(disk.vertices, disk.triangles)
+
+    def at(self, preview: Preview, x: Floats | None = None) -> SheetState:
+        """The residuals of a preview, at its equilibrium or at degrees of freedom x (N, 3) of a stage."""
+        shown = preview.lens(self.places.points)(x)
+        count = self.places.count
+        surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps)
+        rotation = np.eye(3)
+        if self._is_free:
+            rotation, shift = self.pose(surface)
+            surface = surface @ rotation.T + shift
+        nearest = self._target.nearest(surface)
+        frame = _frames(self._normal_at(nearest.places, nearest.triangle))
+        gap = surface - nearest.places
+        normal = np.einsum("nc,nc->n", gap, frame[:, 0])
+        slide = np.einsum("nc,nkc->nk", surface - self.places.goals, frame[:, 1:])
+        values = np.column_stack([normal, self.places.slide_weight[:, None] * slide]).ravel() / np.sqrt(count)
+        return SheetState(surface, rotation, normal, frame, values)
+
+    def pose(self, surface: Floats) -> tuple[Floats, Floats]:
+        """Rotation and shift that lay places (n, 3) of a free sheet on the target, by iterated nearest points."""
+        rotation, shift = rigid_fit(surface, self.places.goals)
+        for _ in range(POSE_ROUNDS):
+            moved = surface @ rotation.T + shift
+            slide = self.places.slide_weight[:, None] ** 2
+            goals = (self._target.nearest(moved).places + slide * self.places.goals) / (1.0 + slide)
+            rotation, shift = rigid_fit(surface, goals)
+            if np.abs(surface @ rotation.T + shift - moved).max() < POSE_TOLERANCE_MM:
+                break
+        return rotation, shift
+
+    def derivatives(self, preview: Preview, state: SheetState, responses: Floats) -> Floats:
+        """(3 n, P) derivatives of the residuals for responses (N, 3, P) of the shell's degrees of freedom.
+
+        Those of a free sheet do not contain rigid motions, to which the registration adapts.
+        """
+        count = self.places.count
+        located = preview.sheet.space.locate(self.places.points[:count])
+        size = responses.shape[2]
+        flat = responses.reshape(len(responses), 3 * size)
+        moves = located.jets(flat)[:, 0].reshape(count, 3, size)
+        moves = np.einsum("ab,nbp->nap", state.rotation, moves)
+        along = np.einsum("nkc,ncp->nkp", state.frame, moves)
+        along[:, 1:] *= self.places.slide_weight[:, None, None]
+        columns = along.reshape(3 * count, size) / np.sqrt(count)
+        if not self._is_free:
+            return np.asarray(columns)
+        rigid = self._rigid_columns(state)
+        return np.asarray(columns - rigid @ np.linalg.lstsq(rigid, columns, rcond=None)[0])
+
+    def _rigid_columns(self, state: SheetState) -> Floats:
+        """(3 n, 6) residuals under small rigid motions."""
+        arm = state.places - state.places.mean(axis=0)
+        turns = np.stack([np.cross(axis, arm) for axis in np.eye(3)], axis=-1)
+        shifts = np.broadcast_to(np.eye(3), (len(arm), 3, 3))
+        along = np.einsum("nkc,ncp->nkp", state.frame, np.concatenate([turns, shifts], axis=-1))
+        along[:, 1:] *= self.places.slide_weight[:, None, None]
+        return np.asarray(along.reshape(-1, 6))
+
+    def _normal_at(self, points: Floats, triangle: np.ndarray) -> Floats:
+        """(n, 3) unit normals of the target at points of its triangles, interpolated."""
+        corners = self._target.disk.triangles[triangle]
+        a, b, c = (self._target.disk.vertices[corners[:, k]] for k in range(3))
+        cross = np.cross(b - a, c - a)
+        area = np.einsum("nc,nc->n", cross, cross)
+        second = np.einsum("nc,nc->n", np.cross(points - a, c - a), cross) / area
+        third = np.einsum("nc,nc->n", np.cross(b - a, points - a), cross) / area
+        weights = np.clip(np.column_stack([1.0 - second - third, second, third]), 0.0, 1.0)
+        normal = np.einsum("nk,nkc->nc", weights, self._normals[corners])
+        return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def _frames(normals: Floats) -> Floats:
+    """(n, 3, 3) orthonormal rows for unit normals (n, 3): the normal and two directions across it."""
+    helper = np.where(np.abs(normals[:, :1]) < 0.8, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = np.cross(normals, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([normals, first, np.cross(normals, first)], axis=1)

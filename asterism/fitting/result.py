@@ -1,0 +1,39 @@
+"""The result of a fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from asterism.fitting.distance import FitDistance
+from asterism.fitting.target import TargetSurface
+from asterism.results.records.fit import FitRecord
+from asterism.shape.shape import Shape
+from asterism.verification.verification import Verification
+from pattern.design.design import Design
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A design for a target, with the evidence of how near its shape comes.
+
+    Attributes
+    ----------
+    design : as it is written and was verified.
+    target : in the pose of the fit.
+    preview : fresh preview of the design.
+    verification : preview and exact shapes; None if the exact model was not asked for.
+    distance : of the exact shape to the target, or of the preview without one.
+    summary : the numbers of summary.json.
+    """
+
+    design: Design
+    target: TargetSurface
+    preview: Shape
+    verification: Verification | None
+    distance: FitDistance
+    summary: FitRecord
+
+    @property
+    def shape(self) -> Shape:
+        """The exact shape, or the preview without one; a free sheet is laid on the target."""
+        return self.distance.shape

@@ -1,0 +1,111 @@
+"""The unknowns of a fit: length and thickness of each star, with their bounds, scales and smoothness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from asterism.fitting.first_guess import FITTED_SIZE_DECIMALS
+from asterism.fitting.star_menu import StarMenu
+from pattern.design.design import Design
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
+from pattern.layout.painted_stars import with_painted_stars
+
+# an unknown of 1 is this change: of a length in mm, and of the logarithm of a thickness
+LENGTH_UNIT_MM, THICKNESS_UNIT = 1.0, 0.15
+# degrees of the polynomials in the printed coordinates that a smooth change consists of
+SMOOTH_LENGTH_DEGREE, SMOOTH_THICKNESS_DEGREE = 2, 1
+
+
+@dataclass(frozen=True, eq=False)
+class StarUnknowns:
+    """Length and thickness of S stars, and the bounds of both.
+
+    Attributes
+    ----------
+    plan : of the print.
+    menu : sizes that the law covers.
+    lengths_mm, thicknesses_mm : (S,).
+    """
+
+    plan: Layout
+    menu: StarMenu
+    lengths_mm: Floats
+    thicknesses_mm: Floats
+
+    @classmethod
+    def of(cls, plan: Layout, menu: StarMenu) -> StarUnknowns:
+        """The unknowns of a layout."""
+        rows = {tuple(site): row for site, row in zip(plan.sheet_sites.tolist(), plan.site_sizes_mm, strict=True)}
+        sizes = np.array([rows[tuple(site)] for site in plan.sites.tolist()])
+        return cls(plan, menu, sizes[:, 0].copy(), sizes[:, 1].copy())
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """(2 S,) smallest and largest change of the unknowns."""
+        menu, ones = self.menu, np.ones(len(self.lengths_mm))
+        low_h = menu.least_thickness(self.lengths_mm)
+        low = [
+            (menu.lengths_mm[0] - self.lengths_mm) / LENGTH_UNIT_MM,
+            np.log(low_h / self.thicknesses_mm) / THICKNESS_UNIT,
+        ]
+        high = [
+            (menu.lengths_mm[-1] - self.lengths_mm) / LENGTH_UNIT_MM,
+            np.log(menu.thicknesses_mm[-1] * ones / self.thicknesses_mm) / THICKNESS_UNIT,
+        ]
+        return np.minimum(np.concatenate(low), 0.0), np.maximum(np.concatenate(high), 0.0)
+
+    @property
+    def share_at_bounds(self) -> float:
+        """Share of the stars whose length is the smallest or the largest one."""
+        low, high = self.menu.lengths_mm[[0, -1]]
+        return float(((self.lengths_mm <= low + 1e-6) | (self.lengths_mm >= high - 1e-6)).mean())
+
+    @property
+    def units(self) -> Floats:
+        """(2 S,) mm, change of each size for a change of its unknown by 1."""
+        return np.concatenate([np.full(len(self.lengths_mm), LENGTH_UNIT_MM), THICKNESS_UNIT * self.thicknesses_mm])
+
+    def moved(self, step: Floats) -> StarUnknowns:
+        """The unknowns after a step (2 S,) within the bounds."""
+        lengths, thicknesses = np.split(step, 2)
+        return StarUnknowns(
+            self.plan,
+            self.menu,
+            np.clip(self.lengths_mm + LENGTH_UNIT_MM * lengths, self.menu.lengths_mm[0], self.menu.lengths_mm[-1]),
+            np.minimum(self.thicknesses_mm * np.exp(THICKNESS_UNIT * thicknesses), self.menu.thicknesses_mm[-1]),
+        )
+
+    def difference(self, other: StarUnknowns) -> Floats:
+        """(2 S,) unknowns relative to others."""
+        lengths = (self.lengths_mm - other.lengths_mm) / LENGTH_UNIT_MM
+        return np.concatenate([lengths, np.log(self.thicknesses_mm / other.thicknesses_mm) / THICKNESS_UNIT])
+
+    def design(self, base: Design) -> Design:
+        """A design with these sizes."""
+        sizes = np.column_stack([self.lengths_mm, self.thicknesses_mm]).round(FITTED_SIZE_DECIMALS)
+        return with_painted_stars(base, self.plan.sites, np.column_stack([sizes, np.full(len(sizes), np.nan)]))
+
+    def roughness(self) -> sp.csr_array:
+        """(2 S, 2 S) matrix R with `z R z` the mean square difference of the unknowns z of neighbouring stars."""
+        pairs, count = self.plan.neighbours, len(self.lengths_mm)
+        rows = np.arange(len(pairs))
+        ends = sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 0])), shape=(len(pairs), count))
+        ends = ends - sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 1])), shape=(len(pairs), count))
+        one = ends.T @ ends / max(len(pairs), 1)
+        return sp.csr_array(sp.block_diag([one, one]))
+
+    def smooth_basis(self) -> Floats:
+        """(2 S, m) orthonormal smooth changes: polynomials of the printed coordinates."""
+        centres = self.plan.centres - self.plan.centres.mean(axis=0)
+        x, y = (centres / np.abs(centres).max()).T
+        powers = [np.ones_like(x), x, y, x * x, x * y, y * y]
+        count = {0: 1, 1: 3, 2: 6}
+        blocks = [
+            np.linalg.qr(np.column_stack(powers[: count[degree]]))[0]
+            for degree in (SMOOTH_LENGTH_DEGREE, SMOOTH_THICKNESS_DEGREE)
+        ]
+        return np.asarray(sp.block_diag(blocks).toarray())

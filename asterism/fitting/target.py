@@ -1,0 +1,256 @@
+"""The surface that a design is made for: one triangulated disk in mm, plastic side and pose chosen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asterism.fitting.disk import Disk, disk_of
+from asterism.fitting.errors import TargetError
+from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
+from asterism.measure.compare.nearest import NearestOnSurface
+from asterism.measure.compare.scan import MAX_SCAN_COORDINATE, read_surface
+from asterism.measure.compare.units import MM
+from asterism.shape.diameter import diameter
+from asterism.shape.self_intersections import self_intersections
+from pattern.design.sizing.expression import ExpressionError, evaluate
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.normals import triangle_normals, vertex_normals
+
+TARGET_FORMATS = (".obj", ".stl", ".ply")
+# a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature
+MIN_TARGET_TRIANGLES = 1500
+# the factorisation of a larger target would take more than some seconds
+MAX_TARGET_VERTICES = 200_000
+# self-intersections are counted up to this number of triangles: the count takes about a second for so many
+MAX_CHECKED_TRIANGLES = 60_000
+# mm, largest distance of two points: smaller targets have no room for stars, larger ones no printer
+TARGET_SIZES_MM = (10.0, 4000.0)
+# share of the sum of absolute curvatures below which neither side is the convex one
+MIN_CONVEX_SHARE = 0.02
+# points along the longer side of a height field
+HEIGHT_POINTS = 60
+
+PlasticSide = Literal["auto", "normals", "other"]
+
+
+@dataclass(frozen=True, eq=False)
+class TargetSurface:
+    """A surface to make a design for.
+
+    Attributes
+    ----------
+    disk : the surface, in its pose for the fit, with its normals on the plastic side.
+    name : for messages and for the name of the design.
+    motion : (3, 3) rotation of that pose, times the scale if the target was scaled.
+    shift_mm : (3,) a point x of the file, in mm, stands at `motion @ x + shift_mm`.
+
+    Examples
+    --------
+    >>> target = TargetSurface.of_formula("12*(1 - (r/50)**2)", 100.0, 80.0)
+    >>> round(target.diameter_mm, 1)
+    128.1
+    """
+
+    disk: Disk
+    name: str
+    motion: Floats
+    shift_mm: Floats
+
+    @classmethod
+    def of_triangles(
+        cls,
+        vertices_mm: ArrayLike,
+        triangles: ArrayLike,
+        name: str = "target",
+        side: PlasticSide = "auto",
+        size_mm: float | None = None,
+    ) -> Self:
+        """A target of triangles.
+
+        Parameters
+        ----------
+        vertices_mm : (V, 3) mm.
+        triangles : (T, 3) numbers of vertices.
+        side : of the plastic. `auto`: the convex side. For surfaces without one, the upper side. `normals`: the side
+            from which the first triangle runs counterclockwise; `other`: the opposite one.
+        size_mm : scales the target so that the largest distance of two of its points is this long.
+
+        Raises
+        ------
+        TargetError
+            The triangles are not one disk, pass through each other, or have an unsuitable size.
+        """
+        vertices, corners = _arrays(vertices_mm, triangles, name)
+        disk = disk_of(vertices, corners, name)
+        if len(disk.vertices) > MAX_TARGET_VERTICES:
+            raise TargetError(name, f"has {len(disk.vertices)} vertices, at most {MAX_TARGET_VERTICES}: simplify it")
+        crossings = self_intersections(disk.vertices, disk.triangles) if _is_checked(disk) else 0
+        if crossings:
+            raise TargetError(name, f"passes through itself: {crossings} pairs of triangles cross")
+        scale = 1.0 if size_mm is None else size_mm / diameter(disk.vertices)
+        disk = _subdivided(Disk(scale * disk.vertices, disk.triangles))
+        size, (least, most) = diameter(disk.vertices), TARGET_SIZES_MM
+        if not least <= size <= most:
+            raise TargetError(
+                name, f"is {size:.4g} mm large, allowed are {least:g} to {most:g} mm: give its unit, or its size in mm"
+            )
+        if side == "other" or (side == "auto" and not _is_convex_side(disk)):
+            disk = disk.turned_over()
+        rotation, shift = _upright_pose(disk)
+        posed = Disk(disk.vertices @ rotation.T + shift, disk.triangles)
+        return cls(posed, name, scale * rotation, shift)
+
+    @classmethod
+    def of_heights(cls, heights_mm: ArrayLike, x_mm: ArrayLike, y_mm: ArrayLike, name: str = "heights") -> Self:
+        """A target of heights over a rectangular grid.
+
+        Parameters
+        ----------
+        heights_mm : (m, n) heights; nan where there is no surface.
+        x_mm : (n,) increasing.
+        y_mm : (m,) increasing.
+
+        Raises
+        ------
+        TargetError
+            As for `of_triangles`, or the arrays do not belong together.
+        """
+        heights, x, y = (np.asarray(part, dtype=float) for part in (heights_mm, x_mm, y_mm))
+        if x.ndim != 1 or y.ndim != 1 or heights.shape != (len(y), len(x)) or min(heights.shape) < 2:
+            raise TargetError(name, f"heights of shape {heights.shape} do not fit {x.size} x and {y.size} y")
+        if not ((np.diff(x) > 0).all() and (np.diff(y) > 0).all()):
+            raise TargetError(name, "x and y must increase")
+        number = np.arange(heights.size).reshape(heights.shape)
+        a, b, c, d = number[:-1, :-1].ravel(), number[:-1, 1:].ravel(), number[1:, 1:].ravel(), number[1:, :-1].ravel()
+        triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+        triangles = triangles[np.isfinite(heights.ravel()[triangles]).all(axis=1)]
+        grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        return cls.of_triangles(np.column_stack([grid, np.nan_to_num(heights.ravel())]), triangles, name)
+
+    @classmethod
+    def of_formula(cls, formula: str, width_mm: float, depth_mm: float | None = None, name: str = "formula") -> Self:
+        """A target of heights in mm by a formula in x, y, r (mm) and theta, over a rectangle around the origin.
+
+        The formula is written as for sizing profiles. `depth_mm` is `width_mm` by default.
+
+        Raises
+        ------
+        TargetError
+            As for `of_heights`, or the formula is not understood.
+        """
+        depth_mm = width_mm if depth_mm is None else depth_mm
+        if not (np.isfinite([width_mm, depth_mm]).all() and min(width_mm, depth_mm) > 0.0):
+            raise TargetError(name, f"a rectangle of {width_mm:g} x {depth_mm:g} mm must have positive sides")
+        x = np.linspace(-0.5 * width_mm, 0.5 * width_mm, HEIGHT_POINTS)
+        y = np.linspace(-0.5 * depth_mm, 0.5 * depth_mm, max(int(HEIGHT_POINTS * min(depth_mm / width_mm, 4.0)), 8))
+        across, along = np.meshgrid(x, y)
+        places = {"x": across, "y": along, "r": np.hypot(across, along), "theta": np.arctan2(along, across)}
+        try:
+            heights = np.broadcast_to(np.asarray(evaluate(formula, places), dtype=float), across.shape)
+        except ExpressionError as error:
+            raise TargetError(name, f"the formula {error}") from None
+        return cls.of_heights(heights, x, y, name)
+
+    @cached_property
+    def diameter_mm(self) -> float:
+        """Largest distance of two points of the target."""
+        return diameter(self.disk.vertices)
+
+    @cached_property
+    def nearest(self) -> NearestOnSurface:
+        """The search for nearest points on the target; distances are positive on the plastic side."""
+        return NearestOnSurface(self.disk.vertices, self.disk.triangles)
+
+
+def load_target(
+    path: str | Path, unit: str = "mm", size_mm: float | None = None, side: PlasticSide = "auto"
+) -> TargetSurface:
+    """Read a target from an OBJ, STL or PLY file.
+
+    Parameters
+    ----------
+    unit : of the numbers in the file: `mm`, `cm`, `m`, `in` or `um`.
+    size_mm : scales the target so that the largest distance of two of its points is this long.
+    side : of the plastic, see `TargetSurface.of_triangles`.
+
+    Raises
+    ------
+    TargetError, ScanError
+        The file cannot be read, or its surface cannot be a target.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in TARGET_FORMATS:
+        raise TargetError(path, f"must end in {', '.join(TARGET_FORMATS)}")
+    if unit not in MM:
+        raise TargetError(path, f"unit = {unit!r}: must be {', '.join(MM)}")
+    vertices, triangles = read_surface(path)
+    return TargetSurface.of_triangles(vertices * MM[unit], triangles, str(path), side, size_mm)
+
+
+def _arrays(vertices: ArrayLike, triangles: ArrayLike, name: str) -> tuple[Floats, Ints]:
+    points, corners = np.asarray(vertices, dtype=float), np.asarray(triangles)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise TargetError(name, "vertices must be finite numbers, shape (V, 3)")
+    if np.abs(points).max(initial=0.0) > MAX_SCAN_COORDINATE:
+        raise TargetError(name, f"has a vertex further than {MAX_SCAN_COORDINATE:g} mm from the origin")
+    if corners.size == 0:
+        raise TargetError(name, "holds no triangles: a target is a triangulated surface")
+    if corners.ndim != 2 or corners.shape[1] != 3 or not np.issubdtype(corners.dtype, np.integer):
+        raise TargetError(name, "triangles must be whole numbers, shape (T, 3)")
+    if not 0 <= corners.min() <= corners.max() < len(points):
+        raise TargetError(name, "has triangles with corners that it does not hold")
+    return points, corners.astype(np.int64)
+
+
+def _is_checked(disk: Disk) -> bool:
+    return len(disk.triangles) <= MAX_CHECKED_TRIANGLES
+
+
+def _subdivided(disk: Disk) -> Disk:
+    """The same surface with each triangle divided into four, until there are enough."""
+    import trimesh  # slow to import
+
+    vertices, triangles = disk.vertices, disk.triangles
+    while len(triangles) < MIN_TARGET_TRIANGLES:
+        vertices, triangles = trimesh.remesh.subdivide(vertices, triangles)
+    return Disk(np.asarray(vertices), np.asarray(triangles, dtype=np.int64))
+
+
+def _is_convex_side(disk: Disk) -> bool:
+    """Whether the normals are on the convex side; on the upper side, if the surface is hardly convex to either."""
+    angles = corner_angles(disk.vertices, disk.triangles)
+    # the Laplacian of the position is the mean curvature vector, which points to the concave side
+    pull = laplacian(angles, disk.triangles, len(disk.vertices)) @ disk.vertices
+    convex = np.einsum("vc,vc->v", pull, vertex_normals(disk.vertices, disk.triangles))[disk.inner]
+    if abs(convex.sum()) > MIN_CONVEX_SHARE * np.abs(convex).sum() and abs(convex.sum()) > 1e-9:
+        return bool(convex.sum() > 0.0)
+    return bool(triangle_normals(disk.vertices, disk.triangles)[:, 2].sum() >= 0.0)
+
+
+def _upright_pose(disk: Disk) -> tuple[Floats, Floats]:
+    """Rotation (3, 3) and shift (3,) that turn the mean normal upwards by the shortest way, and centre the target."""
+    normal = triangle_normals(disk.vertices, disk.triangles).sum(axis=0)
+    length = float(np.linalg.norm(normal))
+    total = float(np.linalg.norm(triangle_normals(disk.vertices, disk.triangles), axis=1).sum())
+    rotation = np.eye(3)
+    if length > 1e-6 * total:
+        rotation = _turn_to_top(normal / length)
+    middle = rotation @ (0.5 * (disk.vertices.min(axis=0) + disk.vertices.max(axis=0)))
+    return rotation, -middle
+
+
+def _turn_to_top(direction: Floats) -> Floats:
+    """(3, 3) shortest rotation of a unit vector (3,) to the z axis; half a turn about x if it points down."""
+    x, y, z = direction
+    if z < -1.0 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    if np.hypot(x, y) < 1e-6:
+        return np.eye(3)
+    skew = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+    return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + z))

@@ -1,0 +1,106 @@
+"""The map from the print to the target: place, contraction and curvature that each printed point should have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from asterism.fitting.flattening.boundary_first import FlatDisk
+from pattern.geometry.arrays import Floats
+from pattern.geometry.point_location import TriangleFinder, clipped
+
+# of the spacing: curvatures are those of a quadric through the target within this distance on the print
+CURVATURE_RADIUS = 0.9
+# of the spacing: distance of the points through which the quadric goes
+CURVATURE_STEP = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class TargetMap:
+    """A flattened target on the print.
+
+    Attributes
+    ----------
+    flat : the flattening.
+    printed : (V, 2) mm, printed positions of the vertices of the target.
+    spacing_mm : of the stars.
+    """
+
+    flat: FlatDisk
+    printed: Floats
+    spacing_mm: float
+
+    @classmethod
+    def of(cls, flat: FlatDisk, log_size: float, turn_rad: float, shift_mm: Floats, spacing_mm: float) -> TargetMap:
+        """The map with prints `exp(log_size)` times as large as the flat disk, turned and then shifted."""
+        cos, sin = np.cos(turn_rad), np.sin(turn_rad)
+        printed = np.exp(log_size) * flat.points @ np.array([[cos, sin], [-sin, cos]]) + shift_mm
+        return cls(flat, printed, spacing_mm)
+
+    @cached_property
+    def log_contraction(self) -> Floats:
+        """(V,) logarithm of the contraction that each vertex needs: length on the target over length on the print."""
+        disk = self.flat.disk
+        a, b, c = disk.triangles.T
+        edges = np.concatenate([np.column_stack([a, b]), np.column_stack([b, c]), np.column_stack([c, a])])
+        on_target = np.linalg.norm(disk.vertices[edges[:, 1]] - disk.vertices[edges[:, 0]], axis=1)
+        on_print = np.linalg.norm(self.printed[edges[:, 1]] - self.printed[edges[:, 0]], axis=1)
+        # the size that the map really has, with its closing correction; u gives the rest, without noise of the mesh
+        level = float(np.log(on_target.sum() / on_print.sum()))
+        mean_u = 0.5 * (self.flat.log_scale[edges[:, 0]] + self.flat.log_scale[edges[:, 1]])
+        middle = float(np.average(mean_u, weights=on_target))
+        return np.asarray(level - (self.flat.log_scale - middle))
+
+    @cached_property
+    def _finder(self) -> TriangleFinder:
+        return TriangleFinder(self.printed, self.flat.disk.triangles)
+
+    def interpolate(self, values: Floats, points: Floats) -> Floats:
+        """(n, ...) values (V, ...) of the vertices at printed points (n, 2); outside, of the nearest triangle."""
+        triangle, weights = self._finder.nearest(points)
+        corners = values[self.flat.disk.triangles[triangle]]
+        return np.asarray(np.einsum("nk,nk...->n...", clipped(weights), corners))
+
+    def places(self, points: Floats) -> Floats:
+        """(n, 3) mm, where the target has the printed points (n, 2)."""
+        return self.interpolate(self.flat.disk.vertices, points)
+
+    def principal_curvatures(self, points: Floats) -> Floats:
+        """(n, 2) 1/mm at printed points (n, 2), the larger first, positive where the plastic side is convex.
+
+        They are those of the quadric `x(X)` that fits the target around each point best, so that noise and features
+        smaller than a cell do not count.
+        """
+        step = CURVATURE_STEP * self.spacing_mm
+        low, high = self.printed.min(axis=0), self.printed.max(axis=0)
+        grid = np.stack(np.meshgrid(*(np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))), axis=-1)
+        samples = grid.reshape(-1, 2)
+        triangle, weights = self._finder.nearest(samples)
+        on_target = weights.min(axis=1) > -1e-9
+        samples = samples[on_target]
+        places = np.einsum(
+            "nk,nkc->nc", weights[on_target], self.flat.disk.vertices[self.flat.disk.triangles[triangle[on_target]]]
+        )
+        tree = cKDTree(samples)
+        result = np.zeros((len(points), 2))
+        for row, near in enumerate(tree.query_ball_point(points, CURVATURE_RADIUS * self.spacing_mm)):
+            if len(near) >= 12:
+                result[row] = _quadric_curvatures(samples[near] - points[row], places[near])
+        return result
+
+
+def _quadric_curvatures(shift: Floats, places: Floats) -> Floats:
+    """(2,) principal curvatures at the origin of the quadric through places (n, 3) at shifts (n, 2)."""
+    x, y = shift.T
+    terms = np.column_stack([np.ones_like(x), x, y, 0.5 * x**2, 0.5 * y**2, x * y])
+    _, one, two, xx, yy, xy = np.linalg.lstsq(terms, places, rcond=None)[0]
+    normal = np.cross(one, two)
+    length = np.linalg.norm(normal)
+    if not length > 0.0:
+        return np.zeros(2)
+    first = np.array([[one @ one, one @ two], [one @ two, two @ two]])
+    second = -np.array([[xx, xy], [xy, yy]]) @ normal / length
+    return np.asarray(np.sort(np.linalg.eigvals(np.linalg.solve(first, second)).real)[::-1])

@@ -1,0 +1,106 @@
+"""Sensitivities of a preview: the change of its equilibrium for a small change of each star.
+
+The fields of the sheet are differences of fields with changed stars. Stars that are `COLOUR_STEPS` lattice steps
+apart share no place, so that they are changed together: 16 evaluations of the fields are enough, whatever the number
+of stars. The change of the stress at a place belongs to the nearest of the changed stars.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.state import PreviewState
+from fem.elements.tabulation import Floats
+from fem.search.relax import factorise
+from fem.search.sensitivity import stress_responses, stress_under
+from homogenize.law.axes import AXES
+from pattern.layout.build import layout
+from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+
+# lattice steps between stars that are changed together
+COLOUR_STEPS = 4
+# changes for the differences: of lengths in mm, of thicknesses and widths relative to them
+SIZE_STEPS = (0.005, 5e-4, 5e-4)
+
+SizeName = Literal["length_mm", "thickness_mm", "width_mm"]
+
+
+def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
+    """(N, 3, S) change of the shell's degrees of freedom per mm of one size of each star, to first order.
+
+    Sizes at the upper end of the law's range are changed downwards.
+
+    Raises
+    ------
+    LawError, DesignError
+        A changed star is not admissible.
+    ValueError
+        The state shows no equilibrium.
+    """
+    if state.equilibrium is not state.resting:
+        raise ValueError("sensitivities belong to an equilibrium, not to a linear response")
+    shell, x = state.shell, state.resting.x
+    if not state.is_factor_resting:
+        factorise(shell, x, state.factor)
+    changed, steps = _changed_values(state, size)
+    before = shell.density(shell.strains(x))[1]
+    points = shell.points.reshape(-1, 2)
+    changes: list[Floats] = []
+    order: list[int] = []
+    for stars in _colours(state):
+        fields = state.sheet.fields(_mixed(state.values, changed, stars))
+        difference = stress_under(shell, x, fields) - before
+        owner = cKDTree(state.layout.centres[stars]).query(points)[1].reshape(difference.shape[:2])
+        for number, star in enumerate(stars):
+            changes.append(np.where((owner == number)[..., None], difference, 0.0) / steps[star])
+            order.append(int(star))
+    responses = stress_responses(shell, x, state.factor, changes)
+    result = np.empty_like(responses)
+    result[..., order] = responses
+    return result
+
+
+def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Floats]:
+    """The law at the stars with one size of all of them changed, and these changes (S,) in mm."""
+    plan, design, column = state.layout, state.design, SIZE_KEYS.index(size)
+    rows = {tuple(site): row for site, row in zip(plan.sheet_sites.tolist(), plan.site_sizes_mm, strict=True)}
+    now = np.array([rows[tuple(site)][column] for site in plan.sites.tolist()])
+    steps = np.full(len(now), SIZE_STEPS[column]) * (1.0 if column == 0 else now)
+    top = state.law.size_ranges(design.fabric.stretch_xy[0])[AXES[column].key][1]
+    steps = np.where(now + steps > top, -steps, steps)
+    sizes = np.full((len(now), len(SIZE_KEYS)), np.nan)
+    sizes[:, column] = now + steps
+    stars = design.stars.model_copy(update={"rounding": None})
+    changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
+    return star_values(changed, layout(changed), state.law, state.model), steps
+
+
+def _colours(state: PreviewState) -> list[np.ndarray]:
+    """Numbers of the stars that are changed together."""
+    colour = (state.layout.sites % COLOUR_STEPS) @ np.array([COLOUR_STEPS, 1])
+    return [np.flatnonzero(colour == one) for one in np.unique(colour)]
+
+
+def _mixed(values: StarValues, changed: StarValues, stars: np.ndarray) -> StarValues:
+    """The values with those of some stars from others."""
+
+    def mix(one: Floats, other: Floats) -> Floats:
+        result = one.copy()
+        result[stars] = other[stars]
+        return result
+
+    return replace(
+        values,
+        value={name: mix(value, changed.value[name]) for name, value in values.value.items()},
+        corrugation=mix(values.corrugation, changed.corrugation),
+        sizes=mix(values.sizes, changed.sizes),
+        tip_heights=mix(values.tip_heights, changed.tip_heights),
+        bump_curvature=mix(values.bump_curvature, changed.bump_curvature),
+        tube_curvature=mix(values.tube_curvature, changed.tube_curvature),
+        anisotropy=mix(values.anisotropy, changed.anisotropy),
+    )

@@ -1,0 +1,54 @@
+"""The files of a fit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+from asterism.fitting.result import Fit
+from asterism.fitting.target import TargetSurface
+from asterism.reports.fit_picture import draw_target_fit
+from asterism.results.files import SUMMARY_FILE, staged_result
+from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
+from pattern.design.arguments import check_type
+
+
+def write_fit(found: Fit, directory: str | Path) -> list[str]:
+    """Write shape.vtu and rods.vtu (laid on the target), target.obj, fit.png and summary.json.
+
+    The shape is the exact one, or the preview if the exact model was not asked for. Its field `target_distance_mm` is
+    the signed distance to the target. The target is written in the pose of the fit.
+
+    The files appear together, or none of them if writing fails.
+
+    Returns
+    -------
+    Their names.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    check_type(found, Fit, "fit makes them")
+    distance = found.distance
+    fields = {
+        **distance.shape.point_fields,
+        "target_distance_mm": distance.surface_mm,
+        "mean_target_distance_mm": distance.mean_mm,
+    }
+    shape = replace(distance.shape, point_fields=fields)
+    with staged_result(directory) as folder:
+        write_shape_vtu(shape, folder / "shape.vtu")
+        write_rods_vtu(shape, folder / "rods.vtu")
+        (folder / "target.obj").write_text(_obj(found.target), encoding="ascii")
+        draw_target_fit(found, folder / "fit.png")
+        (folder / SUMMARY_FILE).write_text(json.dumps(found.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        return sorted(file.name for file in folder.iterdir())
+
+
+def _obj(target: TargetSurface) -> str:
+    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in target.disk.vertices]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in target.disk.triangles]
+    return "\n".join(["# target in the pose of the fit, mm", *lines]) + "\n"

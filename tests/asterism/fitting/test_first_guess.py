@@ -1,0 +1,121 @@
+"""Reach, placement and first guess."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.fitting.errors import ReachError, TargetError
+from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
+from asterism.fitting.star_menu import StarMenu
+from asterism.fitting.target import TargetSurface
+from asterism.fitting.target_map import TargetMap
+from asterism.previews.session import paper_law
+from homogenize.errors import ForeignLaw
+from pattern.layout.build import layout
+from tests.asterism.fitting.surfaces import cylinder_part, rectangle_mesh, spherical_cap
+
+
+def cap(half_angle: float, size: float = 100.0) -> TargetSurface:
+    return TargetSurface.of_triangles(*spherical_cap(half_angle, size), name="cap")
+
+
+@pytest.fixture(scope="module")
+def guess() -> FirstGuess:
+    return guess_design(cap(35.0), paper_law())
+
+
+def test_the_stretch_is_the_smallest_that_suffices(guess: FirstGuess) -> None:
+    assert guess.menu.stretch == 1.35
+    assert guess.reach.needed_ratio == pytest.approx(1.0994, abs=2e-3)
+    assert guess.reach.available_ratio > 1.15
+    assert guess_design(cap(50.0), paper_law()).menu.stretch == 1.75
+
+
+def test_stars_contract_as_the_flattening_needs(guess: FirstGuess) -> None:
+    plan = layout(guess.design)
+    needed = np.exp(guess.target_map.interpolate(guess.target_map.log_contraction, plan.centres))
+    sizes = {tuple(entry.site or ()): entry for entry in guess.design.stars.override}
+    lengths = np.array([sizes[tuple(site)].length_mm for site in plan.sites.tolist()], dtype=float)
+    thicknesses = np.array([sizes[tuple(site)].thickness_mm for site in plan.sites.tolist()], dtype=float)
+    values = paper_law().evaluate(guess.design, lengths, thicknesses, guess.menu.width_mm).value
+    # between the natural tube and the flat sheet
+    assert (needed > values["lam_n"] * 0.98).all() and (needed < values["lam"] * 1.02).all()
+    radius = np.linalg.norm(plan.centres - plan.outline.mean(axis=0), axis=1)
+    assert lengths[radius.argmin()] > lengths[radius.argmax()] + 1.0
+
+
+def test_needles_hold_the_outline_at_its_places_on_the_target(guess: FirstGuess) -> None:
+    (pins,) = guess.design.pins
+    places, border = np.array(pins.target_mm), guess.target.disk.vertices[guess.target.disk.border]
+    assert len(pins.corners or ()) == len(places) >= 8
+    assert np.abs(guess.target.nearest(places).distance).max() < 1e-2
+    rim = np.linalg.norm(border[:, :2], axis=1)
+    assert np.linalg.norm(places[:, :2], axis=1) == pytest.approx(rim.mean(), rel=0.01)
+    gaps = np.linalg.norm(places - np.roll(places, 1, axis=0), axis=1)
+    assert gaps == pytest.approx(gaps.mean(), rel=0.05)
+
+
+def test_the_needles_of_a_target_with_corners_stand_at_them() -> None:
+    found = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law())
+    corners = [[x, y] for x in (-40.0, 40.0) for y in (-40.0, 40.0)]
+    places = np.array(found.design.pins[0].target_mm)[:, :2]
+    for corner in corners:
+        assert np.linalg.norm(places - corner, axis=1).min() < 1.0
+
+
+def test_a_number_of_needles_and_none() -> None:
+    target = cap(30.0)
+    assert len(guess_design(target, paper_law(), needles=7).design.pins[0].corners or ()) == 7
+    assert guess_design(target, paper_law(), needles=0).design.pins == ()
+
+
+def test_what_is_out_of_reach_is_refused_with_numbers() -> None:
+    with pytest.raises(ReachError, match=r"cap: contractions at \(.*\) mm .* ratio of 1\.84; available are 1\.\d\d at"):
+        guess_design(cap(85.0), paper_law())
+    with pytest.raises(ReachError, match=r"cap: has room for \d+ stars 17\.3 mm apart, at least 19 are needed: make"):
+        guess_design(cap(30.0, 40.0), paper_law())
+    plane, triangles = rectangle_mesh(90.0, 90.0, 41, 41)
+    ridge = np.column_stack([plane, 30.0 * np.exp(-((plane[:, 0] / 8.0) ** 2))])
+    with pytest.raises(
+        ReachError, match=r"ridge: at \(.*\) mm the target curves by 1/\d+\.\d mm; stars .* reach 1/11\.5"
+    ):
+        guess_design(TargetSurface.of_triangles(ridge, triangles, "ridge"), paper_law())
+    with pytest.raises(ForeignLaw, match=r"stretch = 1\.5"):
+        guess_design(cap(30.0), paper_law(), stretch=1.5)
+    assert guess_design(cap(85.0), paper_law(), nearest=True).reach.warnings[0].startswith("contractions at")
+
+
+def test_a_flat_target_that_overlaps_itself_is_refused() -> None:
+    # a helicoid-like strip, developed, turns by more than a full turn
+    turn, across = np.linspace(0.0, 9.0, 91), np.linspace(20.0, 50.0, 9)
+    vertices = np.array([[r * np.cos(t), r * np.sin(t), 6.0 * t] for t in turn for r in across])
+    number = np.arange(len(vertices)).reshape(91, 9)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
+    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    with pytest.raises(TargetError, match="overlaps itself when it is laid flat"):
+        flatten_target(TargetSurface.of_triangles(vertices, triangles, "ramp"))
+
+
+def test_curvatures_of_a_cylinder_and_a_sphere() -> None:
+    for mesh, expected in (
+        (cylinder_part(40.0, 1.5, 60.0), (1.0 / 40.0, 0.0)),
+        (spherical_cap(40.0, 90.0), (1.0 / 70.0, 1.0 / 70.0)),
+    ):
+        target = TargetSurface.of_triangles(*mesh)
+        flat = flatten_target(target)
+        placed = TargetMap.of(flat, 0.25, 0.3, np.array([3.0, 4.0]), 17.3)
+        middle = placed.printed[flat.disk.border].mean(axis=0)
+        found = placed.principal_curvatures(middle[None])[0]
+        assert found == pytest.approx(expected, abs=1.5e-3)
+
+
+def test_the_menu_agrees_with_the_law() -> None:
+    menu = StarMenu.of(paper_law(), 1.35, 1.2)
+    assert 1.15 < menu.ratio < 1.25
+    sizes = menu.sizes(np.array([0.80, 0.85]), np.array([0.02, 0.01]), np.array([0.02, 0.01]))
+    table = paper_law().at(1.35)
+    values = table(sizes[:, 0], sizes[:, 1], 1.2).value
+    # the sheet bends as its stars do: it contracts as their natural tube
+    assert values["lam_n"] == pytest.approx([0.80, 0.85], rel=0.01)
+    assert (menu.least_thickness(sizes[:, 0]) <= sizes[:, 1] + 1e-9).all()

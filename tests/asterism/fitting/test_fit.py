@@ -1,0 +1,153 @@
+"""The fit of star sizes: nearer than the first guess, confirmed by a fresh preview, the same twice, printable."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import asterism
+from asterism.fitting.fit import fit
+from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.result import Fit
+from asterism.fitting.target import TargetSurface
+from asterism.previews.session import Preview, paper_law
+from asterism.print.profiles import load_printer
+from pattern.layout.build import layout
+from pattern.layout.load_design import load_design
+from tests.asterism.commands import command
+from tests.asterism.fitting.surfaces import rectangle_mesh, spherical_cap
+
+
+@pytest.fixture(scope="module")
+def target() -> TargetSurface:
+    return TargetSurface.of_triangles(*spherical_cap(30.0, 84.0), name="cap.obj")
+
+
+@pytest.fixture(scope="module")
+def found(target: TargetSurface) -> Fit:
+    return fit(target, exact=False, printer=load_printer("ultimaker2"))
+
+
+def test_a_fresh_preview_confirms_the_distance(found: Fit, target: TargetSurface) -> None:
+    summary = found.summary
+    assert summary.preview.mean_percent < 0.3 and summary.preview.is_minimum and summary.reached
+    assert summary.preview.mean_percent < 0.6 * summary.first_guess.mean_percent
+    # the distance by other means: star centres of another preview of the written design
+    preview = Preview(found.design)
+    centres = preview.sheet.layout.centres
+    inner = np.linalg.norm(centres - centres.mean(axis=0), axis=1) < 25.0
+    gaps = target.nearest(preview.at(centres[inner]).smooth).distance
+    assert np.sqrt((gaps**2).mean()) < 0.006 * target.diameter_mm
+
+
+def test_sizes_are_printable(found: Fit) -> None:
+    rounding = found.design.stars.rounding
+    assert rounding is not None
+    plan = layout(found.design)
+    layers = rounding.layers(plan.arm_thickness)
+    assert np.abs(layers - np.rint(layers)).max() < 1e-6
+    loss = found.summary.rounding_loss_percent
+    assert loss is not None and abs(loss) < 0.2
+
+
+def test_the_same_call_gives_the_same_design(found: Fit, target: TargetSurface) -> None:
+    again = fit(target, exact=False, printer=load_printer("ultimaker2"))
+    assert again.design.to_dict() == found.design.to_dict()
+
+
+def test_the_shape_of_a_design_is_found_back() -> None:
+    """The target is a part of the smooth preview of another design."""
+    design = asterism.new("dome")
+    preview = Preview(design)
+    printed, triangles = rectangle_mesh(84.0, 78.0, 29, 27)
+    own = TargetSurface.of_triangles(preview.at(printed).smooth, triangles, "dome")
+    found = fit(own, exact=False)
+    assert found.summary.preview.mean_percent < 0.3
+
+
+def test_a_free_sheet_is_laid_on_the_target(target: TargetSurface) -> None:
+    found = fit(target, needles=0, exact=False)
+    assert found.design.pins == () and found.summary.needles == 0
+    assert found.summary.preview.mean_percent < 0.4
+    heights, radius = found.shape.positions[:, 2], np.linalg.norm(found.shape.positions[:, :2], axis=1)
+    assert heights[radius.argmin()] > heights[radius.argmax()] + 5.0
+
+
+def test_derivatives_of_the_residuals_are_the_limit_of_edits(found: Fit, target: TargetSurface) -> None:
+    from asterism.fitting.first_guess import guess_design
+    from asterism.fitting.star_unknowns import StarUnknowns
+    from asterism.previews.star_sensitivity import star_sensitivity
+
+    guess = guess_design(target, paper_law())
+    plan = layout(guess.design)
+    residual = Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), False)
+    unknowns = StarUnknowns.of(plan, guess.menu)
+    preview = Preview(guess.design)
+    state = residual.at(preview)
+    columns = residual.derivatives(preview, state, star_sensitivity(preview.state, "length_mm"))
+    step = np.zeros(2 * len(plan.centres))
+    step[: len(plan.centres)] = 0.05
+    preview.update(unknowns.moved(step).design(guess.design))
+    change = residual.at(preview).values - state.values
+    predicted = columns @ step[: len(plan.centres)]
+    # the mean of the bumps is not differentiated
+    assert np.linalg.norm(change - predicted) < 0.15 * np.linalg.norm(change)
+
+
+def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
+    with pytest.raises(TypeError, match="TargetSurface is needed, not str"):
+        fit("cap.obj")  # type: ignore[arg-type]
+    for needles in (1, 2, -1, 2.5, 1001):
+        with pytest.raises(ValueError, match="needles = "):
+            fit(target, needles=needles)  # type: ignore[arg-type]
+
+
+def test_the_command_writes_a_design_and_its_evidence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vertices, triangles = spherical_cap(30.0, 84.0)
+    trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
+    design = tmp_path / "out.toml"
+    words = ["fit", str(tmp_path / "cap.obj"), "-o", str(design), "--no-exact", "--quiet"]
+    outcome = command(words, capsys, monkeypatch)
+    assert outcome.status == 0, outcome.err
+    assert "not checked with the exact model" in outcome.out
+    summary = json.loads((tmp_path / "out-fit" / "summary.json").read_text())
+    assert load_design(design).to_dict() == summary["design"]
+    names = {file.name for file in (tmp_path / "out-fit").iterdir()}
+    assert names == {"fit.png", "rods.vtu", "shape.vtu", "summary.json", "target.obj"}
+    # the written target is that of the fit, in its pose
+    written = trimesh.load(tmp_path / "out-fit" / "target.obj", process=False)
+    assert np.ptp(np.asarray(written.vertices)[:, 2]) == pytest.approx(np.ptp(vertices[:, 2]), abs=1e-3)
+    outcome = command([*words, "--within", "0.001"], capsys, monkeypatch)
+    assert outcome.status == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["-o", "design.txt"], "must end with .toml"),
+        (["--free", "--needles", "5"], "--free: conflicts with --needles 5"),
+        (["--needles", "2"], "2 needles hold no sheet"),
+        (["--stretch", "1.5"], "fabric.stretch = 1.5"),
+        (["--size-mm", "5000"], "mm large, allowed are 10 to 4000 mm"),
+        (["--size-mm", "40"], "has room for"),
+        (["--printer", "none"], "none"),
+    ],
+)
+def test_the_command_refuses_in_one_line(
+    words: list[str],
+    problem: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    vertices, triangles = spherical_cap(30.0, 84.0)
+    trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
+    outcome = command(["fit", str(tmp_path / "cap.obj"), "--no-exact", "--quiet", *words], capsys, monkeypatch)
+    assert outcome.status in (1, 2) and problem in outcome.line
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["cap.obj"]

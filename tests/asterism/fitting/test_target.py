@@ -1,0 +1,207 @@
+"""Targets: files, checks with one line each, side and pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from asterism.fitting.errors import TargetError
+from asterism.fitting.target import TargetSurface, load_target
+from asterism.measure.compare.errors import ScanError
+from equilibrium.errors import Error
+from pattern.geometry.arrays import Floats, Ints
+from tests.asterism.fitting.surfaces import rectangle_mesh, spherical_cap
+
+Mesh = tuple[Floats, Ints]
+
+
+def sphere() -> Mesh:
+    ball = trimesh.creation.icosphere(2, 50.0)
+    return np.asarray(ball.vertices), np.asarray(ball.faces)
+
+
+def plate_with_hole(count: int) -> Mesh:
+    plane, triangles = rectangle_mesh(100.0, 60.0, 31, 19)
+    middles = plane[triangles].mean(axis=1)
+    keep = np.ones(len(triangles), dtype=bool)
+    for number in range(count):
+        keep &= np.linalg.norm(middles - [30.0 * (number - 0.5 * (count - 1)), 0.0], axis=1) > 9.0
+    return np.column_stack([plane, np.zeros(len(plane))]), triangles[keep]
+
+
+def two_pieces() -> Mesh:
+    vertices, triangles = spherical_cap(30.0, rings=5)
+    shifted = vertices + np.array([200.0, 0.0, 0.0])
+    return np.concatenate([vertices, shifted]), np.concatenate([triangles, triangles + len(vertices)])
+
+
+def moebius_strip() -> Mesh:
+    count = 60
+    angle = np.arange(count) * 2.0 * np.pi / count
+    rows = []
+    for across in (-8.0, 8.0):
+        radius = 40.0 + across * np.cos(0.5 * angle)
+        rows.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), across * np.sin(0.5 * angle)]))
+    triangles = []
+    for i in range(count):
+        a, b, c, d = i, i + count, (i + 1) % count, (i + 1) % count + count
+        if i == count - 1:
+            c, d = count, 0
+        triangles += [[a, c, b], [c, d, b]]
+    return np.concatenate(rows), np.array(triangles)
+
+
+def open_torus() -> Mesh:
+    ring = trimesh.creation.torus(40.0, 15.0, major_sections=24, minor_sections=16)
+    return np.asarray(ring.vertices), np.asarray(ring.faces)[1:]
+
+
+def fin() -> Mesh:
+    vertices, triangles = rectangle_mesh(60.0, 60.0, 7, 7)
+    flat = np.column_stack([vertices, np.zeros(len(vertices))])
+    a, b = triangles[20][:2]
+    return np.concatenate([flat, [[0.0, 0.0, 30.0]]]), np.concatenate([triangles, [[a, b, len(flat)]]])
+
+
+def bow_tie() -> Mesh:
+    corners = [[0.0, 0, 0], [-40, -30, 0], [-40, 30, 0], [40, -30, 0], [40, 30, 0]]
+    return np.array(corners), np.array([[0, 2, 1], [0, 3, 4]])
+
+
+def crossing_sheet() -> Mesh:
+    # a strip that runs in a loop and passes through itself
+    turn = np.linspace(-1.9, 1.9, 61)
+    line = np.column_stack([40.0 * np.sin(2.0 * turn), 40.0 * turn**2])
+    across = np.linspace(-20.0, 20.0, 9)
+    vertices = np.array([[x, y, z] for x, z in line for y in across])
+    number = np.arange(len(vertices)).reshape(61, 9)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
+    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
+BROKEN: list[tuple[Callable[[], Mesh], str]] = [
+    (sphere, "is closed: cut it open"),
+    (lambda: plate_with_hole(1), "has 1 hole: fill or cut it"),
+    (lambda: plate_with_hole(2), "has 2 holes: fill or cut it"),
+    (two_pieces, "has 2 pieces"),
+    (moebius_strip, "has one side only"),
+    (open_torus, "has a handle"),
+    (fin, "3 triangles share the edge at"),
+    (bow_tie, "the border touches itself at"),
+    (crossing_sheet, "passes through itself"),
+    (lambda: (np.zeros((0, 3)), np.zeros((0, 3), dtype=int)), "holds no triangles"),
+    (lambda: (np.zeros((3, 3)), np.array([[0, 1, 2]])), "holds no triangles"),
+    (lambda: (np.array([[0.0, 0, 0], [50, 0, 0], [100, 0, 0]]), np.array([[0, 1, 2]])), "have no area"),
+    (lambda: (0.01 * spherical_cap(30.0)[0], spherical_cap(30.0)[1]), "mm large, allowed are 10 to 4000 mm"),
+    (lambda: (1e4 * spherical_cap(30.0)[0], spherical_cap(30.0)[1]), "mm large, allowed are 10 to 4000 mm"),
+    (lambda: (np.full((3, 3), np.nan), np.array([[0, 1, 2]])), "vertices must be finite numbers"),
+    (lambda: (np.eye(3), np.array([[0, 1, 3]])), "corners that it does not hold"),
+    (lambda: (np.eye(3), np.array([[0.0, 1.0, 2.0]])), "triangles must be whole numbers"),
+    (lambda: (np.eye(3)[:, :2], np.array([[0, 1, 2]])), "vertices must be finite numbers"),
+]
+
+
+@pytest.mark.parametrize(("mesh", "problem"), BROKEN, ids=[problem for _, problem in BROKEN])
+def test_what_is_no_disk_is_refused_in_one_line(mesh: Callable[[], Mesh], problem: str) -> None:
+    with pytest.raises(TargetError) as caught:
+        TargetSurface.of_triangles(*mesh(), name="thing.obj")
+    assert problem in str(caught.value) and str(caught.value).startswith("thing.obj: ")
+    assert "\n" not in str(caught.value)
+
+
+@given(
+    arrays(float, st.tuples(st.integers(3, 8), st.just(3)), elements=st.floats(-50.0, 50.0, width=16)),
+    st.data(),
+)
+@settings(max_examples=60, deadline=None)
+def test_random_triangles_give_a_target_or_one_line(vertices: Floats, data: st.DataObject) -> None:
+    corner = st.integers(0, len(vertices) - 1)
+    triangles = data.draw(st.lists(st.tuples(corner, corner, corner), min_size=1, max_size=8))
+    try:
+        target = TargetSurface.of_triangles(vertices, np.array(triangles))
+    except Error as error:
+        assert isinstance(error, TargetError) and "\n" not in str(error)
+    else:
+        assert np.isfinite(target.disk.vertices).all() and target.diameter_mm >= 10.0
+
+
+@pytest.mark.parametrize("ending", [".obj", ".stl", ".ply"])
+def test_files_in_three_formats_give_the_same_target(ending: str, tmp_path: Path) -> None:
+    vertices, triangles = spherical_cap(35.0, rings=23)
+    path = tmp_path / f"cap{ending}"
+    trimesh.Trimesh(vertices / 10.0, triangles, process=False).export(path)
+    target = load_target(path, unit="cm")
+    expected = TargetSurface.of_triangles(vertices, triangles)
+    assert target.diameter_mm == pytest.approx(expected.diameter_mm, rel=1e-5)
+    assert len(target.disk.vertices) == len(expected.disk.vertices)
+    assert np.sort(target.disk.vertices[:, 2]) == pytest.approx(np.sort(expected.disk.vertices[:, 2]), abs=1e-3)
+
+
+def test_files_that_are_no_target_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(TargetError, match=r"must end in \.obj, \.stl, \.ply"):
+        load_target(tmp_path / "cap.step")
+    with pytest.raises(ScanError, match="is not there"):
+        load_target(tmp_path / "cap.obj")
+    cloud = tmp_path / "cloud.obj"
+    cloud.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    with pytest.raises(ScanError, match="holds points without triangles"):
+        load_target(cloud)
+    with pytest.raises(TargetError, match="unit = 'feet'"):
+        load_target(cloud, unit="feet")
+
+
+def test_the_plastic_is_on_the_convex_side_and_upright() -> None:
+    vertices, triangles = spherical_cap(35.0)
+    for points in (vertices, vertices * [1.0, 1.0, -1.0], vertices[:, [2, 0, 1]]):
+        for corners in (triangles, triangles[:, ::-1]):
+            target = TargetSurface.of_triangles(points, corners)
+            heights, radius = target.disk.vertices[:, 2], np.linalg.norm(target.disk.vertices[:, :2], axis=1)
+            assert heights[radius.argmin()] == pytest.approx(heights.max())
+            assert target.nearest(np.array([[0.0, 0.0, 100.0]])).distance[0] > 0.0
+
+
+def test_the_side_can_be_chosen_and_the_pose_is_stated() -> None:
+    vertices, triangles = spherical_cap(35.0, rings=23)
+    normals, other = (TargetSurface.of_triangles(vertices, triangles, side=side) for side in ("normals", "other"))
+    assert normals.nearest(np.array([[0.0, 0.0, 90.0]])).distance[0] > 0.0
+    # the other side up: the cap is a bowl
+    heights = other.disk.vertices[:, 2]
+    radius = np.linalg.norm(other.disk.vertices[:, :2], axis=1)
+    assert heights[radius.argmin()] == pytest.approx(heights.min())
+    moved = vertices @ other.motion.T + other.shift_mm
+    assert np.sort(moved[:, 2]) == pytest.approx(np.sort(heights), abs=1e-9)
+    scaled = TargetSurface.of_triangles(vertices, triangles, size_mm=250.0)
+    assert scaled.diameter_mm == pytest.approx(250.0)
+    moved = vertices @ scaled.motion.T + scaled.shift_mm
+    assert np.sort(moved[:, 2]) == pytest.approx(np.sort(scaled.disk.vertices[:, 2]), abs=1e-9)
+
+
+def test_height_fields() -> None:
+    target = TargetSurface.of_formula("10*(1 - (r/60)**2)", 80.0, 60.0, "dome")
+    assert np.ptp(target.disk.vertices[:, :2], axis=0) == pytest.approx([80.0, 60.0])
+    x = np.linspace(-40.0, 40.0, 21)
+    heights = 5.0 - 0.002 * (x[None] ** 2 + x[:, None] ** 2)
+    heights[np.hypot(x[None], x[:, None]) > 38.0] = np.nan
+    assert TargetSurface.of_heights(heights, x, x).diameter_mm == pytest.approx(75.9, abs=1.0)
+    with pytest.raises(TargetError, match="do not fit 21 x and 20 y"):
+        TargetSurface.of_heights(heights, x, x[:-1])
+    with pytest.raises(TargetError, match="x and y must increase"):
+        TargetSurface.of_heights(heights, x[::-1], x)
+    with pytest.raises(TargetError, match="the formula has an unknown name foo"):
+        TargetSurface.of_formula("foo", 80.0)
+    with pytest.raises(TargetError, match="must have positive sides"):
+        TargetSurface.of_formula("x", -80.0)
+
+
+def test_a_coarse_target_is_divided_without_a_change_of_its_shape() -> None:
+    corners = np.array([[-40.0, -40, 0], [40, -40, 5], [40, 40, 0], [-40, 40, 5]])
+    target = TargetSurface.of_triangles(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    assert len(target.disk.triangles) >= 1500
+    assert target.diameter_mm == pytest.approx(np.linalg.norm(corners[2] - corners[0]))
