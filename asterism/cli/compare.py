@@ -52,8 +52,9 @@ def compare(
     check_file(scan)
     directory = output or scan.with_name(f"{scan.stem}-compared")
     check_comparison_directory(directory, shape)
-    comparison = measure(shape, scan, units=units and units.value, view=view and view.value, trim=trim)
-    files = write_comparison(comparison, directory)
+    with run.computing():
+        comparison = measure(shape, scan, units=units and units.value, view=view and view.value, trim=trim)
+        files = write_comparison(comparison, directory)
     run.table(comparison.rows, 22)
     run.files(directory, files)
     if not comparison.is_fit:

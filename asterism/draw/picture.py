@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from PIL import Image
 
 from asterism.draw.colours import INK, PALE
+from asterism.draw.fonts import families, printable
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
@@ -180,4 +181,5 @@ def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:
 
 def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
     """Write text with its baseline at (x, y) pixels from the lower left; `$` does not start an equation."""
-    figure.text(x / PICTURE_WIDTH_PX, y / PICTURE_HEIGHT_PX, text, parse_math=False, **style)
+    place = x / PICTURE_WIDTH_PX, y / PICTURE_HEIGHT_PX
+    figure.text(*place, printable(text), parse_math=False, family=families(), **style)

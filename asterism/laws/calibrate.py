@@ -102,11 +102,11 @@ def default_jobs() -> int:
 class ProgressLine:
     """Progress of a campaign on a stream.
 
-    A terminal shows one line that changes; other streams get a line every half minute. The first failed cell of each
+    A terminal shows one line that changes; other streams get a line every 4 s. The first failed cell of each
     reason has a line.
     """
 
-    every_s = 30.0
+    every_s = 4.0
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr

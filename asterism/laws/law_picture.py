@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
+from asterism.draw.fonts import write_title
 from asterism.laws.law_text import middle_sizes, table_title
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
@@ -51,7 +52,7 @@ def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
         _tidy(axes, "error of single cells, %", "")
         figure.text(0.012, 1 - (0.9 + 3.72 * number) / height, table_title(table), fontsize=10, color=INK)
     title = f"{law.material.name}: law of the star pattern"
-    figure.text(0.012, 1 - 0.35 / height, title, fontsize=14, weight="bold", color=INK, parse_math=False)
+    write_title(figure, 0.012, 1 - 0.35 / height, title, 14)
     note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"
     note += "; dots: cells; curves: the law; dotted curves: outside its range, or stars that are not scale-separated"
     figure.text(0.012, 1 - 0.6 / height, note, fontsize=9, color=PALE)

@@ -21,6 +21,7 @@ from PIL import Image
 from shapely.geometry.base import BaseGeometry
 
 from asterism.draw.colours import INK, PALE
+from asterism.draw.fonts import families, printable
 from asterism.draw.picture import draw_shape
 from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
@@ -179,5 +180,5 @@ def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: A
 def _text(
     figure: Figure, to_page: Transform, x: float | Floats, y: float | Floats, text: str, size_mm: float, **style: Any
 ) -> None:
-    settings: dict[str, Any] = {"color": INK, "family": "DejaVu Sans", "parse_math": False} | style
-    figure.text(float(x), float(y), text, transform=to_page, fontsize=size_mm * _POINTS, **settings)
+    settings: dict[str, Any] = {"color": INK, "family": families(), "parse_math": False} | style
+    figure.text(float(x), float(y), printable(text), transform=to_page, fontsize=size_mm * _POINTS, **settings)

@@ -38,7 +38,7 @@ INSTABILITY_THRESHOLD = 1e-7
 PROLONGED_BLEND = 1.0
 # iterations of all minimisations on one mesh: designs of the study take 60 to 220, contact takes 463; then the search
 # ends with its last state, which is the lowest
-MAX_SEARCH_ITERATIONS = 3000
+MAX_RELEASE_ITERATIONS = 3000
 # perturbations along negative modes in each step
 MAX_PERTURBATIONS = 5
 # steps in which pins that act after the release move to their targets
@@ -187,7 +187,7 @@ class ReleaseContinuation:
         """Newton's method to a gradient norm of `tolerance` N, timed as `stage` and reported as `name`."""
         report = self.report
         # without iterations, a minimisation returns its state, and the certificate says that it is no equilibrium
-        left = max(MAX_SEARCH_ITERATIONS - self.effort.iterations, 0)
+        left = max(MAX_RELEASE_ITERATIONS - self.effort.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
         result = self.effort.clock(
             stage,

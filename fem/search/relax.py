@@ -34,7 +34,7 @@ MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's
 # 1: energy of a guess above the best one, over that of the flat sheet above it, up to which the guess is followed
 CLOSE_GUESS = 0.1
 # iterations of one search; then it ends with the best state so far. The study's designs take fewer than 200
-MAX_SEARCH_ITERATIONS = 1500
+MAX_RELAX_ITERATIONS = 1500
 MAX_GUESSES = 2  # guesses of different kinds that are followed
 MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
@@ -91,7 +91,7 @@ def relax(
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
             results.append(follow(shell, results[-1].x, factor, guess.shape.name))
     for steps in LOAD_STEPS:
-        left = MAX_SEARCH_ITERATIONS - sum(each.iterations for each in results)
+        left = MAX_RELAX_ITERATIONS - sum(each.iterations for each in results)
         if left > 0 and not any(each.is_minimum for each in results):
             results += filter(None, [follow_load_steps(shell, factor, steps, left)])
     best = min(results, key=_rank)
@@ -158,7 +158,7 @@ def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:
 
 
 def follow_load_steps(
-    shell: Shell, factor: Factor, steps: int, max_iterations: int = MAX_SEARCH_ITERATIONS
+    shell: Shell, factor: Factor, steps: int, max_iterations: int = MAX_RELAX_ITERATIONS
 ) -> ShellEquilibrium | None:
     """The equilibrium from the printed sheet with fields, loads and supports in steps.
 

@@ -13,13 +13,13 @@ from asterism.process import interruption
 from equilibrium.newton.minimise import Iteration
 
 # longest silence: then a line says that the computation goes on
-MAX_SILENCE_S = 4.0
+MAX_QUIET_S = 4.0
 
 
 class Progress:
     """One changing line on a terminal; elsewhere one line for each stage.
 
-    As a context it also says every `MAX_SILENCE_S` seconds that the computation goes on, if nothing else is said.
+    As a context it also says every `MAX_QUIET_S` seconds that the computation goes on, if nothing else is said.
     """
 
     def __init__(self, stream: TextIO | None = None) -> None:
@@ -43,9 +43,9 @@ class Progress:
 
     def _watch(self) -> None:
         """Break long silences, in a thread of its own: a factorisation or a picture may take longer."""
-        while not self._is_over.wait(MAX_SILENCE_S / 8):
+        while not self._is_over.wait(MAX_QUIET_S / 8):
             with self._lock:
-                if time.perf_counter() - self._written >= MAX_SILENCE_S and not self._is_over.is_set():
+                if time.perf_counter() - self._written >= MAX_QUIET_S and not self._is_over.is_set():
                     self._finish()
                     self._write(f"  still computing, {time.perf_counter() - self._start:.0f} s\n")
 

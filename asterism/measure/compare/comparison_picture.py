@@ -18,6 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from asterism.draw.bare_sheet import bare
 from asterism.draw.chart_axes import style_axes
 from asterism.draw.colours import INK, PALE
+from asterism.draw.fonts import write_title
 from asterism.draw.render import OBLIQUE, camera, render
 from asterism.measure.compare.scan_comparison import ScanComparison
 from asterism.measure.compare.silhouette import OutlineFit
@@ -94,7 +95,7 @@ def _figure(title: str, words: str) -> Figure:
     figure = Figure(figsize=(COMPARISON_WIDTH_IN, COMPARISON_HEIGHT_IN), dpi=COMPARISON_DPI, facecolor="white")
     FigureCanvasAgg(figure)
     size = 15 * min(1.0, 90 / max(len(title), 1))
-    figure.text(0.025, 0.945, title, fontsize=size, weight="bold", color=INK, parse_math=False)
+    write_title(figure, 0.025, 0.945, title, size)
     figure.text(0.025, 0.91, words, fontsize=10, color=PALE, parse_math=False)
     return figure
 

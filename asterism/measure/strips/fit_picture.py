@@ -11,7 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asterism.draw.chart_axes import add_grid, style_axes
-from asterism.draw.colours import INK, PALE
+from asterism.draw.colours import PALE
+from asterism.draw.fonts import write_title
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.strip_fit import StripFit
 from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
@@ -37,7 +38,7 @@ def draw_fit(fit: StripFit, title: str, path_or_file: str | Path | IO[bytes]) ->
     high = f"{ratio.high:.0f}" if np.isfinite(ratio.high) else "no bound"
     text = f"E1/E2 = {ratio.value:.0f}, {ratio.low:.0f} to {high} ({100 * fit.confidence:g} %)"
     text += f', rest_curvature = "{fit.formula}"; shaded: the interval of E1/E2; crosses: left out'
-    figure.text(0.012, 0.93, title, fontsize=14, weight="bold", color=INK, parse_math=False)
+    write_title(figure, 0.012, 0.93, title, 14)
     figure.text(0.012, 0.88, text, fontsize=10, color=PALE, parse_math=False)
     figure.savefig(path_or_file, format="png", dpi=150)
 

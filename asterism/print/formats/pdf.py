@@ -17,6 +17,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import Stroke
 from matplotlib.transforms import Affine2D, Transform
 
+from asterism.draw.fonts import families, printable
 from asterism.print.drawing import Circle, Drawing, Label, Polyline
 from asterism.print.formats.registry import export_format
 from asterism.print.layers import NEEDLES
@@ -93,10 +94,10 @@ def _write_text(figure: Figure, item: Label, to_page: Transform) -> None:
         figure.text(
             float(item.at[0]),
             float(item.at[1]),
-            item.text,
+            printable(item.text),
             transform=to_page,
             fontsize=item.size_mm * _POINTS_PER_MM,
-            family="DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans",
+            family=["DejaVu Sans Mono", *families()] if item.fixed_pitch else families(),
             weight="bold" if item.bold else "normal",
             color=item.layer.colour,
             ha="left" if item.end == "left" else "center",

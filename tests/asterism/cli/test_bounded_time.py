@@ -34,7 +34,7 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("discrete.release.continuation.MAX_SEARCH_ITERATIONS", 12)
+    monkeypatch.setattr("discrete.release.continuation.MAX_RELEASE_ITERATIONS", 12)
     (tmp_path / "d.toml").write_text(SMALL)
     done = command(["simulate", "d.toml"], capsys, monkeypatch)
     assert done.status == 1 and "not an equilibrium: gradient" in done.err
@@ -45,7 +45,7 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
 
 def test_silence_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
     """While a step takes long, a line says that the computation goes on."""
-    monkeypatch.setattr(progress, "MAX_SILENCE_S", 0.02)
+    monkeypatch.setattr(progress, "MAX_QUIET_S", 0.02)
     stream = io.StringIO()
     with Progress(stream) as shown:
         shown.say("minimising")

@@ -1,0 +1,49 @@
+"""Fonts of pictures: names may have letters that the usual font lacks."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from matplotlib import font_manager
+from matplotlib.figure import Figure
+
+from asterism.draw.colours import INK
+
+USUAL_FAMILY = "DejaVu Sans"
+# common fonts with the letters of other scripts, those of Linux, Windows and macOS; whichever are installed
+OTHER_FAMILIES = (
+    "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Source Han Sans SC", "WenQuanYi Zen Hei",
+    "WenQuanYi Micro Hei", "Droid Sans Fallback", "Microsoft YaHei", "SimHei", "Yu Gothic", "Malgun Gothic",
+    "PingFang SC", "Hiragino Sans GB", "Arial Unicode MS", "Noto Sans", "Noto Sans Devanagari", "Noto Sans Thai",
+)  # fmt: skip
+
+
+@cache
+def families() -> list[str]:
+    """The usual family, and the installed ones with further letters."""
+    installed = {font.name for font in font_manager.fontManager.ttflist}
+    return [USUAL_FAMILY, *(name for name in OTHER_FAMILIES if name in installed)]
+
+
+def printable(text: str) -> str:
+    """The text with letters that no installed font has as their numbers; they would be drawn as boxes.
+
+    >>> printable("dome 7 \\u00d7 3"), printable("a\\U0010fffd")
+    ('dome 7 × 3', 'a<U+10FFFD>')
+    """
+    known = _letters()
+    return "".join(letter if ord(letter) in known or letter == "\n" else f"<U+{ord(letter):04X}>" for letter in text)
+
+
+def write_title(figure: Figure, x: float, y: float, text: str, size: float) -> None:
+    """Write a title with names at (x, y), parts of the figure's width and height; `$` does not start an equation."""
+    style: dict[str, Any] = {"weight": "bold", "color": INK, "parse_math": False}
+    figure.text(x, y, printable(text), family=families(), fontsize=size, **style)
+
+
+@cache
+def _letters() -> frozenset[int]:
+    """The numbers of all letters in the fonts of `families`."""
+    files = (font_manager.findfont(font_manager.FontProperties(family=name)) for name in families())
+    return frozenset(number for file in files for number in font_manager.get_font(file).get_charmap())
