@@ -93,7 +93,7 @@ def caption(shape: Shape) -> str:
         f"height {summary.get('height_mm', shape.height_mm):.1f} mm",
         "extent " + " × ".join(f"{size:.1f}" for size in summary.get("extent_mm", shape.extent_mm)) + " mm",
     ]
-    if "stars_total" in summary:
+    if summary.get("stars_total"):
         parts.append(f"{summary['stars_up']} of {summary['stars_total']} stars up")
     if "energy_n_mm" in summary:
         energy = summary["energy_n_mm"]

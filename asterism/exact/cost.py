@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pattern.design.design import Design
 from pattern.geometry.planar import polygon_area
 from pattern.layout.build import sheet_outline
+from pattern.layout.print_layout import print_layout
 
 # Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
 # python -m benchmarks.large (294847 vertices); the fit is within a factor of two.
@@ -60,7 +61,8 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     3741
     """
     # equilateral triangles have half a vertex each
-    area = abs(polygon_area(sheet_outline(design)))
+    outline = sheet_outline(design) if design.rods is None else print_layout(design).outline
+    area = abs(polygon_area(outline))
     vertices = area / (0.75**0.5 * design.mesh.edge_mm**2)
     seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
     seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)

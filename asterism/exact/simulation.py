@@ -33,8 +33,8 @@ from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
 from pattern.design.section import is_whole
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
 from pattern.layout.weight_support import check_weight_is_supported
 from pattern.mesh.meshing import mesh_layout
 
@@ -87,12 +87,13 @@ def simulate(
     check_backend(backend)
     announce = say or (lambda text: None)
     start = time.perf_counter()
-    plan = plan if plan is not None else layout(design)
+    plan = plan if plan is not None else print_layout(design)
     if design.solver.contact:
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
-    announce(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
+    printed = f"{len(plan.graph.rods)} rods" if plan.drawn is not None else f"{len(plan.centres)} stars"
+    announce(f"{printed} on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
     model = (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
     built = time.perf_counter()
@@ -166,11 +167,18 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
     np.add.at(touched, net.stencil_edges[own], 1.0)
     return {
         "arm": net.rod,
-        "star": model.layout.star_number[model.layout.arm_star[net.rod]],
+        "star": _star_of_rods(model.layout)[net.rod],
         "thickness_mm": model.edge_thickness,
         "width_mm": model.edge_width,
         "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
     }
+
+
+def _star_of_rods(layout: Layout) -> np.ndarray:
+    """(rods,) number of the star of every rod; -1 for drawn rods."""
+    if layout.drawn is not None:
+        return np.full(len(layout.graph.rods), -1, dtype=np.int64)
+    return np.asarray(layout.star_number[layout.arm_star])
 
 
 def _record(
@@ -197,6 +205,8 @@ def _record(
         gradient_tolerance=equilibrium.tolerance,
         energy_n_mm=equilibrium.energy,
         energy_parts_n_mm=equilibrium.energies,
+        rods_total=len(model.layout.graph.rods),
+        joints_total=len(model.layout.graph.joints),
         stars_total=len(model.layout.centres),
         stars_up=equilibrium.stars_up,
         stars_down=number[equilibrium.sides < 0].tolist(),

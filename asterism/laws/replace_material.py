@@ -8,8 +8,8 @@ from pathlib import Path
 from homogenize.law.material import Material, load_material
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
+from pattern.layout.print_layout import print_layout
 from pattern.layout.weight_support import check_weight_is_supported
 
 Note = Callable[[str], None]
@@ -26,7 +26,7 @@ def read_design(path: Path, material: Path | None, note: Note | None = None) -> 
     design = with_material(load_design(path), material, note)
     try:
         if design.gravity.on:
-            check_weight_is_supported(design, layout(design))
+            check_weight_is_supported(design, print_layout(design))
     except DesignError as error:
         raise error.within(path) from None
     return design

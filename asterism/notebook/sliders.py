@@ -173,12 +173,14 @@ class SliderBoard:
             return design
         sizes: Floats = np.round(self._layout.site_sizes_mm * np.asarray(factors), SCALED_SIZE_DIGITS)
         numbers = {
-            key: getattr(design.stars, key) for key, is_changed in zip(SIZE_KEYS, changed, strict=True) if is_changed
+            key: getattr(design.required_stars, key)
+            for key, is_changed in zip(SIZE_KEYS, changed, strict=True)
+            if is_changed
         }
-        if not design.stars.override and all(isinstance(value, int | float) for value in numbers.values()):
+        if not design.required_stars.override and all(isinstance(value, int | float) for value in numbers.values()):
             star = int(np.flatnonzero(self._is_star)[0])
             stars = {key: float(sizes[star, SIZE_KEYS.index(key)]) for key in numbers}
-            return design.model_copy(update={"stars": design.stars.model_copy(update=stars)})
+            return design.model_copy(update={"stars": design.required_stars.model_copy(update=stars)})
         sizes[:, ~changed] = np.nan
         return with_painted_stars(design, self._layout.sheet_sites[self._is_star], sizes[self._is_star])
 

@@ -30,7 +30,7 @@ def without_rounding(design: Design) -> Design:
 
 def with_rounding(design: Design, rounding: Rounding | None) -> Design:
     """The design with another rounding."""
-    return design.model_copy(update={"stars": design.stars.model_copy(update={"rounding": rounding})})
+    return design.model_copy(update={"stars": design.required_stars.model_copy(update={"rounding": rounding})})
 
 
 def choose_rounding(plan: Layout, printer: Printer) -> Rounding:

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
+from pattern.geometry.planar import polygon_area
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples
@@ -25,6 +26,9 @@ MAX_OBSERVED_ORDER = 2.5
 MIN_EDGE_RATIO = 1.2
 # two shapes further apart than this, in % of the diameter, count as different minima
 MAX_MESH_CHANGE_PERCENT = 10.0
+# a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
+# at most 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
+OFF_SHEET_EDGES = 0.2
 
 
 @dataclass(frozen=True)
@@ -67,13 +71,16 @@ def mesh_error(
     """
     edge = 1.0 / np.sqrt(len(fine.printed))
     free = FreeMotions()
+    off_sheet = 0.0
+    if layout is not None and layout.rim:  # the outlines of the meshes have different chords
+        off_sheet = OFF_SHEET_EDGES * np.sqrt(polygon_area(layout.outline) / len(fine.printed))
     if layout is not None:
         supports = support_samples(layout)
-        free = free_motions(supports, fine.at(supports.printed), gravity)
+        free = free_motions(supports, fine.at(supports.printed, off_sheet), gravity)
     edges, distances = [], []
     for printed, positions in coarser[-2:]:
         edges.append(1.0 / np.sqrt(len(printed)))
-        here = fine.at(printed)
+        here = fine.at(printed, off_sheet)
         rotation, shift = free.fit(here, positions)
         distance = np.sqrt(((here @ rotation.T + shift - positions) ** 2).sum(axis=1).mean())
         distances.append(float(100.0 * distance / diameter(fine.positions)))

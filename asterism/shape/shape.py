@@ -18,8 +18,8 @@ from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 from pattern.geometry.point_location import locate
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Shape:
         if self.plan is not None:
             return self.plan
         try:
-            return layout(Design.from_dict(self.summary["design"]))
+            return print_layout(Design.from_dict(self.summary["design"]))
         except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is missing
             return None
 
@@ -110,12 +110,13 @@ class Shape:
             sizes = np.sort(np.ptp(self.positions @ self.upright().T, axis=0))[::-1]
         return float(sizes[0]), float(sizes[1]), float(sizes[2])
 
-    def at(self, printed_points: Floats) -> Floats:
+    def at(self, printed_points: Floats, off_sheet_mm: float = 0.0) -> Floats:
         """Positions in space of printed points, interpolated linearly within each triangle.
 
         Parameters
         ----------
         printed_points : (n, 2) mm, on the printed sheet.
+        off_sheet_mm : points off the triangles by less are taken to them: a curved outline has chords.
 
         Returns
         -------
@@ -127,7 +128,7 @@ class Shape:
             A point is outside of the sheet.
         """
         points = np.atleast_2d(np.asarray(printed_points, dtype=float))
-        triangle, weights = locate(self.printed, self.triangles, points)
+        triangle, weights = locate(self.printed, self.triangles, points, off_sheet_mm)
         return np.asarray(np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]]))
 
     def aligned(self) -> Shape:

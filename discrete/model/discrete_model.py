@@ -37,6 +37,7 @@ from discrete.model.state import State, moved_state
 from discrete.model.system import System
 from pattern.design.design import Design
 from pattern.design.materials import rest_curvature
+from pattern.design.residual_curvature import residual_curvature
 from pattern.geometry.planar import triangle_areas
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
@@ -85,6 +86,7 @@ class DiscreteModel(System):
         self.network, self.joints = _networks(layout.graph, mesh)
         self.edge_thickness = _at_midpoints(self.network, layout.graph, "thickness")
         self.edge_width = _at_midpoints(self.network, layout.graph, "width")
+        self._own_residual_curvature = self._residual_curvature_over_the_plastics()
         self.constraints = pin_constraints(layout, mesh)
         edges = self.network.edges
         n_turns = len(edges) + 3 * len(self.joints.vertices)
@@ -118,6 +120,13 @@ class DiscreteModel(System):
             params = joint_params(self.joints, net, points, modulus, plastic.poisson, w, h, no_rest)
             parts["rod_joints"] = RodJoint(*joint_inputs(self.joints, len(points), len(net.edges)), params, compiled)
         return parts
+
+    def _residual_curvature_over_the_plastics(self) -> Array:
+        """(R,) 1/mm, residual curvature of every rod edge minus that of the design's plastic; 0 where they are one."""
+        own = [rod.kappa_bar for rod in self.layout.graph.rods]
+        plastic = residual_curvature(self.edge_thickness, self.design.plastic.kappa_bar_per_mm)
+        of_edge = np.array([np.nan if value is None else value for value in own])[self.network.rod]
+        return np.where(np.isnan(of_edge), 0.0, of_edge - plastic)
 
     def _dead_load(self) -> Array:
         """(3 V,) N, weight of fabric and plastic, lumped to the vertices; zero without gravity."""
@@ -159,6 +168,7 @@ class DiscreteModel(System):
         length = np.linalg.norm(step, axis=1)
         partly = fabric.model_copy(update={"stretch": (sx, sy)})
         kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, step / length[:, None])
+        kappa += self._own_residual_curvature
         span = length[net.stencil_edges].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
         if "rod_joints" in self.parts:

@@ -21,7 +21,7 @@ def bump_heights(model: DiscreteModel, state: State) -> Array:
     mesh, stars = model.mesh, model.layout.arm_star
     n_stars = len(model.layout.centres)
     tips = np.zeros((n_stars, 3))
-    np.add.at(tips, stars, state.positions[[rod[-1] for rod in mesh.rods]])
+    np.add.at(tips, stars, state.positions[[rod[-1] for rod in mesh.rods[: len(stars)]]])
     arms = np.bincount(stars, minlength=n_stars)[:, None]
     centre = state.positions[mesh.star_vertices]
     above_tips = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
@@ -31,7 +31,8 @@ def bump_heights(model: DiscreteModel, state: State) -> Array:
 def star_normals(model: DiscreteModel, state: State) -> Array:
     """(S, 3) unit vectors along the mean plastic normal of each star's arms; zero without arms."""
     normal = np.zeros((len(model.layout.centres), 3))
-    np.add.at(normal, model.layout.arm_star[model.network.rod], state.directors)
+    arms = model.network.rod < len(model.layout.arm_star)  # all rods, but those of a drawing
+    np.add.at(normal, model.layout.arm_star[model.network.rod[arms]], state.directors[arms])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     return normal / np.where(length > 0.0, length, 1.0)
 

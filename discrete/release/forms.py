@@ -23,6 +23,7 @@ from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
+COMPARED_POINTS_A_ROD = 9  # points of a drawn rod at which two forms are compared
 MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start
 
 
@@ -46,9 +47,13 @@ class ExactForm:
     levels: tuple[MeshLevel, ...] = ()
 
     @property
-    def centres(self) -> Array:
-        """(S, 3) mm, centres of the stars."""
-        return self.equilibrium.state.positions[self.model.mesh.star_vertices]
+    def places(self) -> Array:
+        """(S, 3) mm, places at which forms are compared: the centres of the stars, or points along drawn rods."""
+        positions, mesh = self.equilibrium.state.positions, self.model.mesh
+        if self.model.layout.drawn is None:
+            return positions[mesh.star_vertices]
+        # at equal vertex numbers of even meshes, so that forms on two meshes can be compared
+        return np.concatenate([_along(positions[path]) for path in mesh.rods])
 
     @property
     def free_motions(self) -> FreeMotions:
@@ -91,7 +96,7 @@ class Minima:
     symmetries: list[Symmetry]
 
     def distance_percent(self, first: ExactForm, second: ExactForm) -> float:
-        """Rms distance of the star centres in % of the diameter, up to free motions and symmetries of the design."""
+        """Rms distance of the places in % of the diameter, up to free motions and symmetries of the design."""
         return _form_distance(first, second, self.symmetries)[0]
 
 
@@ -154,6 +159,12 @@ def find_minima(
     return Minima(_best_first(distinct_forms(certified, design_symmetries)), coarse, refined, lost, design_symmetries)
 
 
+def _along(path: Array) -> Array:
+    """(k, 3) mm, points at equal parts of a path (n, 3)."""
+    at = np.linspace(0.0, len(path) - 1.0, COMPARED_POINTS_A_ROD)
+    return np.column_stack([np.interp(at, np.arange(len(path)), path[:, axis]) for axis in range(3)])
+
+
 def distinct_forms(forms: list[ExactForm], design_symmetries: list[Symmetry]) -> list[ExactForm]:
     """The distinct forms: of those nearer than SAME_FORM_PERCENT with the same stars up, the best with all starts."""
     groups: list[list[ExactForm]] = []
@@ -174,7 +185,11 @@ def distinct_forms(forms: list[ExactForm], design_symmetries: list[Symmetry]) ->
 def _form_distance(first: ExactForm, second: ExactForm, design_symmetries: list[Symmetry]) -> tuple[float, bool]:
     """Distance in % of the diameter, and whether it is to a symmetric image with the same stars up."""
     diameter = first.model.layout.diameter_mm
-    distances = symmetric_distances(first.centres, second.centres, design_symmetries, first.free_motions)
+    if first.model.layout.drawn is not None:
+        images = [replace(image, star=np.arange(len(first.places))) for image in design_symmetries]
+        distances = symmetric_distances(first.places, second.places, images, first.free_motions)
+        return float(100.0 * distances.min() / diameter), True
+    distances = symmetric_distances(first.places, second.places, design_symmetries, first.free_motions)
     percent = 100.0 * distances / diameter
     first_sides, second_sides = first.equilibrium.sides, second.equilibrium.sides
     same_sides = np.array([np.array_equal(first_sides, second_sides[image.star]) for image in design_symmetries])

@@ -170,7 +170,7 @@ def _start_of_cycle(kind: int, cycle: int, n_stars: int, rng: np.random.Generato
             return ReleaseStart("flat, sudden", bumps=False, releases=releases)
         case 6:
             return ReleaseStart("strong noise, gentle", noise_mm=0.3)
-        case 7:
+        case 7 if n_stars:
             pattern = rng.choice([1, -1], n_stars, p=[0.8, 0.2])
             if pattern.min() > 0:
                 pattern[0] = -1

@@ -61,7 +61,7 @@ def star_size(design: Design, name: str) -> float:
     ValueError
         The size varies over the sheet.
     """
-    stars = design.stars
+    stars = design.required_stars
     value = getattr(stars, name)
     if name == "length_mm" and isinstance(stars.length_fraction, int | float):
         value = stars.length_fraction * design.lattice.spacing_mm

@@ -10,7 +10,7 @@ import shapely
 from pydantic import Field, model_validator
 
 from pattern.design.errors import DesignError
-from pattern.design.section import Number, Point, Section, Whole
+from pattern.design.section import Line, Number, Point, Section, Whole
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_segment
 
@@ -23,13 +23,14 @@ MIN_SPIKE_ASPECT = 20.0
 
 
 class Border(Section):
-    """The outline: one of `rings`, `rectangle_mm` and `polygon_mm`.
+    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm` and `rods`.
 
     Attributes
     ----------
     rings : hexagon around this many rings of stars about the central one (triangular lattice only).
     rectangle_mm : width and height, centred on the origin.
     polygon_mm : corners in order, clockwise or counterclockwise.
+    rods : name of a closed line of `[rods]` that is the outline: the fabric is cut along its outer edge.
     star_margin_mm : smallest distance from a star's centre to the outline of a rectangle or polygon. By default it is
         half the spacing, which leaves the outer stars a full cell of fabric.
     overhang : `cut` shortens arms that would leave the sheet, `refuse` reports them as an error.
@@ -44,13 +45,14 @@ class Border(Section):
     rings: Whole | None = Field(None, ge=0, le=40)
     rectangle_mm: Point | None = None
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
+    rods: Line | None = None
     star_margin_mm: Number | None = Field(None, ge=1, le=1000)
     overhang: Literal["cut", "refuse"] = "cut"
     tip_margin_mm: Number = Field(0.5, ge=0.1, le=100)
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:
-        self._check_one_of("rings", "rectangle_mm", "polygon_mm")
+        self._check_one_of("rings", "rectangle_mm", "polygon_mm", "rods")
         if self.rectangle_mm is not None and not all(1 <= side <= MAX_SHEET_MM for side in self.rectangle_mm):
             raise DesignError("rectangle_mm", f"must be two sides from 1 to {MAX_SHEET_MM:g} mm", self.rectangle_mm)
         if self.polygon_mm is not None:

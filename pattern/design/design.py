@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, get_args
 
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
@@ -16,6 +16,7 @@ from pattern.design.files import write_table
 from pattern.design.lattice import Lattice
 from pattern.design.materials import Fabric, Plastic
 from pattern.design.pins import Pins
+from pattern.design.rods import Rods
 from pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
 from pattern.design.stars import Stars
 
@@ -78,7 +79,7 @@ class Solver(Section):
 
 
 class Design(Section):
-    """A sheet of plastic stars on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa.
+    """A sheet of plastic stars or drawn rods on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa.
 
     Examples
     --------
@@ -92,7 +93,8 @@ class Design(Section):
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
     lattice: Lattice = Lattice()
-    stars: Stars
+    stars: Stars | None = None
+    rods: Rods | None = None
     border: Border
     pins: tuple[Pins, ...] = Field((), max_length=1000)
     gravity: Gravity = Gravity()
@@ -106,6 +108,7 @@ class Design(Section):
         if not isinstance(data, Mapping):
             return data
         kinds = {"": cls} | {name: field.annotation for name, field in cls.model_fields.items()}
+        kinds = {name: next((part for part in get_args(kind) if part), kind) for name, kind in kinds.items()}
         tables = {name: kind for name, kind in kinds.items() if isinstance(kind, type) and issubclass(kind, Section)}
         for name in tables:
             entries = data.get(name) if name else data
@@ -119,6 +122,29 @@ class Design(Section):
                     field = f"{name}.{key}" if name else key
                     raise DesignError(field, f"unknown key here, it belongs {_place(homes)}", entries[key])
         return data
+
+    @model_validator(mode="after")
+    def _one_pattern(self) -> Self:
+        if self.stars is None and self.rods is None:
+            raise DesignError("", "must have [stars] or [rods]")
+        if self.stars is not None and self.rods is not None:
+            raise DesignError("rods", "must stand alone: a design has either [stars] or [rods]")
+        if self.rods is None and self.border.rods is not None:
+            raise DesignError("border.rods", "goes with [rods]", self.border.rods)
+        return self
+
+    @property
+    def required_stars(self) -> Stars:
+        """The section `[stars]`, for what is computed of stars alone.
+
+        Raises
+        ------
+        DesignError
+            The pattern is drawn.
+        """
+        if self.stars is None:
+            raise DesignError("rods", "only asterism simulate computes drawn rods; this needs [stars]")
+        return self.stars
 
     @field_validator("units")
     @classmethod

@@ -81,7 +81,7 @@ def clipped(weights: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
     return np.asarray(kept / kept.sum(axis=1, keepdims=True))
 
 
-def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:
+def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float = 0.0) -> tuple[Ints, Floats]:
     """The triangle that holds each point, and the point's weights there.
 
     Parameters
@@ -89,6 +89,7 @@ def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floa
     printed : (V, 2) mm.
     triangles : (T, 3).
     points : (n, 2) mm.
+    off_sheet_mm : points off the triangles by less are taken to them.
 
     Returns
     -------
@@ -98,7 +99,7 @@ def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floa
     Raises
     ------
     ValueError
-        If these are no points, or one is off the sheet by more than a rounding error.
+        If these are no points, or one is off the sheet by more than `off_sheet_mm` and a rounding error.
     """
     if points.ndim != 2 or points.shape[1] != 2:
         raise ValueError(f"printed points must be pairs of mm, shape (n, 2), got shape {points.shape}")
@@ -110,7 +111,8 @@ def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floa
     for i in np.flatnonzero(weights.min(axis=1) < 0):
         triangle[i], weights[i] = finder.best_of_all(points[i])
     weights = clipped(weights)
-    off = np.flatnonzero(finder.misses(points, triangle, weights) > 1e-9 * np.ptp(printed, axis=0).max())
+    allowed = max(off_sheet_mm, 1e-9 * float(np.ptp(printed, axis=0).max()))
+    off = np.flatnonzero(finder.misses(points, triangle, weights) > allowed)
     if len(off):
         x, y = points[off[0]]
         raise ValueError(

@@ -53,7 +53,7 @@ def layout(design: Design) -> Layout:
     (7, 21, 17.32)
     """
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
-    lattice = design.lattice
+    lattice, stars = design.lattice, design.required_stars
     corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
     # first the stars: a sheet with too many of them also has too many vertices
     cells = _kept_cells(design.border, lattice).copy()
@@ -64,7 +64,7 @@ def layout(design: Design) -> Layout:
     centres = lattice.sites.place(cells)
     _check_tip_margin(design.border, lattice)
     directions = lattice.arm_directions
-    sizes = star_sizes(design.stars, cells, lattice)
+    sizes = star_sizes(stars, cells, lattice)
 
     star, arm = (index.ravel() for index in np.indices((len(cells), lattice.arms)))
     tips = centres[star] + sizes.length[star, None] * directions[arm]
@@ -87,7 +87,7 @@ def layout(design: Design) -> Layout:
     thickness, width = (_shortened(ends, part) for ends in (thickness, width))
     long_enough = part * sizes.length[star] >= MIN_ARM_MM
     star, tips, thickness, width = (values[long_enough] for values in (star, tips, thickness, width))
-    if (rounding := design.stars.rounding) is not None:
+    if (rounding := stars.rounding) is not None:
         thickness, width = rounding.thickness(thickness), rounding.width(width)
     if len(star) == 0:
         longest = float(sizes.length.max(initial=0.0))
@@ -200,6 +200,11 @@ def _check_mesh(edge: float, border: Border, lattice: Lattice) -> None:
     corners, spacing = _kept_outline(border, lattice), lattice.spacing_mm
     if edge > spacing:
         raise DesignError("mesh.edge_mm", f"must be at most the spacing of the stars, {spacing:g}", edge)
+    check_mesh_size(edge, corners)
+
+
+def check_mesh_size(edge: float, corners: Floats) -> None:
+    """Refuse mesh edges (mm) too short for the memory of a computer, on a sheet with the outline (B, 2) mm."""
     # equilateral triangles of this edge have half a vertex each
     area = float(shapely.area(shapely.polygons(corners)))
     vertices = area / (np.sqrt(0.75) * edge**2)

@@ -30,7 +30,7 @@ class Layout:
     neighbours : (N, 2) pairs of neighbouring stars, see `PlaneLattice.neighbours`.
     pins : supports; empty for a free sheet.
     lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`. Star centres are integer combinations of them plus
-        `lattice_origin`.
+        `lattice_origin`. For a drawing that does not repeat, those of a square lattice of the mean distance of rods.
     lattice_origin : (2,) mm.
     star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
     star_number : (S,) increasing, the number of each star in the design and in results.
@@ -38,6 +38,8 @@ class Layout:
     site_sizes_mm : (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before
         rounding; length 0 where a star is removed.
     ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
+    drawn : rods of a drawing; None for stars.
+    rim : drawn rods that are the outline, in their order around it, all counterclockwise.
     meeting_mm : ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of
         different stars.
     """
@@ -58,6 +60,8 @@ class Layout:
     site_sizes_mm: Float[np.ndarray, "P 3"] = field(default_factory=lambda: np.empty((0, 3)))
     ignored_sites: Int[np.ndarray, "k 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     meeting_mm: float = 0.0
+    drawn: RodGraph | None = None
+    rim: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.star_branch) == 0:
@@ -67,7 +71,9 @@ class Layout:
 
     @cached_property
     def graph(self) -> RodGraph:
-        """All rods, and the nodes at which they meet: one rod an arm, in the order of the arms."""
+        """All rods, and the nodes at which they meet: the drawing, or one rod an arm, in the order of the arms."""
+        if self.drawn is not None:
+            return self.drawn
         sizes = self.arm_thickness, self.arm_width
         return star_graph(self.centres, self.arm_star, self.arm_tip, *sizes, self.meeting_mm)
 
@@ -83,7 +89,7 @@ class Layout:
 
     @property
     def spacing_mm(self) -> float:
-        """Distance of nearest neighbours: length of the shorter lattice vector."""
+        """Distance of nearest neighbours: length of the shorter lattice vector; of a drawing, the scale of its rods."""
         return float(np.linalg.norm(self.lattice_vectors, axis=1).min())
 
     @property

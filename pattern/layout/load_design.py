@@ -7,7 +7,7 @@ from pathlib import Path
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.files import read_table
-from pattern.layout.build import layout
+from pattern.layout.print_layout import print_layout
 
 
 def load_design(path: str | Path) -> Design:
@@ -26,7 +26,7 @@ def load_design(path: str | Path) -> Design:
     path = Path(path)
     design = Design.from_dict(read_table(path), path.parent, path)
     try:
-        layout(design)
+        print_layout(design)
     except DesignError as error:
         raise error.within(path) from None
     return design

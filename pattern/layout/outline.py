@@ -28,6 +28,8 @@ def outline(border: Border, lattice: Lattice) -> Floats:
         return _hexagon(border.rings, lattice)
     if border.rectangle_mm is not None:
         return np.asarray(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.asarray(border.rectangle_mm) / 2)
+    if border.rods is not None:
+        raise DesignError("border.rods", "is an outline for asterism simulate alone", border.rods)
     corners = np.asarray(border.polygon_mm)
     return corners if shapely.is_ccw(shapely.linearrings(corners)) else corners[::-1].copy()
 

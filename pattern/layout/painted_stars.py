@@ -57,7 +57,7 @@ def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, re
             entries[site] = _entry(site, *given)
     for site in map(tuple, gone.tolist()):
         entries[site] = _entry(site, *NO_SIZES)
-    stars = design.stars.model_copy(update={"override": tuple(entries.values())})
+    stars = design.required_stars.model_copy(update={"override": tuple(entries.values())})
     return design.model_copy(update={"stars": stars})
 
 
@@ -66,7 +66,7 @@ def overrides_by_site(design: Design) -> list[Override]:
 
     Entries that no star fits stay as they are, and so do second entries of one star: `layout` names them.
     """
-    lattice, entries = design.lattice, list(design.stars.override)
+    lattice, entries = design.lattice, list(design.required_stars.override)
     numbered = [entry.star for entry in entries if entry.star is not None]
     cells = star_cells(design.border, lattice, outline(design.border, lattice)) if numbered else np.empty((0, 2))
     out: list[Override] = []

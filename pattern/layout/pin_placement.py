@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from pattern.design.errors import DesignError
 from pattern.design.pins import Pins
@@ -91,27 +92,38 @@ def snapped_to_arms(pins: PinSet, corners: Floats, centres: Floats, tips: Floats
     corners : (B, 2) mm, the outline.
     centres, tips : (A, 2) mm, both ends of every arm.
     """
+    # only arms that reach a pin count; most sheets have few of these
+    reach = float(np.linalg.norm(tips - centres, axis=1).max(initial=0.0)) + PIN_TOLERANCE_MM
+    near = (np.linalg.norm(centres[:, None] - pins.points, axis=2) <= reach).any(axis=1)
+    centres, tips = centres[near], tips[near]
+    if not len(centres):
+        return pins
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    return snapped_to_lines(pins, corners, np.concatenate([centres, tips]), arms)
+
+
+def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray[np.object_]) -> PinSet:
+    """The same pins; points beside an end of a line or beside a line are moved onto it, except those on the outline.
+
+    Parameters
+    ----------
+    corners : (B, 2) mm, the outline.
+    ends : (n, 2) mm, ends and corners of the lines.
+    lines : of shapely, mm.
+    """
     if not len(pins.points):
         return pins
     places = shapely.points(pins.points)
     inside = shapely.distance(shapely.linearrings(corners), places) > 1e-6 * float(np.ptp(corners, axis=0).max())
-    # only arms that reach a pin count; most sheets have few of these
-    reach = float(np.linalg.norm(tips - centres, axis=1).max(initial=0.0)) + PIN_TOLERANCE_MM
-    near = (np.linalg.norm(centres[:, None] - pins.points[inside], axis=2) <= reach).any(axis=1)
-    centres, tips = centres[near], tips[near]
-    if not len(centres):
-        return pins
-    ends = np.concatenate([centres, tips])
     end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
     at_end = np.linalg.norm(pins.points - end, axis=1) <= PIN_TOLERANCE_MM
-    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
-    arm = arms[shapely.STRtree(arms).nearest(places)]
-    foot = shapely.get_coordinates(shapely.line_interpolate_point(arm, shapely.line_locate_point(arm, places)))
-    beside = inside & (shapely.distance(arm, places) <= PIN_TOLERANCE_MM)
+    line = lines[shapely.STRtree(lines).nearest(places)]
+    foot = shapely.get_coordinates(shapely.line_interpolate_point(line, shapely.line_locate_point(line, places)))
+    beside = inside & (shapely.distance(line, places) <= PIN_TOLERANCE_MM)
     if not beside.any():
         return pins
-    on_arm = np.where(at_end[:, None], end, foot)
-    return replace(pins, points=np.where(beside[:, None], on_arm, pins.points))
+    on_line = np.where(at_end[:, None], end, foot)
+    return replace(pins, points=np.where(beside[:, None], on_line, pins.points))
 
 
 def rounded_place(point: Floats) -> list[float]:

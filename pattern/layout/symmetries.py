@@ -25,7 +25,7 @@ class Symmetry:
     ----------
     turn : (2, 2) orthogonal matrix; a mirror if its determinant is -1.
     shift : (2,) mm.
-    star : (S,) the star onto which each star is moved.
+    star : (S,) the star onto which each star is moved; empty for a drawing.
     shift_in_space : (3,) mm, of the supports' places, which may have another centre than the print.
 
     Notes
@@ -56,7 +56,10 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     """All symmetries of the stars, their arms and sizes, the outline, the pins, the stretch and the weight.
 
     The identity comes first. Each maps the centre of the stars to itself, and the lattice onto itself but for a shift.
+    Of drawings only the identity is found.
     """
+    if layout.drawn is not None:
+        return [Symmetry(np.eye(2), np.zeros(2), np.empty(0, dtype=np.int64))]
     tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm
     centre = layout.centres.mean(axis=0)
     # Tips may meet. A quarter of the way back to the centre, no two arms do.

@@ -32,7 +32,8 @@ def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
         The message names the condition that fails, and the place or the angle.
     """
     areas = triangle_areas(mesh.points, mesh.triangles)
-    total = polygon_area(layout.outline)
+    # of a sheet with a rim, the outline of the mesh has chords of its curves
+    total = polygon_area(mesh.points[mesh.border_vertices] if layout.rim else layout.outline)
     if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:
         raise MeshError("the mesh does not fill the sheet without overlaps")
     angle = float(triangle_angles(mesh.points, mesh.triangles).min())

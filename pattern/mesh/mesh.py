@@ -16,8 +16,8 @@ class Mesh:
     ----------
     points : (V, 2) mm, every one used by a triangle.
     triangles : (T, 3) counterclockwise.
-    rods : one array an arm (in the layout's order): vertices from the star's centre to the tip;
-        consecutive ones are edges of triangles.
+    rods : one array a rod (in the order of the layout's graph): vertices from its start, of an arm the star's centre,
+        to its end; consecutive ones are edges of triangles.
     star_vertices : (S,) the vertex at each star's centre.
     border_vertices : (n,) vertices on the outline, counterclockwise.
     pin_vertices : one array a pin set of the layout. For points: in their order. For edges: every mesh vertex on them.

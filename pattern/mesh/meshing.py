@@ -23,7 +23,9 @@ def mesh_layout(
     """
     if kind not in ("auto", "aligned", "delaunay"):
         raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
-    if kind != "delaunay":
+    if kind == "aligned" and layout.drawn is not None:
+        raise MeshError("mesh.kind = 'aligned': drawn rods have no aligned mesh; delaunay and auto mesh every sheet")
+    if kind != "delaunay" and layout.drawn is None:
         try:
             return aligned_mesh(layout, edge_mm, graded, draft)
         except MeshError as error:

@@ -55,6 +55,13 @@ class Rod:
         """mm."""
         return float(self.arc_lengths[-1])
 
+    @property
+    def turn(self) -> float:
+        """rad, by which the rod turns along its length, to either side."""
+        step = np.diff(self.points, axis=0)
+        angles = np.arctan2(cross_2d(step[:-1], step[1:]), (step[:-1] * step[1:]).sum(axis=1))
+        return float(np.abs(angles).sum())
+
     def at(self, values: Floats, part: Floats) -> Floats:
         """(k, ...) values, given at the points (n, ...), at parts (k,) of the length from 0 to 1."""
         known = self.arc_lengths / self.length

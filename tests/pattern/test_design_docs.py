@@ -12,15 +12,21 @@ from pattern.design.design import Design
 from pattern.design.sizing.profiles import PROFILES
 from pattern.design.stars import Override
 from pattern.layout.build import layout
+from pattern.layout.print_layout import print_layout
 
 TEXT = (Path(__file__).parents[2] / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
-WHOLE, OVERRIDE, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+WHOLE, OVERRIDE, RODS, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
 
 
 def test_example():
     assert len(layout(Design.from_dict(tomllib.loads(WHOLE))).centres) == 37
     changed = layout(Design.from_dict(tomllib.loads(WHOLE.replace("[border]", OVERRIDE + "[border]"))))
     assert changed.arm_length.min() == pytest.approx(4, abs=1e-3)
+
+
+def test_example_of_rods():
+    sheet = print_layout(Design.from_dict(tomllib.loads(RODS)))
+    assert len(sheet.rim) == 2 and {rod.name for rod in sheet.graph.rods} == {"rim", "rib"}
 
 
 @pytest.mark.parametrize("line", [line for line in FIELDS.splitlines() if "image" not in line])

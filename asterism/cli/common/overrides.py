@@ -6,7 +6,7 @@ from typing import Any
 
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.layout.build import layout
+from pattern.layout.print_layout import print_layout
 
 
 def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Design:
@@ -30,7 +30,7 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
         return design
     try:
         new = Design.from_dict(data)
-        layout(new)
+        print_layout(new)
     except DesignError as error:
         for option, (field, _) in given.items():
             if field == error.field:

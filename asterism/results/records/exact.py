@@ -80,6 +80,14 @@ def mesh_error_in_words(record: ExactRecord) -> str:
     return f"not known, {why}; {change:.1f} % of the diameter from the next coarser mesh"
 
 
+def _stars(record: ExactRecord) -> str | None:
+    return f"{record.stars_up} of {record.stars_total} up" if record.stars_total else None
+
+
+def _rods(record: ExactRecord) -> str | None:
+    return None if record.stars_total else f"{record.rods_total}, {record.joints_total} joints"
+
+
 def _starts(record: ExactRecord) -> str | None:
     lost = record.get("starts_lost", 0)
     return f"{record.starts}, of which {lost} came to no equilibrium" if lost else None
@@ -101,6 +109,7 @@ class ExactRecord(ShapeRecord):
     model_name = "exact"
     rows = (
         "stars_up",
+        "rods_total",
         "height_mm",
         "extent_mm",
         "contraction",
@@ -124,7 +133,9 @@ class ExactRecord(ShapeRecord):
     )
     eigenvalue_error: float = key("Norm of the residual of that eigenvalue: a bound of its error.", unit="N/mm")
     stars_total: int = key("Stars of the design.")
-    stars_up: int = key("Stars that bump to the plastic side.", label="stars", show="{stars_up} of {stars_total} up")
+    rods_total: int = key("Rods between nodes: of stars one an arm.", label="rods", show=_rods, default=ABSENT)
+    joints_total: int = key("Corners, branches and crossings of the rods, and ends that meet.", default=ABSENT)
+    stars_up: int = key("Stars that bump to the plastic side.", label="stars", show=_stars)
     stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
     stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
     edge_mm: float = key("Edge length of the mesh that the design asks for.", unit="mm")

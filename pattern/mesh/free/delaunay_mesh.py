@@ -1,4 +1,4 @@
-"""The constrained Delaunay mesh: any outline, arms in any direction, refined where features are close together."""
+"""The constrained Delaunay mesh: any outline, any graph of rods, refined where features are close together."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -20,11 +21,17 @@ from pattern.mesh.free.triangulate import triangulate
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.outline_points import outline_points
 from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
+from pattern.rods.graph import Rod
 
 REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle
 POOR_ANGLE_DEG = 25.0
 MAX_SPLITS = 3
+# drawings may have narrower places than stars, and are refused if their triangles stay flatter than this
+MAX_DRAWN_SPLITS = 6
+MIN_DRAWN_ANGLE_DEG = 20.0
+# a segment of a curved rod turns by less
+MAX_SEGMENT_TURN_RAD = np.radians(20.0)
 # in units of the edge squared: refinement leaves a mean area of 0.6 of it, that of an equilateral triangle
 MAX_AREA_EDGES_SQUARED = 0.7
 # edges along arms of a graded mesh, over those far from them; quality makes all sizes between
@@ -35,7 +42,10 @@ MERGE_DISTANCE_SPACINGS = 1e-6
 
 @dataclass(frozen=True)
 class _Frame:
-    """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of each arm's segments."""
+    """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of each rod's segments.
+
+    Of an outline along which rods run, the rods have the points.
+    """
 
     outline: Floats
     step: Floats
@@ -44,26 +54,30 @@ class _Frame:
 def delaunay_mesh(
     layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False, splits: int = MAX_SPLITS
 ) -> Mesh:
-    """Triangles of about 30 degrees or more, with even segments along every arm and the outline.
+    """Triangles of about 30 degrees or more, with even segments along every rod and the outline.
 
     Parameters
     ----------
-    edge_mm : wished length of an edge. Arms get at least two segments, and shorter ones where tips come close to
-        other arms or to the outline.
+    edge_mm : wished length of an edge. Rods get at least two segments, more where they curve, and shorter ones where
+        ends come close to other rods or to the outline.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
     graded : arms get edges of a fifth of the length, so that the triangles beside them are small.
     splits : how often segments beside flat triangles are halved at most.
     """
     check_edge(layout, edge_mm)
     pins, tolerance = pins_on_sheet(layout), _tolerance(layout)
-    length = layout.arm_length
-    frame = _Frame(
-        outline_points(
-            layout.outline, edge_mm, np.concatenate([layout.arm_tip, layout.centres, pins]), tolerance, np.zeros((0, 2))
-        ),
-        length / np.maximum(np.rint(length / (ARM_EDGE_FACTOR * edge_mm if graded else edge_mm)), 2),
-    )
+    length = np.array([rod.length for rod in layout.graph.rods])
+    if (length <= tolerance).any():
+        raise MeshError(f"arm {int(np.argmax(length <= tolerance))} has no length")
+    least = np.maximum(2.0, np.ceil([rod.turn / MAX_SEGMENT_TURN_RAD for rod in layout.graph.rods]))
+    if layout.drawn is not None:  # a short piece between two nodes is one edge
+        least[length < 0.5 * edge_mm] = 1.0
+    step = length / np.maximum(np.rint(length / (ARM_EDGE_FACTOR * edge_mm if graded else edge_mm)), least)
+    ends = np.concatenate([layout.arm_tip, layout.centres, pins])
+    frame = _Frame(outline_points(layout.outline, edge_mm, ends, tolerance, np.zeros((0, 2))), step)
     best, best_angle = None, -1.0
+    if layout.drawn is not None and splits == MAX_SPLITS:
+        splits = MAX_DRAWN_SPLITS
     for _ in range(splits + 1):
         mesh = _mesh(layout, frame, pins, edge_mm, seed)
         angles = triangle_angles(mesh.points, mesh.triangles).min(axis=1)
@@ -73,21 +87,26 @@ def delaunay_mesh(
             break
         poor = np.zeros(len(mesh.points), dtype=bool)
         poor[mesh.triangles[angles < POOR_ANGLE_DEG]] = True
-        frame = _split(frame, mesh, poor, edge_mm / 6)
+        frame = _split(layout, frame, mesh, poor, edge_mm / 6)
     assert best is not None
+    if layout.drawn is not None and splits and best_angle < MIN_DRAWN_ANGLE_DEG:
+        flattest = best.triangles[triangle_angles(best.points, best.triangles).min(axis=1).argmin()]
+        x, y = best.points[flattest].mean(axis=0)
+        close = f"lines are too close together at [{x:.2f}, {y:.2f}] for triangles of {MIN_DRAWN_ANGLE_DEG:g} deg"
+        raise MeshError(f"rods: {close}: move them apart, or use a shorter mesh.edge_mm")
     return checked(best, layout, 0.0)
 
 
 def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int) -> Mesh:
     """The mesh of a frame."""
-    arms = [_arm_points(layout, arm, step, pins) for arm, step in enumerate(frame.step)]
-    parts = [layout.centres, frame.outline, *arms, pins]
+    lines = _arms_of_stars(layout, frame.step, pins) if layout.drawn is None else _drawn_rods(layout, frame.step, pins)
+    outline = np.concatenate([lines[rod][:-1] for rod in layout.rim]) if layout.rim else frame.outline
+    parts = [layout.centres, outline, *lines, pins]
     points, vertex = _merged(np.concatenate(parts), _tolerance(layout))
     chains = np.split(vertex, np.cumsum([len(part) for part in parts])[:-1])
     stars, border, rods = chains[0], chains[1], chains[2:-1]
-    segments = np.concatenate(
-        [np.column_stack([border, np.roll(border, -1)]), *(np.column_stack([r[:-1], r[1:]]) for r in rods)]
-    )
+    off_rim = [np.column_stack([r[:-1], r[1:]]) for k, r in enumerate(rods) if k not in layout.rim]
+    segments = np.concatenate([np.column_stack([border, np.roll(border, -1)]), *off_rim])
     points = np.concatenate([points, _scattered(layout, points, edge_mm, seed)])
     points, triangles = triangulate(
         points, segments, min_angle_deg=REFINEMENT_ANGLE_DEG, max_area=MAX_AREA_EDGES_SQUARED * edge_mm**2
@@ -95,13 +114,36 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     return Mesh(points, triangles, tuple(rods), stars, border, pin_vertices(layout, points, border), "delaunay")
 
 
+def _arms_of_stars(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
+    return [_arm_points(layout, arm, length, pins) for arm, length in enumerate(step)]
+
+
+def _drawn_rods(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
+    """Points (n, 2) along every drawn rod, even between its ends and the pins on it."""
+    return [
+        _rod_points(rod, length, pins, _tolerance(layout)) for rod, length in zip(layout.graph.rods, step, strict=True)
+    ]
+
+
+def _rod_points(rod: Rod, step: float, pins: Floats, tolerance: float) -> Floats:
+    line, places = shapely.LineString(rod.points), shapely.points(pins)
+    along = np.asarray(shapely.line_locate_point(line, places), dtype=float)
+    inner = (shapely.distance(line, places) <= tolerance) & (along > tolerance) & (along < rod.length - tolerance)
+    order = np.flatnonzero(inner)[np.argsort(along[inner])]
+    at = np.concatenate([[0.0], along[order], [rod.length]])
+    stops = np.concatenate([rod.points[:1], pins[order], rod.points[-1:]])
+    pieces = []
+    for k, (a, b) in enumerate(pairwise(at)):
+        parts = np.linspace(a, b, max(round((b - a) / step), 1) + 1)[1:-1] / rod.length
+        pieces += [stops[k : k + 1], rod.at(rod.points, parts)]
+    return np.concatenate([*pieces, stops[-1:]])
+
+
 def _arm_points(layout: Layout, arm: int, step: float, pins: Floats) -> Floats:
     """Points (n, 2) along an arm, even between its ends, the pins on it and other arms' ends that touch it."""
     centre, tip = layout.centres[layout.arm_star[arm]], layout.arm_tip[arm]
     length = float(np.linalg.norm(tip - centre))
     tolerance = _tolerance(layout)
-    if length <= tolerance:
-        raise MeshError(f"arm {arm} has no length")
     others = np.concatenate([layout.centres, layout.arm_tip, pins])
     others = others[distance_to_segment(others, centre, tip) <= tolerance]
     along = (others - centre) @ (tip - centre) / length
@@ -114,16 +156,17 @@ def _arm_points(layout: Layout, arm: int, step: float, pins: Floats) -> Floats:
     return np.concatenate([*pieces, tip[None]])
 
 
-def _split(frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], shortest: float) -> _Frame:
-    """Halve the segments of the arms and of the stretches of border that touch poor vertices."""
+def _split(layout: Layout, frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], shortest: float) -> _Frame:
+    """Halve the segments of the rods and of the stretches of border that touch poor vertices."""
     arms = np.array([poor[rod].any() for rod in mesh.rods], dtype=bool)
+    step = np.where(arms & (frame.step > 2 * shortest), frame.step / 2, frame.step)
+    if layout.rim:
+        return replace(frame, step=step)
     start, end = frame.outline, np.roll(frame.outline, -1, axis=0)
     at = mesh.border_vertices
     halve = (poor[at] | poor[np.roll(at, -1)]) & (np.linalg.norm(end - start, axis=1) > 2 * shortest)
     outline = np.insert(frame.outline, np.flatnonzero(halve) + 1, (start + end)[halve] / 2, axis=0)
-    return replace(
-        frame, outline=outline, step=np.where(arms & (frame.step > 2 * shortest), frame.step / 2, frame.step)
-    )
+    return replace(frame, outline=outline, step=step)
 
 
 def _merged(points: Floats, tolerance: float) -> tuple[Floats, Ints]:

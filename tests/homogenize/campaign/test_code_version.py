@@ -13,8 +13,15 @@ PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
     *("design.arguments", "design.design", "design.errors", "design.files", "design.section", "design.stars"),
-    # sizes that vary, outlines and pins: a cell has none
-    *("design.border", "design.pins", "design.sizing.field", "design.sizing.profile", "design.sizing.expression"),
+    # sizes that vary, outlines, pins and drawings: a cell has none
+    *(
+        "design.border",
+        "design.pins",
+        "design.rods",
+        "design.sizing.field",
+        "design.sizing.profile",
+        "design.sizing.expression",
+    ),
     *("design.sizing.grey_image", *(f"design.sizing.profiles.{key}" for key in PROFILE_FILES)),
 )
 

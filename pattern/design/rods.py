@@ -1,0 +1,106 @@
+"""The section `[rods]`: a pattern that is drawn by numbers, line by line, or as a motif on the lattice."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from pattern.design.errors import DesignError
+from pattern.design.residual_curvature import CurvaturePerMm
+from pattern.design.section import Flag, Line, Number, Point, Section
+from pattern.design.sizing.field import SizingField
+
+MIN_RADIUS_MM = 0.5
+
+
+class DrawnCircle(Section):
+    """A circle by its centre and radius."""
+
+    centre: Point = (0.0, 0.0)
+    radius: Number = Field(ge=MIN_RADIUS_MM, le=1e4)
+
+
+class DrawnArc(Section):
+    """A part of a circle, from one direction seen from the centre to another; counterclockwise if that is larger."""
+
+    centre: Point = (0.0, 0.0)
+    radius: Number = Field(ge=MIN_RADIUS_MM, le=1e4)
+    from_deg: Number = Field(ge=-720, le=720)
+    to_deg: Number = Field(ge=-720, le=720)
+
+    @model_validator(mode="after")
+    def _is_an_arc(self) -> Self:
+        if not 1.0 <= abs(self.to_deg - self.from_deg) < 360.0:
+            raise DesignError(
+                "to_deg", "must differ from from_deg by 1 to 360; circle_mm is a whole circle", self.to_deg
+            )
+        return self
+
+
+class DrawnLine(Section):
+    """One line of a drawing: one of `line_mm`, `spline_mm`, `circle_mm` and `arc_mm`.
+
+    Attributes
+    ----------
+    name : for messages and for `border.rods`.
+    line_mm : points that straight lines join.
+    spline_mm : points that a smooth curve passes through.
+    circle_mm, arc_mm : a circle, or a part of it.
+    closed : the line or spline returns to its first point.
+    thickness_mm, width_mm : in place of those of `[rods]`.
+    kappa_bar_per_mm : residual curvature of this line's plastic, in place of that of `[plastic]`.
+
+    Examples
+    --------
+    >>> DrawnLine(circle_mm={"radius": 40.0}).outline_shape
+    'circle_mm'
+    """
+
+    name: Line = Field("", max_length=100)
+    line_mm: tuple[Point, ...] | None = Field(None, min_length=2, max_length=10_000)
+    spline_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
+    circle_mm: DrawnCircle | None = None
+    arc_mm: DrawnArc | None = None
+    closed: Flag = False
+    thickness_mm: SizingField | None = None
+    width_mm: SizingField | None = None
+    kappa_bar_per_mm: CurvaturePerMm | None = None
+
+    @property
+    def outline_shape(self) -> str:
+        """Which of the keys has the line."""
+        return next(key for key in ("line_mm", "spline_mm", "circle_mm", "arc_mm") if getattr(self, key) is not None)
+
+    @model_validator(mode="after")
+    def _one_line(self) -> Self:
+        self._check_one_of("line_mm", "spline_mm", "circle_mm", "arc_mm")
+        if self.closed and self.outline_shape in ("circle_mm", "arc_mm"):
+            raise DesignError("closed", "goes with line_mm or spline_mm; a circle is closed, and an arc is not", True)
+        return self
+
+
+class Rods(Section):
+    """A drawn pattern. Lines that cross or meet are bonded there.
+
+    Attributes
+    ----------
+    thickness_mm, width_mm : cross-section of all lines that have none of their own, by place.
+    draw : lines on the sheet.
+    motif : lines relative to a site of `[lattice]`, which are repeated at all sites whose copies reach the sheet.
+    curve_mm : largest distance of a curve from the straight pieces that stand for it.
+    join_mm : ends that are nearer than this to another line are moved onto it.
+    """
+
+    thickness_mm: SizingField = 0.3
+    width_mm: SizingField = 1.2
+    draw: tuple[DrawnLine, ...] = Field((), max_length=20_000)
+    motif: tuple[DrawnLine, ...] = Field((), max_length=100)
+    curve_mm: Number = Field(0.005, ge=0.0005, le=1)
+    join_mm: Number = Field(0.1, ge=0.001, le=2)
+
+    @model_validator(mode="after")
+    def _has_a_line(self) -> Self:
+        if not self.draw and not self.motif:
+            raise DesignError("", "must have a line: [[rods.draw]] or [[rods.motif]]")
+        return self

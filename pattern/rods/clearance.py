@@ -1,0 +1,80 @@
+"""Rods that a printer can lay side by side: clear of each other, not too short, and not at narrow angles."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import shapely
+
+from pattern.design.errors import DesignError
+from pattern.design.stars import MIN_ARM_MM
+from pattern.geometry.arrays import Floats
+from pattern.rods.graph import Rod, RodGraph
+
+MAX_RODS = 20_000
+# rods that meet at a smaller angle print as one, and the mesh has no good triangles between them
+MIN_ROD_ANGLE_DEG = 20.0
+
+
+def check_rods(graph: RodGraph) -> None:
+    """Refuse a graph that prints as another one.
+
+    Raises
+    ------
+    DesignError
+        The message names the rods and the place.
+    """
+    if len(graph.rods) > MAX_RODS:
+        raise DesignError("rods", f"must have at most {MAX_RODS} rods between nodes, has {len(graph.rods)}")
+    degree = [len(ends) for ends in graph.ends_at]
+    for rod in graph.rods:
+        if rod.length < MIN_ARM_MM and min(degree[rod.start], degree[rod.end]) < 2:
+            place = rod.at(rod.points, np.array([0.5]))[0]
+            raise _error(
+                f"{rod.name} has a piece of {rod.length:.2f} mm at {_at(place)}: {MIN_ARM_MM:g} or more", place
+            )
+    _check_angles(graph)
+    _check_clearance(graph)
+
+
+def _check_angles(graph: RodGraph) -> None:
+    for node, ends in enumerate(graph.ends_at):
+        for one, other in combinations(ends, 2):
+            first, second = graph.rods[one.rod], graph.rods[other.rod]
+            angle = np.degrees(np.arccos(np.clip(first.direction_at(one.end) @ second.direction_at(other.end), -1, 1)))
+            if angle < MIN_ROD_ANGLE_DEG:
+                place = graph.nodes[node]
+                meet = f"{first.name} and {second.name} meet at {angle:.0f} deg at {_at(place)}"
+                raise _error(f"{meet}: {MIN_ROD_ANGLE_DEG:g} or more, or draw them as one", place)
+
+
+def _check_clearance(graph: RodGraph) -> None:
+    """Refuse rods without a common node that are nearer than half the sum of their widths."""
+    lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
+    widest = max(float(rod.width.max()) for rod in graph.rods)
+    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=widest)
+    keep = first < second
+    for i, j in zip(first[keep], second[keep], strict=True):
+        one, other = graph.rods[i], graph.rods[j]
+        if {one.start, one.end} & {other.start, other.end}:
+            continue
+        distance = float(shapely.distance(lines[i], lines[j]))
+        if distance < 0.5 * (_width(one) + _width(other)):
+            place = shapely.get_coordinates(shapely.shortest_line(lines[i], lines[j])).mean(axis=0)
+            apart = f"{one.name} and {other.name} are {distance:.2f} mm apart at {_at(place)} and would print as one"
+            raise _error(
+                f"{apart} (widths {_width(one):g}, {_width(other):g}): move them apart, or let them meet", place
+            )
+
+
+def _width(rod: Rod) -> float:
+    return float(rod.width.max())
+
+
+def _at(place: Floats) -> str:
+    return f"[{place[0]:.2f}, {place[1]:.2f}]"
+
+
+def _error(problem: str, place: Floats) -> DesignError:
+    return DesignError("rods", problem, place_mm=place)

@@ -1,0 +1,179 @@
+"""The graph of a drawing: lines and copies of motifs, cut at the outline and where they meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from pattern.design.border import Border
+from pattern.design.errors import DesignError
+from pattern.design.lattice import Lattice
+from pattern.design.rods import DrawnLine, Rods
+from pattern.design.sizing.field import SizingField, sample
+from pattern.design.sizing.profile import Profile
+from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from pattern.geometry.arrays import Floats
+from pattern.geometry.planar import polygon_area
+from pattern.rods.clearance import check_rods
+from pattern.rods.curves import polyline
+from pattern.rods.graph import Rod, RodGraph
+from pattern.rods.planar_lines import cut_lines, is_closed
+
+MAX_COPIES = 20_000
+# mm: sections that vary over the sheet are evaluated at points this close along a rod
+SECTION_STEP_MM = 1.0
+# 1: distance of two nodes over the least width of a line, below which they print as one
+MERGED_WIDTHS = 0.5
+
+
+@dataclass(frozen=True)
+class DrawnPattern:
+    """The rods of a drawing and its outline.
+
+    Attributes
+    ----------
+    graph : the rods.
+    outline : (B, 2) mm, counterclockwise.
+    rim : rods that are the outline, in their order around it, all counterclockwise; empty if no rod is on the outline.
+    """
+
+    graph: RodGraph
+    outline: Floats
+    rim: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A line on the sheet, before it is cut."""
+
+    line: DrawnLine
+    points: Floats
+    name: str
+    group: int = -1
+
+
+def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats | None) -> DrawnPattern:
+    """The graph and the outline of a design with drawn rods.
+
+    Parameters
+    ----------
+    corners : (B, 2) mm, the outline; None if a line is the outline (`border.rods`).
+
+    Raises
+    ------
+    DesignError
+        The drawing cannot be printed. The message names the lines and the place.
+
+    Examples
+    --------
+    >>> ring = Rods.model_validate({"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]})
+    >>> sheet = drawn_pattern(ring, Border(rods="rim"), Lattice(), None)
+    >>> len(sheet.graph.rods), sheet.rim, sheet.graph.joints, round(sheet.graph.total_length, 1)
+    (1, (0,), (), 125.7)
+    """
+    drawn = [_Drawn(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]") for k, line in enumerate(rods.draw)]
+    rim = None if corners is not None else _rim(drawn, border.rods or "")
+    if rim is not None:
+        points = drawn[rim].points
+        points = points if polygon_area(points[:-1]) > 0 else points[::-1].copy()
+        corners = points[:-1]
+        drawn[rim] = _Drawn(drawn[rim].line, points, drawn[rim].name)
+    assert corners is not None
+    drawn += _copies(rods, lattice, corners)
+    kept = [part for k, each in enumerate(drawn) for part in ([each] if k == rim else _on_sheet(each, border, corners))]
+    if not kept:
+        raise DesignError("rods", "must have at least one line on the sheet")
+    merge = MERGED_WIDTHS * min(float(_rod(each, each.points, 0, 0, rods).width.min()) for each in kept)
+    lines, names = [each.points for each in kept], [each.name for each in kept]
+    nodes, pieces = cut_lines(lines, rods.join_mm, max(merge, rods.join_mm), names)
+    made = [_rod(kept[piece.line], piece.points, piece.start, piece.end, rods) for piece in pieces]
+    graph = RodGraph(nodes, tuple(made))
+    check_rods(graph)
+    on_rim = [k for k, piece in enumerate(pieces) if rim is not None and kept[piece.line] is drawn[rim]]
+    if on_rim:
+        corners = np.concatenate([made[k].points[:-1] for k in on_rim])
+    return DrawnPattern(graph, corners, tuple(on_rim))
+
+
+def _rim(drawn: list[_Drawn], name: str) -> int:
+    """Number of the line that is the outline."""
+    named = [k for k, each in enumerate(drawn) if each.line.name == name]
+    if len(named) != 1:
+        names = ", ".join(sorted({each.line.name for each in drawn if each.line.name})) or "no names"
+        raise DesignError("border.rods", f"must be the name of one line of [[rods.draw]], which has {names}", name)
+    points = drawn[named[0]].points
+    if not is_closed(points):
+        raise DesignError("border.rods", "must be a closed line", name)
+    if not shapely.is_valid(shapely.polygons(points)):
+        raise DesignError("border.rods", "must be a line that does not cross itself", name)
+    return named[0]
+
+
+def _copies(rods: Rods, lattice: Lattice, corners: Floats) -> list[_Drawn]:
+    """The lines of the motif at all lattice sites whose copies reach the sheet, site by site."""
+    if not rods.motif:
+        return []
+    lines = [polyline(line, rods.curve_mm) for line in rods.motif]
+    reach = max(float(np.linalg.norm(points, axis=1).max()) for points in lines)
+    low, high = corners.min(axis=0) - reach, corners.max(axis=0) + reach
+    if np.prod(high - low) > MAX_COPIES * abs(np.linalg.det(lattice.vectors)):
+        problem = f"makes more than {MAX_COPIES} copies of the motif"
+        raise DesignError("lattice.spacing_mm", problem, lattice.spacing_mm)
+    places = lattice.sites.place(lattice.sites.cells_within(low, high))
+    sheet = shapely.polygons(corners)
+    near = shapely.distance(sheet, shapely.points(places)) <= reach
+    return [
+        _Drawn(line, points + place, line.name or f"motif[{k}]", copy)
+        for copy, place in enumerate(places[near])
+        for k, (line, points) in enumerate(zip(rods.motif, lines, strict=True))
+    ]
+
+
+def _on_sheet(drawn: _Drawn, border: Border, corners: Floats) -> list[_Drawn]:
+    """The parts of a line on the sheet: up to the margin from its outline, or up to the rim."""
+    margin = 0.0 if border.rods is not None else border.tip_margin_mm
+    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
+    line = shapely.LineString(drawn.points)
+    if shapely.covers(inner.buffer(1e-9), line):
+        return [drawn]
+    outside = shapely.get_coordinates(shapely.difference(line, inner))[0]
+    if border.overhang == "refuse":
+        x, y = outside
+        problem = f'{drawn.name} leaves the sheet at [{x:.2f}, {y:.2f}]; overhang = "cut" cuts it there'
+        raise DesignError("border.overhang", problem, border.overhang, place_mm=outside)
+    parts = shapely.get_parts(shapely.intersection(line, inner))
+    lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
+    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines)))
+    return [
+        _Drawn(drawn.line, shapely.get_coordinates(part), drawn.name, drawn.group)
+        for part in merged
+        if shapely.length(part) >= MIN_ARM_MM
+    ]
+
+
+def _rod(drawn: _Drawn, points: Floats, start: int, end: int, rods: Rods) -> Rod:
+    """A piece of a line as a rod, with its sections."""
+    line = drawn.line
+    thickness = rods.thickness_mm if line.thickness_mm is None else line.thickness_mm
+    width = rods.width_mm if line.width_mm is None else line.width_mm
+    if isinstance(thickness, Profile) or isinstance(width, Profile):
+        points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), SECTION_STEP_MM))
+    sizes = (
+        _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn.name),
+        _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn.name),
+    )
+    return Rod(points, start, end, *sizes, line.kappa_bar_per_mm, drawn.name, drawn.group)
+
+
+def _sizes(field: SizingField, points: Floats, limits: tuple[float, float], key: str, name: str) -> Floats:
+    """(n,) mm, a size along a rod, within the limits of a printer."""
+    values = sample(field, points)
+    wrong = ~((values >= limits[0]) & (values <= limits[1]))
+    if wrong.any():
+        at = int(wrong.argmax())
+        x, y = points[at]
+        problem = f"must be from {limits[0]:g} to {limits[1]:g} along {name}, as at [{x:.2f}, {y:.2f}]"
+        raise DesignError(f"rods.{key}", problem, float(values[at]), place_mm=points[at])
+    return values

@@ -1,0 +1,237 @@
+"""Lines of a drawing cut where they meet: ends moved onto lines beside them, crossings found, nodes merged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from pattern.design.errors import DesignError
+from pattern.geometry.arrays import Bools, Floats, Ints
+from pattern.geometry.planar import turning_angles
+from pattern.rods.graph import CORNER_DEG
+
+# mm: places closer than this are one, but for rounding
+SAME_PLACE_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a line between two nodes.
+
+    Attributes
+    ----------
+    line : number of the line.
+    points : (n, 2) mm, from node to node.
+    start, end : numbers of the nodes.
+    """
+
+    line: int
+    points: Floats
+    start: int
+    end: int
+
+
+def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[str]) -> tuple[Floats, list[Piece]]:
+    """Nodes (N, 2) mm of lines, and the pieces between them, line by line along the line.
+
+    Parameters
+    ----------
+    lines : polylines (n, 2) mm; a closed one ends with its first point.
+    join_mm : an open end nearer than this to an end or corner is moved there, else onto a line that is as near.
+    merge_mm : nodes nearer than this to each other become one, and loose ends shorter than this are dropped.
+    names : of the lines, for messages.
+
+    Raises
+    ------
+    DesignError
+        Two lines lie on each other.
+
+    Examples
+    --------
+    Two lines that cross, one of which ends just beside a third:
+
+    >>> cross = [np.array([[-5.0, 0.0], [5.0, 0.0]]), np.array([[0.0, -5.0], [0.0, 4.95]])]
+    >>> nodes, pieces = cut_lines([*cross, np.array([[-5.0, 5.0], [5.0, 5.0]])], 0.1, 0.6, ["", "", ""])
+    >>> len(nodes), [(piece.line, piece.start, piece.end) for piece in pieces]
+    (7, [(0, 0, 6), (0, 6, 1), (1, 2, 6), (1, 6, 3), (2, 4, 3), (2, 3, 5)])
+    """
+    lines = _joined(lines, join_mm)
+    places, owners, parts = _meetings(lines, names)
+    for number, line in enumerate(lines):
+        at = _key_points(line)
+        places.extend(line[at])
+        owners.extend([number] * len(at))
+        parts.extend(at.astype(float))
+    place, owner, part = np.array(places).reshape(-1, 2), np.array(owners, dtype=np.int64), np.array(parts)
+    # ends and corners first: merged nodes are there
+    order = np.concatenate([np.arange(len(place) - _count(lines), len(place)), np.arange(len(place) - _count(lines))])
+    place, owner, part = place[order], owner[order], part[order]
+    node, nodes = _clusters(place, merge_mm)
+    pieces = []
+    for number, line in enumerate(lines):
+        mine = np.flatnonzero(owner == number)
+        pieces += _split(number, line, part[mine], node[mine], nodes, merge_mm)
+    degree = np.bincount([end for piece in pieces for end in (piece.start, piece.end)], minlength=len(nodes))
+    kept = [
+        piece for piece in pieces if _length(piece.points) > merge_mm or min(degree[piece.start], degree[piece.end]) > 1
+    ]
+    used, index = np.unique([[piece.start, piece.end] for piece in kept], return_inverse=True)
+    ends = index.reshape(-1, 2)
+    return nodes[used], [Piece(p.line, p.points, int(a), int(b)) for p, (a, b) in zip(kept, ends, strict=True)]
+
+
+def is_closed(line: Floats) -> bool:
+    """Whether a polyline returns to its first point."""
+    return bool(np.linalg.norm(line[0] - line[-1]) <= SAME_PLACE_MM) and len(line) > 3
+
+
+def _count(lines: list[Floats]) -> int:
+    return sum(len(_key_points(line)) for line in lines)
+
+
+def _key_points(line: Floats) -> Ints:
+    """Numbers of the points of a line that are nodes by themselves: both ends, and corners."""
+    corner = _is_corner(line)
+    if is_closed(line):
+        ring = np.abs(turning_angles(line[:-1])) > np.radians(CORNER_DEG)
+        # a ring without a corner has its seam at its first point; both of its ends are this node
+        return np.unique(np.concatenate([[0], np.flatnonzero(ring), [len(line) - 1]]))
+    return np.unique(np.concatenate([[0], np.flatnonzero(corner), [len(line) - 1]]))
+
+
+def _is_corner(line: Floats) -> Bools:
+    """(n,) whether a polyline has a corner at a point within it."""
+    corner = np.zeros(len(line), dtype=bool)
+    corner[1:-1] = np.abs(turning_angles(line)[1:-1]) > np.radians(CORNER_DEG)
+    return corner
+
+
+def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:
+    """The lines with their open ends moved: to an end or corner nearby, else onto a line nearby."""
+    lines = [line.copy() for line in lines]
+    ends = [(number, at) for number, line in enumerate(lines) if not is_closed(line) for at in (0, -1)]
+    key = [(number, at) for number, line in enumerate(lines) for at in _key_points(line)]
+    places = np.array([lines[number][at] for number, at in key]).reshape(-1, 2)
+    node, merged = _clusters(places, join_mm)
+    size = np.bincount(node, minlength=len(merged))
+    fixed = {int(node[i]): places[i] for i, (number, at) in enumerate(key) if not _is_end(lines[number], int(at))}
+    target = {k: fixed.get(k, merged[k]) for k in range(len(merged))}
+    of = {(number, int(at)): int(node[i]) for i, (number, at) in enumerate(key)}
+    loose = []
+    for number, at in ends:
+        cluster = of[number, at % len(lines[number])]
+        if size[cluster] > 1:
+            lines[number][at] = target[cluster]
+        else:
+            loose.append((number, at))
+    shapes = [shapely.LineString(line) for line in lines]
+    tree = shapely.STRtree(shapes)
+    feet: list[tuple[int, int, int, Floats]] = []
+    for number, at in loose:
+        point = shapely.Point(lines[number][at])
+        near = [int(k) for k in tree.query(point, predicate="dwithin", distance=join_mm) if k != number]
+        if near:
+            other = min(near, key=lambda k: (shapes[k].distance(point), k))
+            foot = shapes[other].interpolate(shapes[other].project(point))
+            feet.append((number, at, other, np.array(foot.coords[0])))
+    for number, at, other, foot_place in feet:
+        lines[number][at] = foot_place
+        lines[other] = _with_point(lines[other], foot_place)
+    return lines
+
+
+def _is_end(line: Floats, at: int) -> bool:
+    return not is_closed(line) and at in (0, len(line) - 1)
+
+
+def _with_point(line: Floats, place: Floats) -> Floats:
+    """The line with a point on it as one of its points."""
+    if np.linalg.norm(line - place, axis=1).min() <= SAME_PLACE_MM:
+        return line
+    step = np.diff(line, axis=0)
+    part = np.clip(((place - line[:-1]) * step).sum(axis=1) / (step**2).sum(axis=1), 0.0, 1.0)
+    piece = int(np.linalg.norm(line[:-1] + part[:, None] * step - place, axis=1).argmin())
+    return np.insert(line, piece + 1, place, axis=0)
+
+
+def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list[int], list[float]]:
+    """Places where segments of lines meet, with the line and its fractional point number of each side."""
+    segments = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
+    owner = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
+    number = np.concatenate([np.arange(len(line) - 1) for line in lines])
+    shapes = shapely.linestrings(segments)
+    first, second = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=SAME_PLACE_MM)
+    keep = first < second
+    first, second = first[keep], second[keep]
+    last = np.array([len(line) - 2 for line in lines])
+    ring = np.array([is_closed(line) for line in lines])
+    same, gap = owner[first] == owner[second], np.abs(number[first] - number[second])
+    beside = same & ((gap <= 1) | (ring[owner[first]] & (gap == last[owner[first]])))
+    places: list[Floats] = []
+    owners: list[int] = []
+    parts: list[float] = []
+    for i, j in zip(first[~beside], second[~beside], strict=True):
+        place = _meeting(segments[i], segments[j])
+        if place is None:
+            x, y = segments[i].mean(axis=0)
+            here = " and ".join(sorted({names[owner[i]] or "a line", names[owner[j]] or "a line"}))
+            raise DesignError("rods", f"{here} lie on each other at [{x:.2f}, {y:.2f}]: draw the line once")
+        for k in (i, j):
+            step = segments[k][1] - segments[k][0]
+            part = float(np.clip((place - segments[k][0]) @ step / (step @ step), 0.0, 1.0))
+            places.append(place)
+            owners.append(int(owner[k]))
+            parts.append(float(number[k]) + part)
+    return places, owners, parts
+
+
+def _meeting(one: Floats, other: Floats) -> Floats | None:
+    """(2,) mm, where two segments meet that come within rounding; None if they lie on each other."""
+    (a, b), (c, d) = one, other
+    u, v, w = b - a, d - c, c - a
+    cross = u[0] * v[1] - u[1] * v[0]
+    if abs(cross) <= 1e-9 * np.linalg.norm(u) * np.linalg.norm(v):
+        along = np.sort(np.array([w @ u, (d - a) @ u]) / (u @ u))
+        shared = (min(along[1], 1.0) - max(along[0], 0.0)) * float(np.linalg.norm(u))
+        if shared > SAME_PLACE_MM:
+            return None
+        return np.asarray(a + np.clip(0.5 * (max(along[0], 0.0) + min(along[1], 1.0)), 0.0, 1.0) * u)
+    return np.asarray(a + np.clip((w[0] * v[1] - w[1] * v[0]) / cross, 0.0, 1.0) * u)
+
+
+def _clusters(places: Floats, distance: float) -> tuple[Ints, Floats]:
+    """Cluster (n,) of each place, and the first place (k, 2) of each cluster; clusters in the order of their first."""
+    n = len(places)
+    if n == 0:
+        return np.empty(0, dtype=np.int64), np.empty((0, 2))
+    pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
+    label = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n)), directed=False)[1]
+    _, first, group = np.unique(label, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    return rank[group], places[first[order]]
+
+
+def _split(number: int, line: Floats, part: Floats, node: Ints, nodes: Floats, merge_mm: float) -> list[Piece]:
+    """The pieces of a line between nodes at fractional point numbers `part`."""
+    order = np.argsort(part, kind="stable")
+    part, node = part[order], node[order]
+    pieces = []
+    for k in range(len(part) - 1):
+        inner = line[int(np.floor(part[k])) + 1 : int(np.ceil(part[k + 1]))]
+        near = [np.linalg.norm(inner - nodes[node[end]], axis=1) > merge_mm for end in (k, k + 1)]
+        points = np.concatenate([nodes[node[k]][None], inner[near[0] & near[1]], nodes[node[k + 1]][None]])
+        if node[k] == node[k + 1] and _length(points) <= 4.0 * merge_mm:
+            continue  # the same node twice
+        pieces.append(Piece(number, points, int(node[k]), int(node[k + 1])))
+    return pieces
+
+
+def _length(points: Floats) -> float:
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())

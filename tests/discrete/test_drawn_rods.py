@@ -1,0 +1,61 @@
+"""The exact model of drawn rods: sections and rest curvature along them, closed rods, and stars drawn as a motif."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import moved_state
+from pattern.design.design import Design
+from pattern.layout.print_layout import print_layout
+from pattern.mesh.meshing import mesh_layout
+
+
+def model(edge_mm: float = 4.0, **data: Any) -> DiscreteModel:
+    design = Design.from_dict({"border": {"rectangle_mm": [60.0, 40.0]}, "mesh": {"edge_mm": edge_mm}, **data})
+    plan = print_layout(design)
+    return DiscreteModel(design, plan, mesh_layout(plan, edge_mm))
+
+
+def test_a_line_has_its_own_residual_curvature_and_sections() -> None:
+    lines: list[dict[str, Any]] = [{"line_mm": [[-20, y], [20, y]]} for y in (-10.0, 10.0)]
+    lines[1] |= {"kappa_bar_per_mm": 0.02, "width_mm": 2.0}
+    both = model(rods={"draw": lines}, plastic={"kappa_bar_per_mm": 0.005})
+    rod = both.network.rod[both.network.stencil_edges[:, 0]]
+    span = np.linalg.norm(np.diff(both.mesh.points[both.network.stencil_vertices], axis=1), axis=2).sum(axis=1)
+    curvature = 2.0 * both.parts["rod_bending"].params[:, 2] / span
+    assert curvature[rod == 1].mean() - curvature[rod == 0].mean() == pytest.approx(0.015)
+    assert set(both.edge_width[both.network.rod == 1]) == {2.0}
+
+
+def test_a_ring_has_a_stencil_at_every_vertex_and_no_joint() -> None:
+    ring = model(rods={"draw": [{"circle_mm": {"radius": 15.0}}]})
+    assert not len(ring.joints.vertices)
+    assert len(ring.network.stencil_vertices) == len(ring.network.edges) == len(ring.mesh.rods[0]) - 1
+    ring.set_release(0.0)
+    state = ring.printed_state()
+    assert ring.energies(state)["rod_bending"] == pytest.approx(0.0, abs=1e-12)
+    # with all sections turned alike the ring twists hardly at all: its seam is a stencil like any other
+    turned = moved_state(state, ring.edges, state.positions, np.full(len(ring.edges), 0.1))
+    assert ring.energies(turned)["rod_twist"] < 0.05 * ring.energies(turned)["rod_bending"]
+
+
+def test_stars_drawn_as_a_motif_are_stars_up_to_the_junction() -> None:
+    """The same fabric and rods; joints of the motif and pairs of the stars store the same energy in the flat print."""
+    angle = np.radians([-90.0, 30.0, 150.0])
+    motif = [{"line_mm": [[0.0, 0.0], [9.0 * np.cos(a), 9.0 * np.sin(a)]]} for a in angle]
+    found = []
+    for pattern in ({"rods": {"motif": motif}}, {"stars": {"length_mm": 9.0}}):
+        border = {"rectangle_mm": [24.0, 24.0], "star_margin_mm": 5.0}
+        design = Design.from_dict({"border": border, **pattern, "lattice": {"spacing_mm": 40.0}})
+        plan = print_layout(design)
+        made = DiscreteModel(design, plan, mesh_layout(plan, 4.0, "delaunay"))
+        found.append((made, made.energies(made.printed_state())))
+    (drawn, its), (stars, theirs) = found
+    assert len(drawn.joints.vertices) == 1 and not len(stars.joints.vertices)
+    assert its["membrane"] == pytest.approx(theirs["membrane"], rel=1e-9)
+    assert len(drawn.edges) == len(stars.edges)
+    assert its["rod_bending"] + its["rod_joints"] == pytest.approx(theirs["rod_bending"], rel=1e-9)

@@ -1,0 +1,153 @@
+"""Drawings as graphs and meshes: lines, curves, motifs, rims, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pattern.design.design import Design
+from pattern.design.errors import DesignError, MeshError
+from pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas, turning_angles
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
+from pattern.mesh.meshing import mesh_layout
+from tests.pattern.rods.drawings import random_drawing
+
+SQUARE = {"rectangle_mm": [60.0, 60.0]}
+
+
+def sheet(*draw: dict[str, Any], border: dict[str, Any] = SQUARE, **more: Any) -> Layout:
+    rods = {"draw": list(draw), **more.pop("rods", {})}
+    return print_layout(Design.from_dict({"rods": rods, "border": border, **more}))
+
+
+def test_a_circle_is_one_closed_rod_without_a_joint() -> None:
+    plan = sheet({"circle_mm": {"centre": [3, 4], "radius": 20}})
+    (rod,) = plan.graph.rods
+    assert plan.graph.joints == () and len(plan.graph.links) == 1
+    assert rod.length == pytest.approx(40 * np.pi, rel=1e-3)
+    assert np.linalg.norm(rod.points - [3, 4], axis=1) == pytest.approx(20.0)
+
+
+def test_arc_and_spline_pass_where_they_are_told() -> None:
+    plan = sheet(
+        {"arc_mm": {"radius": 10, "from_deg": 90, "to_deg": 0}},
+        {"spline_mm": [[-20, -20], [0, -15], [20, -20]]},
+    )
+    arc, spline = plan.graph.rods
+    assert arc.points[0] == pytest.approx([0, 10]) and arc.points[-1] == pytest.approx([10, 0], abs=1e-9)
+    assert arc.length == pytest.approx(5 * np.pi, rel=1e-3)
+    assert np.linalg.norm(spline.points - [0, -15], axis=1).min() < 0.5
+    assert np.abs(turning_angles(spline.points)[1:-1]).max() < np.radians(5.0)  # smooth
+
+
+def test_sizes_vary_along_a_rod() -> None:
+    profile = {"profile": "linear", "from": 0.3, "to": 0.9, "start_mm": [-20, 0], "end_mm": [20, 0]}
+    plan = sheet({"line_mm": [[-20, 0], [20, 0]], "thickness_mm": profile, "kappa_bar_per_mm": 0.01})
+    (rod,) = plan.graph.rods
+    assert rod.at(rod.thickness, np.array([0.0, 0.25, 1.0])) == pytest.approx([0.3, 0.45, 0.9])
+    assert rod.kappa_bar == 0.01
+
+
+def test_motif_repeats_on_the_lattice_and_bonds_to_its_copies() -> None:
+    lattice = {"kind": "square", "spacing_mm": 10.0}
+    motif = [{"line_mm": [[0, 0], [10, 0]]}, {"line_mm": [[0, 0], [0, 10]]}]
+    plan = sheet(lattice=lattice, rods={"motif": motif})
+    degree = np.array([len(ends) for ends in plan.graph.ends_at])
+    assert (degree == 4).sum() == 25 and set(degree) == {1, 4}
+    assert plan.spacing_mm == 10.0 and max(rod.group for rod in plan.graph.rods) > 20
+
+
+def test_rim_is_the_outline_and_ribs_end_on_it() -> None:
+    plan = sheet(
+        {"name": "rim", "circle_mm": {"radius": 25}}, {"name": "rib", "line_mm": [[-30, 0], [30, 0]]},
+        border={"rods": "rim"},
+    )  # fmt: skip
+    assert len(plan.rim) == 2 and [len(plan.graph.ends_at[node]) for node in plan.graph.joints] == [3, 3]
+    assert polygon_area(plan.outline) == pytest.approx(625 * np.pi, rel=2e-3)
+    mesh = mesh_layout(plan, 3.0)
+    border = set(mesh.border_vertices.tolist())
+    assert all(set(mesh.rods[rod].tolist()) <= border for rod in plan.rim)
+    assert triangle_angles(mesh.points, mesh.triangles).min() >= 20.0
+    assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(625 * np.pi, rel=0.02)
+
+
+def test_lines_are_cut_at_the_margin_or_refused() -> None:
+    long = {"name": "rib", "line_mm": [[-40, 5], [40, 5]]}
+    (rod,) = sheet(long).graph.rods
+    assert np.sort(rod.points[[0, -1], 0]) == pytest.approx([-29.5, 29.5])
+    with pytest.raises(
+        DesignError, match=r"rib leaves the sheet at \[-?40.00, 5.00\]; overhang = \"cut\" cuts it there"
+    ):
+        sheet(long, border={**SQUARE, "overhang": "refuse"})
+
+
+def test_pins_on_rods_are_vertices_of_the_mesh() -> None:
+    pins = [{"points_mm": [[10.2, 0.1], [0, 20.1]]}]
+    plan = sheet({"line_mm": [[-20, 0], [20, 0]]}, {"circle_mm": {"radius": 20}}, pins=pins)
+    assert plan.pins[0].points[0] == pytest.approx([10.2, 0.0])
+    mesh = mesh_layout(plan, 4.0)
+    places = mesh.points[mesh.pin_vertices[0]]
+    assert places == pytest.approx(plan.pins[0].points)
+    assert mesh.pin_vertices[0][0] in np.concatenate(mesh.rods)
+
+
+REFUSED = [
+    ([{"line_mm": [[-20, 0], [20, 0]]}, {"line_mm": [[-20, 0.8], [20, 0.8]]}], "are 0.80 mm apart"),
+    ([{"line_mm": [[-20, 0], [20, 0]]}, {"line_mm": [[-20, 0], [20, 6]]}], "meet at 9 deg"),
+    ([{"line_mm": [[0, 0], [0.8, 0]]}], "has a piece of 0.80 mm"),
+    ([{"line_mm": [[0, 0], [9, 0]], "thickness_mm": 7.0}], "must be from 0.05 to 5 along draw"),
+    ([{"line_mm": [[0, 0], [9, 0], [9, 0]]}], "has a point twice"),
+    ([{"line_mm": [[100, 0], [109, 0]]}], "must have at least one line on the sheet"),
+    ([{"line_mm": [[0, 0], [9, 0]], "circle_mm": {"radius": 3}}], "must have one of line_mm, spline_mm"),
+    ([{"arc_mm": {"radius": 3, "from_deg": 0, "to_deg": 360}}], "circle_mm is a whole circle"),
+    ([{"circle_mm": {"radius": 3}, "closed": True}], "a circle is closed"),
+    ([], "must have a line"),
+]
+
+
+@pytest.mark.parametrize(("draw", "words"), REFUSED, ids=[words for _, words in REFUSED])
+def test_what_is_refused(draw: list[dict[str, Any]], words: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        sheet(*draw)
+    assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("border", "words"),
+    [({"rods": "edge"}, "must be the name of one line"), ({"rods": "rib"}, "must be a closed line")],
+)
+def test_rims_that_are_none(border: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        sheet({"name": "rib", "line_mm": [[-20, 0], [20, 0]]}, border=border)
+
+
+def test_stars_and_rods_exclude_each_other_and_stars_alone_have_a_star_layout() -> None:
+    rods = {"draw": [{"line_mm": [[-20, 0], [20, 0]]}]}
+    with pytest.raises(DesignError, match="either"):
+        Design.from_dict({"rods": rods, "stars": {"length_mm": 10}, "border": SQUARE})
+    with pytest.raises(DesignError, match=r"must have \[stars\] or \[rods\]"):
+        Design.from_dict({"border": SQUARE})
+    design = Design.from_dict({"rods": rods, "border": SQUARE})
+    assert Design.from_dict(design.to_dict()) == design
+    with pytest.raises(DesignError, match="only asterism simulate computes drawn rods"):
+        layout(design)
+    with pytest.raises(MeshError, match="drawn rods have no aligned mesh"):
+        mesh_layout(print_layout(design), 4.0, "aligned")
+
+
+@pytest.mark.parametrize("seed", [6, 11, 13, 25, 33, 40, 48, 59])
+def test_random_drawings_have_good_meshes_or_one_line_of_reason(seed: int) -> None:
+    try:
+        plan = print_layout(design := Design.from_dict(random_drawing(seed)))
+        mesh = mesh_layout(plan, design.mesh.edge_mm)
+    except (DesignError, MeshError) as error:
+        assert str(error).startswith("rods: ") and "\n" not in str(error)
+        return
+    assert triangle_angles(mesh.points, mesh.triangles).min() >= 20.0
+    on_rods = np.unique(np.concatenate(mesh.rods))
+    ends = {mesh.rods[k][-1] for k in range(len(mesh.rods))} | {path[0] for path in mesh.rods}
+    assert len(ends) == len(plan.graph.nodes) and ends <= set(on_rods.tolist())
