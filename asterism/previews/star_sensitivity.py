@@ -75,7 +75,7 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
     steps = np.where(now + steps > top, -steps, steps)
     sizes = np.full((len(now), len(SIZE_KEYS)), np.nan)
     sizes[:, column] = now + steps
-    stars = design.stars.model_copy(update={"rounding": None})
+    stars = design.required_stars.model_copy(update={"rounding": None})
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
     return star_values(changed, layout(changed), state.law, state.model), steps
 
