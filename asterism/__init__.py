@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from asterism.reports.write_results import write_results
     from asterism.shape.read_shape import read_shape
     from asterism.shape.shape import Shape
+    from asterism.verification.both_starts import simulate_both
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
     from equilibrium.errors import Error
@@ -75,6 +76,7 @@ _HOMES = {
     "show": ("asterism.notebook.show", "show"),
     "show_law": ("asterism.laws.show_law", "show_law"),
     "simulate": ("asterism.exact.simulation", "simulate"),
+    "simulate_both": ("asterism.verification.both_starts", "simulate_both"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
     "write_fit": ("asterism.reports.fit_files", "write_fit"),
@@ -110,6 +112,7 @@ __all__ = [
     "show",
     "show_law",
     "simulate",
+    "simulate_both",
     "verify",
     "write_comparison",
     "write_fit",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import BackendOption, Contact, DesignFile, MaterialFile, output_option
+from asterism.cli.common.options import BackendOption, Contact, DesignFile, LawFile, MaterialFile, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
@@ -24,13 +24,15 @@ def simulate(
         int | None, typer.Option(help="Seed of the initial guess's noise, instead of the value in the design.")
     ] = None,
     starts: Annotated[
-        int,
+        int | None,
         typer.Option(
             min=1,
             max=1000,
-            help="Number of initial guesses. The result is the lowest minimum with all stars on the prescribed side.",
+            help="Number of initial guesses; 1 is the released flat print alone (default: that and the preview). The "
+            "result is the lowest minimum with all stars on the prescribed side.",
         ),
-    ] = 1,
+    ] = None,
+    law: LawFile = None,
     fabric_bending: Annotated[
         str | None, typer.Option(help="paper, consistent or none, instead of the value in the design.")
     ] = None,
@@ -40,16 +42,21 @@ def simulate(
 ) -> int:
     """Compute the exact shape of a design, and certify that it is an equilibrium.
 
-    Writes summary.json, shape.vtu, rods.vtu and shape.png. With --starts also minimum-2.vtu, minimum-2.png and so on,
-    one pair for each further minimum. The exit status is 1 if no minimum was found.
+    The flat print is released, and the preview is a second start. Writes summary.json, shape.vtu, rods.vtu and
+    shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. The exit status is 1 if no
+    minimum was found.
     """
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
     from asterism.exact.simulation import simulate as compute
+    from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
+    from asterism.verification.both_starts import BOTH_STARTS, simulate_both
+    from discrete.energies.contact import ipc_toolkit
+    from equilibrium.linear.backends import check_backend
 
     changed = with_overrides(
         read_design(design, material, run.warn),
@@ -61,10 +68,18 @@ def simulate(
             "--contact": ("solver.contact", contact),
         },
     )
+    # what is missing is said before anything else
+    check_backend(backend)
+    if changed.solver.contact:
+        ipc_toolkit()
+    given_law = law_for_design(changed, law, design, material) if law is not None else None
     directory = results_folder(design, output, design.with_suffix(""))
-    run.cost(exact_cost(changed, starts))
+    run.cost(exact_cost(changed, BOTH_STARTS if starts is None else starts))
     with run.computing():
-        shape = compute(changed, backend, run.report, run.say, starts)
+        if starts is None:
+            shape = simulate_both(changed, given_law, backend, run.report, run.say)
+        else:
+            shape = compute(changed, backend, run.report, run.say, starts)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)

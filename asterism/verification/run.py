@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-
-import numpy as np
 
 from asterism.exact.simulation import Say, simulate
 from asterism.previews.run import preview
@@ -19,17 +17,15 @@ from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.progress import ExactProgress, StageReport
-from asterism.verification.right_shape import same_energy
+from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import verification_warnings
 from discrete.release.continuation import Report
-from discrete.release.forms import SAME_FORM_PERCENT
 from equilibrium.newton.minimise import Iteration
 from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.layout.symmetries import Symmetry, symmetries
+from pattern.layout.symmetries import symmetries
 
 # number of repeated previews, with everything loaded, of which the fastest is reported
 MAX_REPEATS = 3
@@ -115,18 +111,13 @@ def verify(
     exact = {RELEASE: released, PREVIEW: near}
     comparisons = {name: compare_shapes(shape, quick, plan, same, pull) for name, shape in exact.items()}
     verification = Verification(design, quick, exact, comparisons)
-    between = compare_shapes(released, near, plan, same, pull)
+    agree, between = same_minimum(released, near, plan, same, pull)
     seconds = {
         "preview_s": cold_s,
         "preview_again_s": warm_s,
         "exact_s": exact_s,
         "exact_from_preview_s": near_s,
     }
-    certain = all(shape.summary["is_minimum"] for shape in exact.values())
-    agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(exact, plan, same)
-    if agree and not same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values())):
-        # an image of a minimum may have another energy, as the mesh may be less symmetric than the design
-        agree = compare_shapes(released, near, plan, same[:1], pull).rms_percent >= SAME_FORM_PERCENT
     step(STAGES[3], 1, 1)
     return replace(verification, summary=_summary(verification, between, agree, seconds) | {"command": command})
 
@@ -147,12 +138,6 @@ def _again(clock: Callable[[], float], make: Callable[[], Shape], layout_s: floa
     while len(seconds) < MAX_REPEATS and sum(seconds) < MAX_REPEATS_S:
         seconds.append(_timed(clock, make, layout_s)[1])
     return min(seconds)
-
-
-def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Symmetry]) -> bool:
-    """Whether two shapes have the same inverted stars, up to a symmetry; the cell means do not show these."""
-    first, second = (np.isin(plan.star_number, shape.summary["stars_down"]) for shape in exact.values())
-    return any(np.array_equal(first, second[symmetry.star]) for symmetry in same)
 
 
 def _summary(

@@ -9,6 +9,7 @@ from asterism.exact.star_sides import off_branch
 from asterism.exact.warnings import passes_through
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
+from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import Verification
@@ -38,7 +39,7 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
         return lines
     return [
         *lines,
-        *_two_minima(verification, apart_percent),
+        *two_minima_warnings(verification.exact, verification.result, apart_percent),
         *_far(verification.comparison, preview.get("expected_rms_percent")),
         *_high(verification.comparison, preview.get("expected_height_percent")),
         *_meshes(exact, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
@@ -60,15 +61,21 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
     yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in repeated)
 
 
-def _two_minima(verification: Verification, apart: float) -> Iterator[str]:
-    """Two exact minima whose energies are so close that either may be the lower one."""
-    exact = verification.exact[verification.result].summary
-    for other in (shape.summary for name, shape in verification.exact.items() if name != verification.result):
-        more = gap(exact, other)
-        if other["is_minimum"] and apart > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
+def two_minima_warnings(exact: Mapping[str, Shape], result: str, apart_percent: float) -> Iterator[str]:
+    """Two exact minima whose energies are so close that either may be the lower one.
+
+    Parameters
+    ----------
+    exact : exact shapes by their start.
+    result : the start of the one that counts.
+    apart_percent : rms distance of the two, in % of the diameter.
+    """
+    for other in (shape.summary for name, shape in exact.items() if name != result):
+        more = gap(exact[result].summary, other)
+        if other["is_minimum"] and apart_percent > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
             yield (
-                f"the exact model has two minima, {apart:.1f} % of the diameter apart, whose energies differ by "
-                f"{small_percent(100.0 * more)}: a print may rest in either"
+                f"the exact model has two minima, {apart_percent:.1f} % of the diameter apart, whose energies "
+                f"differ by {small_percent(100.0 * more)}: a print may rest in either"
             )
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from asterism.reports.plots import profile_cut
 from asterism.verification.right_shape import right_shape, same_energy
-from asterism.verification.run import _same_stars_down
+from asterism.verification.same_minimum import _same_stars_down
 from pattern.design.design import Design
 from pattern.geometry.planar import inside
 from pattern.layout.build import layout
@@ -52,7 +52,7 @@ def test_starts_agree_only_on_images_of_each_other() -> None:
         return shape(1.0, stars_down=[int(star) for star in stars], stars_total=7)
 
     def agree(*pair: Any) -> bool:
-        return _same_stars_down(dict(enumerate(pair)), plan, same)  # type: ignore[arg-type]
+        return _same_stars_down(*pair, plan, same)
 
     assert agree(down(), down()) and agree(down(corners[0]), down(corners[2]))
     assert not agree(down(middle), down(corners[0])) and not agree(down(), down(corners[0]))

@@ -1,0 +1,124 @@
+"""The exact shape from two starts: the released flat print, and the preview."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
+from asterism.exact.simulation import Say, simulate
+from asterism.previews.run import preview
+from asterism.results.records.exact import MinimumRecord
+from asterism.shape.shape import Shape
+from asterism.verification.right_shape import gap, right_shape
+from asterism.verification.same_minimum import same_minimum
+from asterism.verification.verification import PREVIEW, RELEASE
+from asterism.verification.warnings import two_minima_warnings
+from discrete.release.continuation import Report, prefixed_report
+from equilibrium.errors import Error
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
+from pattern.layout.symmetries import symmetries
+
+BOTH_STARTS = 2  # number of starts of `simulate_both`
+
+
+def simulate_both(
+    design: Design,
+    law: Law | None = None,
+    backend: str = "auto",
+    report: Report | None = None,
+    say: Say | None = None,
+) -> Shape:
+    """Compute the exact shape from the released flat print and from the preview; the lower minimum is the result.
+
+    A minimum whose stars are all on the side that the design asks for comes before others. If the starts end in two
+    minima, `Shape.others` holds the second one, and the summary's `minima` compares them. A start that fails is left
+    out: fabrics without a law have no preview. With contact, a preview that passes through itself is no start.
+
+    Parameters
+    ----------
+    law : law of the preview; that of the paper's material by default.
+    backend, report, say : as in `asterism.exact.simulation.simulate`.
+
+    Raises
+    ------
+    DesignError, MeshError, BackendError
+        As in `simulate`, from the released print.
+    """
+    tell = say or (lambda text: None)
+    plan = layout(design)
+    released = simulate(design, backend, report, say, plan=plan)
+    try:
+        shown = preview(design, law, plan=plan)
+        if design.solver.contact and shown.summary["self_intersections"]:
+            tell("no start from the preview: it meets itself, which contact cannot undo")
+            return released
+        tell("started from the preview")
+        near = simulate(design, backend, prefixed_report(report, "from the preview"), say, near=shown, plan=plan)
+    except (Error, FloatingPointError) as error:
+        tell(f"no start from the preview: {' '.join(str(error).split())}")
+        return released
+    return lower_minimum(design, plan, released, near)
+
+
+def lower_minimum(design: Design, plan: Layout, released: Shape, near: Shape) -> Shape:
+    """The exact shape that counts of the two starts, with the other one if it is another minimum.
+
+    Parameters
+    ----------
+    plan : layout of the design.
+    released, near : exact shapes from the flat print and from the preview.
+    """
+    exact = {RELEASE: released, PREVIEW: near}
+    agree, between = same_minimum(released, near, plan, symmetries(design, plan), design.gravity.pull)
+    first = right_shape(exact)
+    result, second = exact[first], exact[PREVIEW if first == RELEASE else RELEASE]
+    lost = [name for name, shape in exact.items() if not shape.summary["is_minimum"]]
+    if agree or lost:
+        starts = [name for name in exact if name not in lost] or [first]
+        entry = _entry(result, starts, 0.0)
+        found = {"minima_seen": 1, "minima": [entry], "next_minimum_percent": None, "result_is": FROM_DEFAULT_START}
+        if starts == [PREVIEW]:
+            found["result_is"] = BY_ENERGY
+        return _with(result, {"starts": BOTH_STARTS, "starts_lost": len(lost), **found})
+    apart = between.rms_percent
+    higher = second.summary["energy_n_mm"] - result.summary["energy_n_mm"]
+    names = [first, PREVIEW if first == RELEASE else RELEASE]
+    entries = [_entry(result, names[:1], 0.0), _entry(second, names[1:], apart)]
+    found = {
+        "starts": BOTH_STARTS,
+        "starts_lost": 0,
+        "result_is": BY_ENERGY if higher >= 0.0 else BY_ENERGY_ON_BRANCH,
+        "minima_seen": 2,
+        "minima_not_carried": 0,
+        "next_minimum_percent": 100.0 * gap(result.summary, second.summary) * (1.0 if higher >= 0.0 else -1.0),
+        "next_minimum_n_mm": higher,
+        "minima": [entry.changed(file=file) for entry, file in zip(entries, ("shape", "minimum-2"), strict=True)],
+        "minima_distance_percent": [[0.0, apart], [apart, 0.0]],
+        "warnings": [*result.summary["warnings"], *two_minima_warnings(exact, first, apart)],
+    }
+    return replace(_with(result, found), others=(second,))
+
+
+def _with(shape: Shape, values: dict[str, Any]) -> Shape:
+    return replace(shape, summary=shape.summary | values)
+
+
+def _entry(shape: Shape, starts: list[str], distance_percent: float) -> MinimumRecord:
+    summary = shape.summary
+    return MinimumRecord(
+        energy_n_mm=summary["energy_n_mm"],
+        is_minimum=summary["is_minimum"],
+        stars_up=summary["stars_up"],
+        stars_off_branch=len(summary["stars_off_branch"]),
+        roll_axis_deg=summary["roll_axis_deg"],
+        starts=len(starts),
+        start_names=list(starts),
+        default=RELEASE in starts,
+        distance_percent=distance_percent,
+        smallest_eigenvalue=summary["smallest_eigenvalue"],
+        vertices=summary["vertices"],
+    )

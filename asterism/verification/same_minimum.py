@@ -1,0 +1,41 @@
+"""Whether two exact shapes of a design are one minimum."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from asterism.shape.comparison import Comparison, compare_shapes
+from asterism.shape.shape import Shape
+from asterism.verification.right_shape import same_energy
+from discrete.release.forms import SAME_FORM_PERCENT
+from pattern.layout.layout import Layout
+from pattern.layout.symmetries import Symmetry
+
+
+def same_minimum(
+    one: Shape, other: Shape, plan: Layout, symmetries: Sequence[Symmetry], gravity: Sequence[float] | None = None
+) -> tuple[bool, Comparison]:
+    """Whether both are certified and are one minimum, and the second laid on the first as held.
+
+    They are one minimum if their surfaces are nearer than `SAME_FORM_PERCENT` and the same stars are inverted. An image
+    of a minimum may have another energy, as the mesh may be less symmetric than the design.
+
+    Parameters
+    ----------
+    one, other : exact shapes of one design.
+    plan, symmetries, gravity : of the design, as in `asterism.shape.comparison.compare_shapes`.
+    """
+    between = compare_shapes(one, other, plan, symmetries, gravity)
+    certain = bool(one.summary["is_minimum"] and other.summary["is_minimum"])
+    agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(one, other, plan, symmetries)
+    if agree and not same_energy(one.summary["energy_n_mm"], other.summary["energy_n_mm"]):
+        agree = compare_shapes(one, other, plan, symmetries[:1], gravity).rms_percent >= SAME_FORM_PERCENT
+    return agree, between
+
+
+def _same_stars_down(one: Shape, other: Shape, plan: Layout, symmetries: Sequence[Symmetry]) -> bool:
+    """Whether two shapes have the same inverted stars, up to a symmetry; the cell means do not show these."""
+    first, second = (np.isin(plan.star_number, shape.summary["stars_down"]) for shape in (one, other))
+    return any(np.array_equal(first, second[symmetry.star]) for symmetry in symmetries)
