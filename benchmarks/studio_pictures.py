@@ -112,7 +112,7 @@ def verifying(page: StudioPage, take: Take) -> None:
     page.open("gallery-dome")
     page.summarised()
     page.item("verify").click()
-    page.wait("document.querySelector('[data-testid=verify-progress]').textContent.includes('%')")
+    page.wait("/^[2-9]\\d %/.test(document.querySelector('[data-testid=verify-progress]').textContent)")
     take()
     page.item("cancel").click()
     page.wait("document.querySelector('[data-testid=verify-panel]')")

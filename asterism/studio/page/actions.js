@@ -78,7 +78,16 @@ export function createActions(studio) {
       else if (Object.keys(store.get("jobs")).length) actions.cancel();
       else store.set({ selection: new Set(), support: null, corner: null });
     },
-    fitSoon: () => setTimeout(() => studio.plan.fit(), UNDRAWN_MS),
+    /** Plan and view show all of a sheet that gets another outline. */
+    fitSoon() {
+      setTimeout(() => studio.plan.fit(), UNDRAWN_MS);
+      const before = store.get("document")?.revision;
+      const stop = store.on(["frame"], ({ frame }) => {
+        if (frame?.stage !== "equilibrium" || frame.revision <= before) return;
+        stop();
+        requestAnimationFrame(() => studio.view?.fit());
+      });
+    },
     switchTheme() {
       const isDark = getComputedStyle(document.documentElement).colorScheme.trim() === "dark";
       store.set({ theme: isDark ? "light" : "dark" });

@@ -124,8 +124,9 @@ export function buildViewNote(element, { store, actions }) {
         h(
           "span",
           { class: "strong" },
-          busy ??
-            (engine === "starting" ? "The engine starts; the sheet rises in a moment." : "Computing the first shape."),
+          engine === "starting"
+            ? `The engine starts; the sheet rises in a moment${busy ? `: ${busy}` : ""}.`
+            : `Computing the first shape${busy ? `: ${busy}` : ""}.`,
         ),
       );
     }
@@ -148,8 +149,10 @@ export function buildCompare(element, { store }) {
     value: store.get("shown"),
     onchange: (value) => store.set({ shown: value }),
   });
-  element.append(shown.element);
+  const key = h("div", { class: "key" }, h("i", {}), "Blue is the exact shape");
+  element.append(shown.element, key);
   const update = () => {
+    key.hidden = store.get("shown") !== "both";
     element.hidden = !store.get("comparison");
     shown.set(store.get("shown"));
   };

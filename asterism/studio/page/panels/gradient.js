@@ -53,7 +53,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const from = part("From", "from");
   const to = part("To", "to");
   const power = part("Power", "power", { unit: "", min: 0.2, max: 5 });
-  const drag = hint("Drag a line in the plan: the first value where you start, the second where you stop.");
+  const drag = hint("Drag a line in the plan, or its ends: the first value where you start, the second where you stop.");
   const number = numberField({
     label: "Everywhere",
     value: 7,
@@ -164,8 +164,11 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     kind.set(settings.kind);
     tool.plan.invalidate();
   }
+  let known;
+  const profileText = () => JSON.stringify(store.get("sheet")?.design.stars?.[QUANTITIES[settings.quantity].key]);
   /** Shows what the design has. */
   function read() {
+    known = profileText();
     const profile = tool.read();
     if (typeof profile === "number") ((settings.kind = "number"), number.set(profile));
     else if (profile?.formula) ((settings.kind = "formula"), (text.value = profile.formula));
@@ -205,7 +208,8 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     to.set(settings.to);
     count();
   });
-  on(["document"], () => edits.isWaiting || read());
+  // what is chosen stays until the design gets other sizes
+  on(["document"], () => edits.isWaiting || profileText() === known || read());
   on(
     ["problem"],
     ({ problem }) => problem?.field?.startsWith("stars.") && settings.kind === "formula" && say(problem.text),

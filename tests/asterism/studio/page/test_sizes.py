@@ -43,6 +43,18 @@ def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     assert page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true"
 
 
+def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_its_ends_keep_their_kind(shared: StudioPage) -> None:
+    shared.open("new")
+    shared.item("tool-gradient").click()
+    assert shared.item("gradient-kind-number").get_attribute("aria-checked") == "true"
+    shared.changed(lambda: shared.item("gradient-kind-linear").click())
+    profile = shared.get("studio.document.design.stars.length_mm")
+    assert profile["profile"] == "linear"
+    assert profile["start_mm"][0] == pytest.approx(-profile["end_mm"][0])
+    shared.changed(lambda: shared.item("undo").click())
+    assert shared.item("gradient-kind-number").get_attribute("aria-checked") == "true"
+
+
 @pytest.mark.slow
 def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
     page.item("tool-gradient").click()

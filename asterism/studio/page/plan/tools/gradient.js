@@ -74,7 +74,7 @@ export class GradientTool {
   /** Sends the profile; sizes are drawn at once. */
   apply() {
     const { quantity, kind, from, to, power } = this.settings;
-    if (!this.#line) return;
+    this.#line ??= this.#wholeSheet(kind);
     const [start, end] = this.#line;
     const over = distance(start, end);
     const profile = { profile: kind, from, to, ...(power === 1 ? {} : { power }) };
@@ -82,6 +82,13 @@ export class GradientTool {
     else Object.assign(profile, { start_mm: start, end_mm: end });
     this.edits.design(sizeChanges(this.store.get("sheet").design, quantity, profile));
     this.#show(start, end, over);
+  }
+
+  /** From the centre to the right end, or from end to end. */
+  #wholeSheet(kind) {
+    const { low, high, centre } = this.store.get("sheet").box;
+    const start = kind === "radial" ? centre : [low[0], centre[1]];
+    return [roundPoint(start, 1), roundPoint([high[0], centre[1]], 1)];
   }
 
   /** Painted stars keep their sizes; the others follow the profile. */
