@@ -5,6 +5,7 @@ from __future__ import annotations
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ShapeRecord
 
+MAX_NAMED_STARTS = 2  # more starts that end in one minimum are counted in its row of the table
 NO_MESH_ERROR = "not known, one mesh was solved"
 
 
@@ -66,7 +67,9 @@ class MinimumRecord(Record):
         """The row of this minimum in the table on the terminal."""
         axis = "" if self.roll_axis_deg is None else f", rolled about {self.roll_axis_deg:.0f} deg"
         away = f"{self.distance_percent:.1f} % away, " if self.distance_percent >= 0.05 else ""
-        return f"{self.energy_n_mm:.4f} N mm, {self.stars_up} up{axis}; {away}{self.starts} starts"
+        names = self.get("start_names", [])
+        starts = f"from {' and '.join(names)}" if 0 < len(names) <= MAX_NAMED_STARTS else f"{self.starts} starts"
+        return f"{self.energy_n_mm:.4f} N mm, {self.stars_up} up{axis}; {away}{starts}"
 
 
 def mesh_error_in_words(record: ExactRecord) -> str:

@@ -39,6 +39,7 @@ def test_both_starts_of_a_small_sheet_end_in_one_minimum(released: Shape) -> Non
     assert shape.summary["is_minimum"] and not shape.others
     assert shape.summary["starts"] == 2 and shape.summary["starts_lost"] == 0 and shape.summary["minima_seen"] == 1
     assert minimum["start_names"] == ["release", "preview"] and minimum["default"]
+    assert shape.summary.table()["minimum 1"].endswith("7 up; from release and preview")
     assert shape.summary["energy_n_mm"] == pytest.approx(released.summary["energy_n_mm"], rel=1e-8)
     assert "started from the preview" in said
 
