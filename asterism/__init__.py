@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from asterism.exact.simulation import simulate
     from asterism.fitting.fit import fit
     from asterism.fitting.result import Fit
+    from asterism.fitting.solve_for import solve_for
     from asterism.fitting.target import TargetSurface, load_target
     from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
@@ -77,6 +78,7 @@ _HOMES = {
     "show_law": ("asterism.laws.show_law", "show_law"),
     "simulate": ("asterism.exact.simulation", "simulate"),
     "simulate_both": ("asterism.verification.both_starts", "simulate_both"),
+    "solve_for": ("asterism.fitting.solve_for", "solve_for"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
     "write_fit": ("asterism.reports.fit_files", "write_fit"),
@@ -113,6 +115,7 @@ __all__ = [
     "show_law",
     "simulate",
     "simulate_both",
+    "solve_for",
     "verify",
     "write_comparison",
     "write_fit",

@@ -1,0 +1,111 @@
+"""Target surfaces of 100 to 150 mm for `python -m benchmarks.fit`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from asterism.fitting.target import TargetSurface
+from pattern.geometry.arrays import Floats, Ints
+
+RINGS = 24  # of triangles, of a round target
+
+
+def round_grid() -> tuple[Floats, Ints]:
+    """(V, 2) points of the unit disk, and triangles."""
+    points = [np.zeros((1, 2))]
+    for ring in range(1, RINGS + 1):
+        angle = np.arange(6 * ring) * (2.0 * np.pi / (6 * ring))
+        points.append(ring / RINGS * np.column_stack([np.cos(angle), np.sin(angle)]))
+    plane = np.concatenate(points)
+    return plane, Delaunay(plane).simplices.astype(np.int64)
+
+
+def rectangle(width: float, depth: float) -> tuple[Floats, Ints]:
+    """(V, 2) points of a rectangle around the origin, and triangles."""
+    x, y = np.linspace(-0.5, 0.5, 50) * width, np.linspace(-0.5, 0.5, 40) * depth
+    plane = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    return plane, Delaunay(plane).simplices.astype(np.int64)
+
+
+def cap(half_angle_deg: float, name: str) -> TargetSurface:
+    """A cap of a sphere, 100 mm wide."""
+    plane, triangles = round_grid()
+    half = np.deg2rad(half_angle_deg)
+    radius = 50.0 / np.sin(half)
+    angle, around = half * np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
+    places = [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), np.cos(angle)]
+    return TargetSurface.of_triangles(radius * np.column_stack(places), triangles, name)
+
+
+def graph(height: Callable[[Floats, Floats], Floats], width: float, depth: float, name: str) -> TargetSurface:
+    """Heights over an ellipse with these diameters."""
+    plane, triangles = round_grid()
+    x, y = 0.5 * width * plane[:, 0], 0.5 * depth * plane[:, 1]
+    return TargetSurface.of_triangles(np.column_stack([x, y, height(x, y)]), triangles, name)
+
+
+def barrel() -> TargetSurface:
+    """A part of a cylinder of radius 55 mm, 110 degrees around."""
+    plane, triangles = rectangle(np.deg2rad(110.0), 76.0)
+    angle = plane[:, 0]
+    places = np.column_stack([55.0 * np.sin(angle), plane[:, 1], 55.0 * np.cos(angle)])
+    return TargetSurface.of_triangles(places, triangles, "barrel")
+
+
+def torus_part() -> TargetSurface:
+    """The upper part of a torus: Gauss curvature of both signs."""
+    plane, triangles = rectangle(1.05, 1.7)
+    around, across = plane.T
+    radius = 100.0 + 35.0 * np.sin(across)
+    places = np.column_stack([radius * np.sin(around), radius * np.cos(around), 35.0 * np.cos(across)])
+    return TargetSurface.of_triangles(places, triangles, "torus part")
+
+
+def three_legged_shell() -> TargetSurface:
+    """A vault on three legs: the border rises between them."""
+    plane, triangles = round_grid()
+    radius, around = np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
+    reach = 52.0 * (1.0 + 0.12 * np.cos(3.0 * around)) * radius
+    x, y = reach * np.cos(around), reach * np.sin(around)
+    heights = 20.0 - 0.0075 * reach**2 - 3.0 * radius**3 * np.cos(3.0 * around)
+    return TargetSurface.of_triangles(np.column_stack([x, y, heights]), triangles, "three-legged shell")
+
+
+def _bump(x: Floats, y: Floats, at: tuple[float, float], width: float) -> Floats:
+    return np.asarray(np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / width**2))
+
+
+# name: target, and number of needles (None: chosen by the fit)
+TARGETS: dict[str, tuple[Callable[[], TargetSurface], int | None]] = {
+    "cap 35 deg": (lambda: cap(35.0, "cap 35 deg"), None),
+    "cap 45 deg": (lambda: cap(45.0, "cap 45 deg"), None),
+    "cap 50 deg": (lambda: cap(50.0, "cap 50 deg"), None),
+    "cap 60 deg": (lambda: cap(60.0, "cap 60 deg"), None),
+    "cap 35 deg, free": (lambda: cap(35.0, "cap 35 deg, free"), 0),
+    "ellipsoid dome": (
+        lambda: graph(lambda x, y: 26.0 * np.sqrt(1.0 - (x / 76.0) ** 2 - (y / 52.0) ** 2), 124, 84, "ellipsoid dome"),
+        None,
+    ),
+    "hypar": (lambda: TargetSurface.of_formula("11*x*y/41.7**2", 83.4, name="hypar"), None),
+    "saddle": (lambda: graph(lambda x, y: 10.0 * (x**2 - y**2) / 50.0**2, 100, 100, "saddle"), None),
+    "monkey saddle": (
+        lambda: graph(lambda x, y: 9.0 * (x**3 - 3.0 * x * y**2) / 50.0**3, 100, 100, "monkey saddle"),
+        None,
+    ),
+    "barrel": (barrel, None),
+    "two bumps": (
+        lambda: graph(
+            lambda x, y: 11.0 * _bump(x, y, (-18.0, 0.0), 22.0) + 7.0 * _bump(x, y, (22.0, 6.0), 20.0),
+            104,
+            104,
+            "two bumps",
+        ),
+        None,
+    ),
+    "three-legged shell": (three_legged_shell, None),
+    "torus part": (torus_part, None),
+    "hemisphere": (lambda: cap(85.0, "hemisphere"), None),
+}
