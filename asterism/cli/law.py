@@ -10,7 +10,15 @@ import typer
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
-app = typer.Typer(help="Show the content of a law.", no_args_is_help=True)
+app = typer.Typer(help="Show the content of a law.", invoke_without_command=True)
+
+
+@app.callback()
+def _needs_a_command(context: typer.Context) -> None:
+    from asterism.cli.common.mistake import Mistake
+
+    if context.invoked_subcommand is None:
+        raise Mistake("law: needs a command, show")
 
 
 @command

@@ -12,7 +12,15 @@ import typer
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
-app = typer.Typer(help="Measure plastic and fabric with printed strips.", no_args_is_help=True)
+app = typer.Typer(help="Measure plastic and fabric with printed strips.", invoke_without_command=True)
+
+
+@app.callback()
+def _needs_a_command(context: typer.Context) -> None:
+    from asterism.cli.common.mistake import Mistake
+
+    if context.invoked_subcommand is None:
+        raise Mistake("strips: needs a command, new or fit")
 
 
 class _Formula(StrEnum):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.fuzz.kit import DESIGNS, MATERIAL
-from benchmarks.fuzz.mutations import Rng, json_text, mutated_bytes, mutated_cells, mutated_table, pick
+from benchmarks.fuzz.mutations import Rng, json_text, mutated_archive, mutated_bytes, mutated_cells, mutated_table, pick
 from pattern.design.files import table_text
 
 # the seed of all cases; a case is this seed with its number
@@ -19,7 +19,11 @@ SEED = 20251125
 # largest mesh of a case with the exact model: others are left to the preview
 MAX_VERTICES = 1500
 KEYS = ("length_mm", "thickness_mm", "width_mm", "rings", "scale", "where", "polygon_mm", "on", "seed", "kind")
-ODD_OPTIONS = ("0", "-1", "1e9", "nan", "inf", "", "x", "0.5", "2", "1000000", "\u661f", "none.toml", "design.json")
+ODD_OPTIONS = (
+    "0", "-1", "1e9", "nan", "inf", "", "x", "0.05", "0.3", "0.5", "0.8", "1.35", "2", "3", "5", "10", "45", "1000000",
+    "\u661f", "none.toml", "design.json", "out", "prusa-mk4", "ender-3", "pla", "mm", "cm", "in", "auto", "up", "down",
+    "paper", "consistent", "none", "timoshenko", "zero", "per-thickness", "superlu", "amg", "flat", "bump", "above",
+)  # fmt: skip
 OPTIONS: dict[str, tuple[str, ...]] = {
     "preview": ("--side", "--law", "--material", "-o", "--strict", "--quiet"),
     "simulate": ("--edge", "--start", "--seed", "--fabric-bending", "--backend", "-o", "--material", "--strict"),
@@ -64,7 +68,7 @@ def _design(rng: Rng, folder: Path, intact: bool = False) -> str:
     if rng.random() < 0.6:
         text, name = _toml(table) or text, "design.toml"
     content = text.encode("utf-8", "surrogatepass")
-    if not intact and rng.random() < 0.25:
+    if not intact and rng.random() < 0.1:
         content = mutated_bytes(content, rng)
     (folder / name).write_bytes(content)
     return name
@@ -118,7 +122,10 @@ def _strips(rng: Rng, kit: Path, folder: Path) -> list[str]:
 
 
 def _laws(rng: Rng, kit: Path, folder: Path) -> list[str]:
-    (folder / "law.npz").write_bytes(mutated_bytes((kit / "law.npz").read_bytes(), rng))
+    content = (kit / "law.npz").read_bytes()
+    (folder / "law.npz").write_bytes(
+        mutated_archive(content, rng) if rng.random() < 0.8 else mutated_bytes(content, rng)
+    )
     if rng.random() < 0.5:
         return ["law", "show", "law.npz"]
     return ["preview", _design(rng, folder, intact=True), "--law", "law.npz"]

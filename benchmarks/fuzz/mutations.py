@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import io
 import json
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -39,6 +41,12 @@ def places(table: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return found
 
 
+def _at(table: Any, path: Iterable[Any]) -> Any:
+    for step in path:
+        table = table[step]
+    return table
+
+
 def mutated_table(table: dict[str, Any], rng: Rng, known_keys: tuple[str, ...] = ()) -> dict[str, Any]:
     """A copy of a table with one to three changes: other numbers, odd values, missing, misplaced and unknown keys."""
     table = copy.deepcopy(table)
@@ -46,18 +54,16 @@ def mutated_table(table: dict[str, Any], rng: Rng, known_keys: tuple[str, ...] =
         paths = places(table)
         if not paths:
             return table
-        *above, key = pick(rng, paths)
-        home: Any = table
-        for step in above:
-            home = home[step]
-        value = home[key]
+        numbers = [path for path in paths if isinstance(_at(table, path), int | float)]
+        *above, key = pick(rng, numbers if numbers and rng.random() < 0.5 else paths)
+        home, value = _at(table, above), _at(table, (*above, key))
         kind = rng.random()
-        if kind < 0.7 and isinstance(value, int | float) and not isinstance(value, bool):
+        if kind < 0.8 and isinstance(value, int | float) and not isinstance(value, bool):
             changed = value * pick(rng, FACTORS)
             home[key] = round(changed) if isinstance(value, int) else changed
-        elif kind < 0.8:
-            home[key] = copy.deepcopy(pick(rng, ODD_VALUES))
         elif kind < 0.87:
+            home[key] = copy.deepcopy(pick(rng, ODD_VALUES))
+        elif kind < 0.91:
             del home[key]
         elif kind < 0.94 and isinstance(home, dict):
             home[pick(rng, ("lenght_mm", "stretch", "edge_mm", *known_keys))] = copy.deepcopy(pick(rng, ODD_VALUES))
@@ -95,6 +101,37 @@ def mutated_bytes(content: bytes, rng: Rng) -> bytes:
                 digit = pick(rng, b"0123456789.,-e\"'[]")
                 content = content[:at] + bytes([digit]) + content[at + 1 :]
     return content
+
+
+def mutated_archive(content: bytes, rng: Rng) -> bytes:
+    """A numpy archive with one array scaled, cut, of other numbers, or missing."""
+    with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    name = pick(rng, arrays)
+    array = arrays[name]
+    kind = rng.random()
+    if kind < 0.15:
+        del arrays[name]
+    elif kind < 0.3 and array.size > 1:
+        arrays[name] = array[:-1]
+    elif array.dtype.kind == "f":
+        changed = np.array(array)
+        flat = changed.reshape(-1)
+        if kind < 0.7:
+            flat[int(rng.integers(len(flat)))] *= pick(rng, FACTORS)
+        elif kind < 0.9:
+            flat *= pick(rng, FACTORS)
+        else:
+            flat[int(rng.integers(len(flat)))] = pick(rng, (np.nan, np.inf, 0.0, -1.0, 1e30))
+        arrays[name] = changed
+    elif array.dtype.kind in "iub" and array.size:
+        flat = np.array(array).reshape(-1)
+        at = int(rng.integers(len(flat)))
+        flat[at] = not flat[at] if array.dtype.kind == "b" else int(rng.integers(0, 100))
+        arrays[name] = flat.reshape(array.shape)
+    stream = io.BytesIO()
+    np.savez(stream, allow_pickle=False, **arrays)
+    return stream.getvalue()
 
 
 def mutated_cells(text: str, rng: Rng) -> str:

@@ -33,8 +33,8 @@ MAX_ITERATIONS_OF_FURTHER_GUESSES = 12  # the same after a minimum has been foun
 MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's method has failed
 # 1: energy of a guess above the best one, over that of the flat sheet above it, up to which the guess is followed
 CLOSE_GUESS = 0.1
-# iterations of one search; then it ends with the best state so far. The study's designs take fewer than 200
-MAX_RELAX_ITERATIONS = 1500
+# iterations of one search, load steps included; then it ends with the best state, and certifies no minimum
+MAX_RELAX_ITERATIONS = 1000
 MAX_GUESSES = 2  # guesses of different kinds that are followed
 MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
@@ -90,10 +90,12 @@ def relax(
         results.append(follow(shell, guess.x, factor, guess.shape.name, patient=lowest == np.inf))
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
             results.append(follow(shell, results[-1].x, factor, guess.shape.name))
+    taken = sum(each.iterations for each in results)
     for steps in LOAD_STEPS:
-        left = MAX_RELAX_ITERATIONS - sum(each.iterations for each in results)
-        if left > 0 and not any(each.is_minimum for each in results):
-            results += filter(None, [follow_load_steps(shell, factor, steps, left)])
+        if taken < MAX_RELAX_ITERATIONS and not any(each.is_minimum for each in results):
+            stepped, iterations = follow_load_steps(shell, factor, steps, MAX_RELAX_ITERATIONS - taken)
+            results += [stepped] if stepped is not None else []
+            taken += iterations
     best = min(results, key=_rank)
     if best.is_minimum:
         enough = best.energy + energy_tie * abs(best.energy)
@@ -159,21 +161,23 @@ def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:
 
 def follow_load_steps(
     shell: Shell, factor: Factor, steps: int, max_iterations: int = MAX_RELAX_ITERATIONS
-) -> ShellEquilibrium | None:
-    """The equilibrium from the printed sheet with fields, loads and supports in steps.
+) -> tuple[ShellEquilibrium | None, int]:
+    """The equilibrium from the printed sheet with fields, loads and supports in steps, and the iterations that it took.
 
-    None if a step fails, or if the steps take more than `max_iterations`.
+    The equilibrium is None if a step fails, or if the steps before the last take more than `max_iterations`.
     """
     x = shell.flat
     equilibrium, spent = None, 0
     for step in range(1, steps + 1):
+        if spent > max_iterations:
+            return None, spent
         part = shell.at_progress(step / steps)
         equilibrium = follow(part, part.constrain(x), factor, f"{steps} load steps")
         spent += equilibrium.iterations
-        if not equilibrium.converged or spent > max_iterations:
-            return None
+        if not equilibrium.converged:
+            return None, spent
         x = equilibrium.x
-    return None if equilibrium is None else replace(equilibrium, load_steps=steps)
+    return None if equilibrium is None else replace(equilibrium, load_steps=steps), spent
 
 
 def softest_shell_modes(shell: Shell, x: Floats, factor: Factor, count: int = MODE_COUNT) -> tuple[Floats, Floats]:

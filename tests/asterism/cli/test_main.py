@@ -113,6 +113,8 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
         (["simulate", "d.toml", "-o", "d.toml"], "d.toml"),
         (["simulate", "d.toml", "--colour", "red"], "--colour"),
         (["simulat", "d.toml"], "simulat"),
+        (["strips"], "strips: needs a command, new or fit"),
+        (["law"], "law: needs a command, show"),
     ],
 )
 def test_mistakes_are_one_line(

@@ -132,9 +132,16 @@ def test_states_that_are_not_converged_get_no_certificate() -> None:
 
 def test_load_steps_reach_the_same_bowl() -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["bowl"])
-    stepped = follow_load_steps(shell, shell.factor(), 4)
+    stepped, iterations = follow_load_steps(shell, shell.factor(), 4)
     assert stepped is not None and stepped.is_minimum and shell.progress == 1.0
+    assert iterations >= stepped.iterations + 3  # each step before the last takes one at least
     assert stepped.energy == pytest.approx(relax(shell).energy, rel=1e-9)
+
+
+def test_load_steps_end_with_their_budget() -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["bowl"])
+    stepped, iterations = follow_load_steps(shell, shell.factor(), 4, max_iterations=1)
+    assert stepped is None and 1 < iterations < 30
 
 
 @pytest.mark.parametrize("side, sign", [("up", 1.0), ("down", -1.0)])
