@@ -232,7 +232,9 @@ def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: P
     environment = {**os.environ, "PYTHONPATH": places, "PYTHONDONTWRITEBYTECODE": "1"}
     ended = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert ended.returncode == 130
-    assert ended.stderr == "asterism: interrupted; nothing was written\n"
+    # the cost is said once the engine is loaded
+    lines = [line for line in ended.stderr.splitlines() if not line.startswith("about ")]
+    assert lines == ["asterism: interrupted; nothing was written"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "sitecustomize.py"]
 
 
