@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.ndimage import label
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from pattern.geometry.arrays import Floats
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline
 from pattern.layout.layout import Layout
 
@@ -37,10 +38,25 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
         np.linalg.norm(LATTICE_NEIGHBOURS @ vectors, axis=-1)
         <= MAX_NEIGHBOUR_STEP * np.linalg.norm(vectors, axis=1).max()
     )
-    region, _ = label(empty, joined)
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors
-    of = region[empty]
+    of = connected_sites(empty, np.argwhere(joined) - 1)
     sheet = shapely.polygons(layout.outline)
     near = model.hole_rim_distance * layout.spacing_mm
     rim = ~shapely.contains_xy(sheet, places) | (distance_to_outline(places, layout.outline) < near)
     return np.asarray(places[~np.isin(of, of[rim])])
+
+
+def connected_sites(empty: np.ndarray, steps: Ints) -> Ints:
+    """(n,) number of the connected region of each true entry of a table (X, Y), for steps (k, 2) to neighbours."""
+    count, (rows, columns) = int(empty.sum()), empty.shape
+    number = np.full((rows + 2, columns + 2), -1)
+    here = number[1:-1, 1:-1]
+    here[empty] = np.arange(count)
+    pairs = [np.empty((2, 0), dtype=np.int64)]
+    for i, j in steps.tolist():
+        there = number[1 + i : 1 + i + rows, 1 + j : 1 + j + columns]
+        both = (here >= 0) & (there >= 0)
+        pairs.append(np.stack([here[both], there[both]]))
+    first, second = np.concatenate(pairs, axis=1)
+    graph = coo_matrix((np.ones(len(first)), (first, second)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])

@@ -33,7 +33,8 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
     square = 0.5 * (metric[:, 0] + metric[:, 1])
     membrane = stiffness[..., :3, :3].reshape(-1, 3, 3)
     # strains are measured from the rest metric at the current curvature
-    follows = np.linalg.solve(membrane, stiffness[..., :3, 3:].reshape(-1, 3, 3))
+    follows = np.empty_like(membrane)
+    _solve_symmetric(membrane, stiffness[..., :3, 3:].reshape(-1, 3, 3), follows)
     plane = bare.ravel() * membrane[:, 0, 0] * square**2
     lam = plane * membrane[:, 0, 1] / membrane[:, 0, 0]
     mu = 0.5 * (plane - lam)
@@ -45,6 +46,22 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
         return energy, gradient, hessian
 
     return law
+
+
+@loop
+def _solve_symmetric(matrix, right, out):  # type: ignore[no-untyped-def]
+    """Set out (P, 3, 3) to the solutions of `matrix out = right`, for symmetric matrices (P, 3, 3), by cofactors."""
+    for p in range(matrix.shape[0]):
+        m = matrix[p]
+        c00, c01 = m[1, 1] * m[2, 2] - m[1, 2] * m[1, 2], m[0, 2] * m[1, 2] - m[0, 1] * m[2, 2]
+        c02, c11 = m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1], m[0, 0] * m[2, 2] - m[0, 2] * m[0, 2]
+        c12, c22 = m[0, 1] * m[0, 2] - m[0, 0] * m[1, 2], m[0, 0] * m[1, 1] - m[0, 1] * m[0, 1]
+        det = m[0, 0] * c00 + m[0, 1] * c01 + m[0, 2] * c02
+        for k in range(3):
+            a, b, c = right[p, 0, k] / det, right[p, 1, k] / det, right[p, 2, k] / det
+            out[p, 0, k] = c00 * a + c01 * b + c02 * c
+            out[p, 1, k] = c01 * a + c11 * b + c12 * c
+            out[p, 2, k] = c02 * a + c12 * b + c22 * c
 
 
 @loop
