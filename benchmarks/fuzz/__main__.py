@@ -1,4 +1,5 @@
-"""Mutated inputs over all commands: designs, materials, strips, laws, scans, drawings, results, profiles and options.
+"""Mutated inputs over all commands: designs, materials, strips, laws, scans, targets, drawings, results, profiles
+and options.
 
 python -m benchmarks.fuzz [COUNT] [--first NUMBER] [--verbose]
 

@@ -137,6 +137,13 @@ def _scans(rng: Rng, kit: Path, folder: Path) -> list[str]:
     return ["compare", str(kit / "shape"), name]
 
 
+def _targets(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    """A surface for which a design is fitted, without the exact check."""
+    name = pick(rng, ["scan.obj", "scan.stl", "text.ply"])
+    (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
+    return ["fit", name, "--no-exact", "--needles", pick(rng, ["0", "3"])]
+
+
 def _drawings(rng: Rng, kit: Path, folder: Path) -> list[str]:
     name = pick(rng, ["outline.svg", "outline.csv"])
     (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
@@ -185,10 +192,16 @@ MAKERS: dict[str, Callable[[Rng, Path, Path], list[str]]] = {
     "strips": _strips,
     "law": _laws,
     "scan": _scans,
+    "target": _targets,
     "drawing": _drawings,
     "shape": _shapes,
     "profile": _profiles,
     "option": _options,
 }
 # how often each kind comes
-KINDS = ["design"] * 8 + ["option"] * 4 + ["strips", "scan", "drawing"] * 2 + ["material", "law", "shape", "profile"]
+KINDS = (
+    ["design"] * 8
+    + ["option"] * 4
+    + ["strips", "scan", "drawing"] * 2
+    + ["material", "law", "shape", "profile", "target"]
+)

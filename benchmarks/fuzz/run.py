@@ -59,6 +59,7 @@ def run_cases(numbers: Iterable[int], tell: Callable[[Outcome], None] | None = N
 def _load_all() -> None:
     """Load what commands load, so that each case finds it."""
     import asterism.cli.app
+    import asterism.cli.fit
     import asterism.exact.simulation
     import asterism.measure.compare.compare
     import asterism.measure.strips.fit_strips

@@ -53,8 +53,8 @@ _OPTIONAL_ARRAY = "anisotropies"
 class PackedRows(Sequence[Any]):
     """A list as compressed JSON, unpacked at the first access: a preview does not use the samples of its law."""
 
-    def __init__(self, packed: bytes) -> None:
-        self.packed = packed
+    def __init__(self, packed: bytes, file: str | Path = "the law") -> None:
+        self.packed, self.file = packed, file
 
     @classmethod
     def of(cls, rows: Sequence[Any]) -> PackedRows:
@@ -63,7 +63,10 @@ class PackedRows(Sequence[Any]):
 
     @cached_property
     def _rows(self) -> list[Any]:
-        rows = json.loads(zlib.decompress(self.packed))
+        try:
+            rows = json.loads(zlib.decompress(self.packed))
+        except (zlib.error, ValueError):
+            raise LawError(f"{self.file}: its cells are damaged; {_REMEDY}") from None
         return rows if isinstance(rows, list) else []
 
     def __len__(self) -> int:
@@ -130,7 +133,7 @@ def load_law(path: str | Path | None = None) -> Law:
                 raise LawError(f"{path}: has format {version}, this version reads {LAW_FORMAT}; {_REMEDY}")
             if tuple(archive["names"]) != QUANTITY_NAMES:
                 raise LawError(f"{path}: holds other quantities than this version; {_REMEDY}")
-            samples = PackedRows(archive["samples"].tobytes())
+            samples = PackedRows(archive["samples"].tobytes(), path)
             material, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
             count = len({name.split("/")[0] for name in archive.files if "/" in name})
             if not (isinstance(residuals, dict) and isinstance(made, dict)):

@@ -518,3 +518,16 @@ def test_sheets_that_curl_tightly_to_the_other_side_are_marked_too() -> None:
     found = law(other_side).at(1.35)(*sizes).not_scale_separated
     assert found.any() and not found.all()
     assert found.tolist() == law(fake.curls_more).at(1.35)(*sizes).not_scale_separated.tolist()
+
+
+def test_damaged_cells_of_a_law_are_named_when_they_are_read(tmp_path: Path) -> None:
+    """They are unpacked at the first access: a preview does without them."""
+    file = tmp_path / "law.npz"
+    file.write_bytes(law_bytes(LAW))
+    with np.load(file, allow_pickle=False) as archive:
+        arrays = {name: np.array(archive[name]) for name in archive.files}
+    arrays["samples"][len(arrays["samples"]) // 2] ^= 255
+    np.savez(file, allow_pickle=False, **arrays)
+    law = load_law(file)
+    with pytest.raises(LawError, match=r"law\.npz: its cells are damaged"):
+        len(law.samples)
