@@ -26,7 +26,8 @@ LIFT_MM = 30
 LONG_MM = 10
 # the stroke over the middle of the sheet, in printed mm
 STROKE = ((-26.0, -4.0), (0.0, 4.0), (26.0, -2.0))
-VERIFIED_PERCENT = 30  # when the progress is taken
+# the exact model has done a part of its work
+AT_WORK = "(text) => text.includes('exact model') && parseInt(text) >= 10"
 VERIFY_S = 600.0
 
 
@@ -84,9 +85,7 @@ def steps(page: StudioPage) -> Iterator[str]:
     yield "6-brush"
 
     page.item("verify").click()
-    page.wait(
-        f"parseInt(document.querySelector('[data-testid=verify-progress]').textContent) > {VERIFIED_PERCENT}", VERIFY_S
-    )
+    page.wait(f"(({AT_WORK})(document.querySelector('[data-testid=verify-progress]').textContent))", VERIFY_S)
     yield "7-verifying"
 
     page.wait("studio.comparison && document.querySelector('[data-testid=verified]')", VERIFY_S)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse import coo_array
 
+from asterism.draw.ribbons import ribbons
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame, ShownMesh
-from asterism.studio.sheet_marks import STATIONS, SheetMarks
+from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.sheet_view import mesh_message
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, vertex_normals
@@ -17,20 +20,21 @@ from pattern.geometry.normals import sum_at_vertices, vertex_normals
 def shape_messages(shape: Shape) -> tuple[ShownMesh, Frame]:
     """The mesh of a shape and its frame; a free sheet stands as its `aligned()` copy, on the ground.
 
-    Shapes from files without a design have no arms, needles and strains.
+    Shapes from files without a design have no needles and no strains.
     """
-    shape = shape if shape.held else shape.aligned()
-    positions, layout, small = shape.positions.copy(), shape.layout, np.float32
     if not shape.held:
-        positions[:, 2] -= positions[:, 2].min()
+        shape = shape.aligned()
+        shape = replace(shape, positions=shape.positions - [0.0, 0.0, shape.positions[:, 2].min()])
+    positions, layout, small = shape.positions, shape.layout, np.float32
     normals = vertex_normals(positions, shape.triangles)
-    arms, arm_normals = np.empty((0, STATIONS, 2, 3)), np.empty((0, STATIONS, 3))
-    needles, strain, arm_site = np.empty((0, 2, 3)), np.empty(0), np.empty(0, dtype=np.int64)
+    arms, arm_normals = _rod_ribbons(shape)
+    needles, strain, arm_site = np.empty((0, 2, 3)), np.empty(0), np.zeros(len(arms), dtype=np.int64)
     if layout is not None:
         marks = SheetMarks(shape.printed, shape.triangles)
-        arms, arm_normals = marks.ribbons(layout, positions, normals)
+        if len(layout.arm_star):  # not of drawn rods
+            arms, arm_normals = marks.ribbons(layout, positions, normals)
+            arm_site = layout.star_number[layout.arm_star]
         needles = marks.needles(layout, positions)
-        arm_site = layout.star_number[layout.arm_star]
         strain = _area_strain(shape)
     curvature = shape.point_fields.get("mean_curvature_per_mm", np.empty(0))
     frame = Frame(
@@ -48,6 +52,14 @@ def shape_messages(shape: Shape) -> tuple[ShownMesh, Frame]:
         height_mm=float(np.ptp(positions[:, 2])),
     )
     return mesh_message(1, shape.printed, shape.triangles, arm_site, is_fine=True), frame
+
+
+def _rod_ribbons(shape: Shape) -> tuple[Floats, Floats]:
+    """(R, 2, 2, 3) left and right edges at both ends of each rod edge, (R, 2, 3) normals there."""
+    points, normals, triangles = ribbons(shape)
+    begin = triangles[: len(triangles) // 2, 0]
+    ends = np.stack([begin, begin + 1], axis=1)
+    return np.stack([points[ends], points[ends + len(points) // 2]], axis=2), normals[ends]
 
 
 def _area_strain(shape: Shape) -> Floats:

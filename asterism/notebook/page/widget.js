@@ -25,6 +25,7 @@ const STYLE = [
 
 /** What the view reads, as far as a notebook has it. */
 const VIEW_STATE = {
+  sheet: { stars: [], starAt: () => null }, // no stars to mark
   viewColour: "none",
   showArms: true,
   showBumps: true,

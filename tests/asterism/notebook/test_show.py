@@ -72,9 +72,26 @@ def test_a_free_exact_shape_stands_upright_on_the_ground(tmp_path: Path) -> None
     _, _, arrays = drawn(shape_traits(lying))
     assert arrays["positions"][:, 2].min() == pytest.approx(0.0, abs=1e-4)
     assert np.ptp(arrays["positions"][:, 2]) == pytest.approx(min(lying.extent_mm), rel=1e-4)
-    # a shape without a design has neither arms nor strains
-    assert arrays["arms"].size == arrays["needles"].size == arrays["strain"].size == 0
+    # a shape without a design has arms, of the width of its rods, but neither needles nor strains
+    assert arrays["needles"].size == arrays["strain"].size == 0
+    left, right = arrays["arms"][:, :, 0], arrays["arms"][:, :, 1]
+    assert arrays["arms"].shape == (len(bowl.rod_edges), 2, 2, 3)
+    np.testing.assert_allclose(np.linalg.norm(left - right, axis=-1), 1.2, rtol=1e-3)
+    middle = (left + right) / 2
+    np.testing.assert_allclose(middle, arrays["positions"][bowl.rod_edges], atol=1e-3)
     assert np.isfinite(arrays["curvature"]).all() and len(arrays["curvature"]) == len(bowl.printed)
+
+
+def test_drawn_rods_are_shown_as_the_arms_of_stars_are() -> None:
+    drawing = {
+        "rods": {"thickness_mm": 0.6, "draw": [{"name": "rim", "circle_mm": {"radius": 20}}]},
+        "border": {"rods": "rim"},
+        "mesh": {"edge_mm": 5.0},
+    }
+    shape = asterism.simulate(Design.from_dict(drawing))
+    mesh, _, arrays = drawn(shape_traits(shape))
+    assert arrays["arms"].shape == (len(shape.rod_edges), 2, 2, 3) and len(mesh["arm_site"]) == len(shape.rod_edges)
+    assert len(arrays["strain"]) == len(shape.printed)
 
 
 def test_the_panel_tells_the_numbers_of_the_shape(preview: asterism.Preview) -> None:
