@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Self
+from pathlib import Path
+from typing import Any, Literal, Self
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import Field, ValidationInfo, model_validator
 
 from pattern.design.errors import DesignError
+from pattern.design.file_lines import MM_OF_UNITS, read_lines
 from pattern.design.residual_curvature import CurvaturePerMm
-from pattern.design.section import Flag, Line, Number, Point, Section
+from pattern.design.section import Flag, Line, Number, Point, Section, Text
 from pattern.design.sizing.field import SizingField
 
 MIN_RADIUS_MM = 0.5
+# mm, largest distance of an imported curve from the straight pieces that are stored
+IMPORT_CURVE_MM = 0.005
 
 
 class DrawnCircle(Section):
@@ -58,7 +63,7 @@ class DrawnLine(Section):
     """
 
     name: Line = Field("", max_length=100)
-    line_mm: tuple[Point, ...] | None = Field(None, min_length=2, max_length=10_000)
+    line_mm: tuple[Point, ...] | None = Field(None, min_length=2, max_length=100_000)
     spline_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
     circle_mm: DrawnCircle | None = None
     arc_mm: DrawnArc | None = None
@@ -80,6 +85,88 @@ class DrawnLine(Section):
         return self
 
 
+class LayerSizes(Section):
+    """Sections of the lines of one layer, in place of those of the file and of `[rods]`."""
+
+    thickness_mm: SizingField | None = None
+    width_mm: SizingField | None = None
+
+
+class StoredLine(Section):
+    """A line as it was read from a file: places in mm, its layer, and the width of its stroke."""
+
+    points_mm: tuple[Point, ...] = Field(min_length=2, max_length=100_000, repr=False)
+    layer: Text
+    width_mm: Number | None = None
+
+
+class ImportedDrawing(Section):
+    """Lines of an SVG or DXF file.
+
+    The file is read once. Its lines are stored in the design (`lines`), so that saved designs and results need no file.
+
+    Attributes
+    ----------
+    file : path relative to the design file.
+    width : `stroke` takes the widths of the file.
+    layers : sections by layer. If it is given, other layers are left out.
+    origin : `middle` moves the middle of the drawing's box to the origin; `drawing` keeps its own origin.
+    units : unit of a file that gives none.
+    lines : the lines that were read.
+    """
+
+    file: Text
+    width: Literal["stroke"] | None = None
+    layers: dict[str, LayerSizes] | None = None
+    origin: Literal["middle", "drawing"] = "middle"
+    units: Literal["mm", "cm", "in", "px"] | None = None
+    lines: tuple[StoredLine, ...] = Field((), repr=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any, info: ValidationInfo) -> Any:
+        if not isinstance(data, dict) or data.get("lines") or not isinstance(data.get("file"), str):
+            return data
+        units = data.get("units")
+        path = (info.context or {}).get("folder", Path()) / data["file"]
+        lines = read_lines(path, IMPORT_CURVE_MM, units if isinstance(units, str) and units in MM_OF_UNITS else None)
+        if data.get("origin", "middle") == "middle":
+            everything = np.concatenate([line.points for line in lines])
+            shift = 0.5 * (everything.min(axis=0) + everything.max(axis=0))
+        else:
+            shift = np.zeros(2)
+        stored = [
+            {
+                "points_mm": np.round(line.points - shift, 6).tolist(),
+                "layer": line.layer,
+                **({} if line.width_mm is None else {"width_mm": round(line.width_mm, 6)}),
+            }
+            for line in lines
+        ]
+        return {**data, "lines": stored}
+
+    @model_validator(mode="after")
+    def _has_its_layers(self) -> Self:
+        known = sorted({line.layer for line in self.lines})
+        for layer in self.layers or ():
+            if layer not in known:
+                raise DesignError(f"layers.{layer}", f"no such layer; the drawing has {', '.join(known)}")
+        return self
+
+    def drawn(self) -> tuple[DrawnLine, ...]:
+        """The lines as lines of a drawing, named after their layers."""
+        out = []
+        for line in self.lines:
+            if self.layers is not None and line.layer not in self.layers:
+                continue
+            sizes = LayerSizes() if self.layers is None else self.layers[line.layer]
+            stroke = line.width_mm if self.width == "stroke" else None
+            width = stroke if sizes.width_mm is None else sizes.width_mm
+            name = line.layer[:100]
+            out.append(DrawnLine(name=name, line_mm=line.points_mm, thickness_mm=sizes.thickness_mm, width_mm=width))
+        return tuple(out)
+
+
 class Rods(Section):
     """A drawn pattern. Lines that cross or meet are bonded there.
 
@@ -87,6 +174,7 @@ class Rods(Section):
     ----------
     thickness_mm, width_mm : cross-section of all lines that have none of their own, by place.
     draw : lines on the sheet.
+    imported : (in the file: `import`) drawings of other programs.
     motif : lines relative to a site of `[lattice]`, which are repeated at all sites whose copies reach the sheet.
     curve_mm : largest distance of a curve from the straight pieces that stand for it.
     join_mm : ends that are nearer than this to another line are moved onto it.
@@ -95,12 +183,18 @@ class Rods(Section):
     thickness_mm: SizingField = 0.3
     width_mm: SizingField = 1.2
     draw: tuple[DrawnLine, ...] = Field((), max_length=20_000)
+    imported: tuple[ImportedDrawing, ...] = Field((), max_length=100, alias="import")
     motif: tuple[DrawnLine, ...] = Field((), max_length=100)
     curve_mm: Number = Field(0.005, ge=0.0005, le=1)
     join_mm: Number = Field(0.1, ge=0.001, le=2)
 
     @model_validator(mode="after")
     def _has_a_line(self) -> Self:
-        if not self.draw and not self.motif:
-            raise DesignError("", "must have a line: [[rods.draw]] or [[rods.motif]]")
+        if not self.draw and not self.motif and not self.imported:
+            raise DesignError("", "must have a line: [[rods.draw]], [[rods.import]] or [[rods.motif]]")
         return self
+
+    @property
+    def on_sheet(self) -> tuple[DrawnLine, ...]:
+        """The lines on the sheet, drawn here and imported."""
+        return (*self.draw, *(line for drawing in self.imported for line in drawing.drawn()))

@@ -10,11 +10,10 @@ from scipy.interpolate import CubicSpline
 from pattern.design.errors import DesignError
 from pattern.design.rods import DrawnArc, DrawnCircle, DrawnLine
 from pattern.geometry.arrays import Floats
+from pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
 
-# points of a spline between two given ones, from which its curvature is measured
+# points of a spline between two given ones, at which its turn is measured
 SPLINE_SAMPLES = 32
-# a piece of a curve turns by less than this, well below the angle that counts as a corner
-MAX_PIECE_TURN_RAD = np.radians(4.0)
 SAME_POINT_MM = 1e-6
 
 
@@ -69,15 +68,7 @@ def _spline(points: Floats, step: Floats, closed: bool, curve_mm: float) -> Floa
     knots = np.concatenate([[0.0], np.cumsum(np.sqrt(step))])
     curve = CubicSpline(knots, points, bc_type="periodic" if closed else "natural")
     fine = np.unique(np.concatenate([np.linspace(a, b, SPLINE_SAMPLES + 1) for a, b in pairwise(knots)]))
-    velocity, bend = curve(fine, 1), curve(fine, 2)
-    speed = np.linalg.norm(velocity, axis=1)
-    curvature = np.abs(velocity[:, 0] * bend[:, 1] - velocity[:, 1] * bend[:, 0]) / np.maximum(speed, 1e-12) ** 3
-    # pieces per mm: by the sagitta of a chord, k s^2/8, and by the turn of a piece
-    density = np.maximum(np.sqrt(curvature / (8 * curve_mm)), curvature / MAX_PIECE_TURN_RAD) * speed
-    passed = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-    count = max(int(np.ceil(1.2 * passed[-1])), 1)
-    at = np.interp(np.linspace(0.0, passed[-1], count + 1), passed, fine) if passed[-1] > 0 else knots[[0, -1]]
-    out = np.asarray(curve(at))
+    out = flattened(curve, fine, curve_mm)
     if closed:
         out[-1] = out[0]
     return out

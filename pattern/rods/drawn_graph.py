@@ -73,7 +73,9 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     >>> len(sheet.graph.rods), sheet.rim, sheet.graph.joints, round(sheet.graph.total_length, 1)
     (1, (0,), (), 125.7)
     """
-    drawn = [_Drawn(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]") for k, line in enumerate(rods.draw)]
+    drawn = [
+        _Drawn(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]") for k, line in enumerate(rods.on_sheet)
+    ]
     rim = None if corners is not None else _rim(drawn, border.rods or "")
     if rim is not None:
         points = drawn[rim].points
@@ -86,8 +88,8 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     if not kept:
         raise DesignError("rods", "must have at least one line on the sheet")
     merge = MERGED_WIDTHS * min(float(_rod(each, each.points, 0, 0, rods).width.min()) for each in kept)
-    lines, names = [each.points for each in kept], [each.name for each in kept]
-    nodes, pieces = cut_lines(lines, rods.join_mm, max(merge, rods.join_mm), names)
+    names = [each.name for each in kept]
+    nodes, pieces = cut_lines([each.points for each in kept], rods.join_mm, max(merge, rods.join_mm), names)
     made = [_rod(kept[piece.line], piece.points, piece.start, piece.end, rods) for piece in pieces]
     graph = RodGraph(nodes, tuple(made))
     check_rods(graph)
@@ -102,7 +104,7 @@ def _rim(drawn: list[_Drawn], name: str) -> int:
     named = [k for k, each in enumerate(drawn) if each.line.name == name]
     if len(named) != 1:
         names = ", ".join(sorted({each.line.name for each in drawn if each.line.name})) or "no names"
-        raise DesignError("border.rods", f"must be the name of one line of [[rods.draw]], which has {names}", name)
+        raise DesignError("border.rods", f"must be the name or layer of one line, of {names}", name)
     points = drawn[named[0]].points
     if not is_closed(points):
         raise DesignError("border.rods", "must be a closed line", name)

@@ -18,6 +18,8 @@ ASIDE = (
         "design.border",
         "design.pins",
         "design.rods",
+        "design.file_lines",
+        "geometry.flattening",
         "design.sizing.field",
         "design.sizing.profile",
         "design.sizing.expression",

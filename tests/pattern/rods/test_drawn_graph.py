@@ -118,7 +118,7 @@ def test_what_is_refused(draw: list[dict[str, Any]], words: str) -> None:
 
 @pytest.mark.parametrize(
     ("border", "words"),
-    [({"rods": "edge"}, "must be the name of one line"), ({"rods": "rib"}, "must be a closed line")],
+    [({"rods": "edge"}, "must be the name or layer of one line, of rib"), ({"rods": "rib"}, "must be a closed line")],
 )
 def test_rims_that_are_none(border: dict[str, Any], words: str) -> None:
     with pytest.raises(DesignError, match=words):
