@@ -74,7 +74,8 @@ def simulate(
         ipc_toolkit()
     given_law = law_for_design(changed, law, design, material) if law is not None else None
     directory = results_folder(design, output, design.with_suffix(""))
-    run.cost(exact_cost(changed, BOTH_STARTS if starts is None else starts))
+    default_starts = BOTH_STARTS if changed.rods is None else 1
+    run.cost(exact_cost(changed, default_starts if starts is None else starts))
     with run.computing():
         if starts is None:
             shape = simulate_both(changed, given_law, backend, run.report, run.say)

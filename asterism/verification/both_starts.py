@@ -18,8 +18,8 @@ from discrete.release.continuation import Report, prefixed_report
 from equilibrium.errors import Error
 from homogenize.law.law import Law
 from pattern.design.design import Design
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
 from pattern.layout.symmetries import symmetries
 
 BOTH_STARTS = 2  # number of starts of `simulate_both`
@@ -36,7 +36,7 @@ def simulate_both(
 
     A minimum whose stars are all on the side that the design asks for comes before others. If the starts end in two
     minima, `Shape.others` holds the second one, and the summary's `minima` compares them. A start that fails is left
-    out: fabrics without a law have no preview. With contact, a preview that passes through itself is no start.
+    out: fabrics without a law and drawn rods have no preview. With contact, a preview that passes through itself is no start.
 
     Parameters
     ----------
@@ -49,8 +49,10 @@ def simulate_both(
         As in `simulate`, from the released print.
     """
     tell = say or (lambda text: None)
-    plan = layout(design)
+    plan = print_layout(design)
     released = simulate(design, backend, report, say, plan=plan)
+    if plan.drawn is not None:  # drawn rods have no preview
+        return released
     try:
         shown = preview(design, law, plan=plan)
         if design.solver.contact and shown.summary["self_intersections"]:
