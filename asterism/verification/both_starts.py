@@ -36,7 +36,8 @@ def simulate_both(
 
     A minimum whose stars are all on the side that the design asks for comes before others. If the starts end in two
     minima, `Shape.others` holds the second one, and the summary's `minima` compares them. A start that fails is left
-    out: fabrics without a law and drawn rods have no preview. With contact, a preview that passes through itself is no start.
+    out: fabrics without a law and drawn rods have no preview. With contact, a preview that passes through itself is no
+    start.
 
     Parameters
     ----------
