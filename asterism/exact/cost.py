@@ -58,7 +58,7 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     --------
     >>> from pattern import gallery
     >>> exact_cost(gallery.load("tube")).vertices
-    3741
+    3363
     """
     # equilateral triangles have half a vertex each
     outline = sheet_outline(design) if design.rods is None else print_layout(design).outline
