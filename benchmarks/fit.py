@@ -95,7 +95,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--no-exact", action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     for name in given.names or TARGETS:
         file = given.folder / f"{name.replace(' ', '-')}.json"
