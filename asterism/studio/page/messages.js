@@ -49,6 +49,10 @@ export function listen(studio) {
     },
     problem(message) {
       if (message.kind?.startsWith("file ")) return offerFile(message);
+      if (studio.isNew && store.get("document")) {
+        studio.isNew = false;
+        connection.send("hello"); // a design that does not open: back to the one before
+      }
       const shown = showProblem(message);
       store.set({ problem: { ...message, isBlocking: false } });
       if (message.job) {

@@ -15,6 +15,7 @@ const PLASTIC = [0.15, 0.16, 0.19];
 const NEEDLE = [0.78, 0.2, 0.15];
 const EXACT = [0.25, 0.43, 0.88];
 const MAX_MESHES = 8;
+const WIDE_ASPECT = 1.4; // in wider pictures the height of a sheet limits its size
 
 export class View {
   camera = new Camera();
@@ -25,6 +26,7 @@ export class View {
   target = null; // the ghost beside the sheet: {surface, look}
   #isDirty = false;
   #hasFit = false;
+  #aspect = 0;
   #caster = null;
 
   #ended = new AbortController();
@@ -265,6 +267,9 @@ export class View {
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (!width || !height) return;
+    const [before, now] = [this.#aspect, width / height].map((aspect) => Math.min(aspect, WIDE_ASPECT));
+    if (this.#hasFit && before) this.camera.distance *= before / now; // a narrow window shows the same width
+    this.#aspect = width / height;
     this.canvas.width = Math.round(width * ratio);
     this.canvas.height = Math.round(height * ratio);
     if (!this.#hasFit) this.fit();

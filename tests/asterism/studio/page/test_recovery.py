@@ -88,3 +88,18 @@ def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures
     file.write_text("[stars", "utf-8")
     page.wait("document.querySelector('[data-testid=problem]')")
     assert "followed.toml" in page.item("problem").inner_text()
+
+
+def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder: Path) -> None:
+    file = folder / "spoiled.toml"
+    file.write_text('name = "spoiled"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")
+    page = new_page()
+    page.open("gallery-dome")
+    page.item("open").click()
+    page.wait("document.querySelector('[data-testid=\"file-spoiled.toml\"]')")
+    file.write_text('name = "spoiled"\n[stars]\nlength_mm = "long"\n', "utf-8")
+    page.item("file-spoiled.toml").click()
+    page.wait("document.querySelector('[data-testid=problem]')")
+    page.rest()
+    assert "length_mm" in page.item("problem").inner_text()
+    assert page.get("studio.document.name").startswith("dome")
