@@ -12,7 +12,6 @@ from pattern.layout.layout import Layout
 from pattern.layout.pin_conflicts import check_conflicts
 from pattern.layout.pin_placement import pin_set, snapped_to_lines
 from pattern.layout.pin_reach import check_reach
-from pattern.rods.drawn_graph import drawn_pattern
 
 
 def print_layout(design: Design) -> Layout:
@@ -35,6 +34,8 @@ def print_layout(design: Design) -> Layout:
     """
     if not isinstance(design, Design) or design.rods is None:
         return layout(design)
+    from pattern.rods.drawn_graph import drawn_pattern  # slow to import; designs of stars do without it
+
     corners = None if design.border.rods is not None else sheet_outline(design)
     print_ = drawn_pattern(design.rods, design.border, design.lattice, corners)
     outline, graph = print_.outline, print_.graph

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pattern.geometry.arrays import Floats, Ints
 from pattern.rods.graph import Rod, RodGraph
@@ -36,6 +35,8 @@ def star_graph(
     node = np.arange(len(places))
     pairs = np.empty((0, 2), dtype=np.int64)
     if meeting > 0.0:
+        from scipy.spatial import cKDTree  # slow to import; readers of designs do without it
+
         pairs = cKDTree(places).query_pairs(meeting, output_type="ndarray")
     for one, other in pairs[np.lexsort(pairs.T)]:
         node[node == node[max(one, other)]] = node[min(one, other)]

@@ -183,8 +183,10 @@ def test_permuted_vertices_triangles_and_rods(seed):
 @pytest.mark.parametrize("rod", [0, 1, 2])
 def test_reversed_rod(rod):
     """A rod from its tip to its centre. The arms are not joined, since a junction is at the start of its rods."""
-    apart = np.repeat(UNEVEN.centres, 3, axis=0)
-    loose = replace(UNEVEN, centres=apart, arm_star=np.arange(3), meeting_mm=0.0)
+    apart, ones = np.repeat(UNEVEN.centres, 3, axis=0), np.ones(3, dtype=np.int64)
+    loose = replace(
+        UNEVEN, centres=apart, arm_star=np.arange(3), meeting_mm=0.0, star_branch=ones, star_number=np.arange(3)
+    )
     one = DiscreteModel(DESIGN, loose, MESH)
     rods = list(MESH.rods)
     rods[rod] = rods[rod][::-1]

@@ -49,11 +49,9 @@ def test_unknown_name():
         gallery.load("tub")
 
 
-def test_loading_starts_fast():
-    """Nothing slow is imported to read a design; the limit is far above the processor time that it takes (0.25 s)."""
+def test_reading_a_design_imports_nothing_slow():
     check = (
-        "import sys, time; from pattern import gallery; gallery.load('dome'); "
-        "assert not {'scipy', 'numba', 'matplotlib', 'PIL'} & set(sys.modules); "
-        "assert time.process_time() < 5"
+        "import sys; from pattern import gallery; gallery.load('dome'); "
+        "assert not {'scipy', 'numba', 'matplotlib', 'PIL'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", check], check=True)
