@@ -15,10 +15,18 @@ class LawError(Error, ValueError):
     message : one line.
     stars : numbers of the stars in error.
     place_mm : printed coordinates (2,) of the error, in mm; None if the error has no place.
+    field : of the design file that the law does not fit, such as `fabric.stretch`; empty for others.
     """
 
-    def __init__(self, message: str, stars: Iterable[int] = (), place_mm: Iterable[float] | None = None) -> None:
+    def __init__(
+        self,
+        message: str,
+        stars: Iterable[int] = (),
+        place_mm: Iterable[float] | None = None,
+        field: str = "",
+    ) -> None:
         super().__init__(message)
+        self.field = field
         self.stars = tuple(int(star) for star in stars)
         self.place_mm = None if place_mm is None else tuple(float(part) for part in place_mm)
 

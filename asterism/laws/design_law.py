@@ -97,7 +97,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
             refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
             refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
             refused += f", for --law {quote(str(design_law_path(file, other)))}"
-        raise LawError(refused) from None
+        raise LawError(refused, error.stars, error.place_mm, error.field) from None
     return own_law
 
 

@@ -76,7 +76,8 @@ class Law:
         for table in self.tables:
             if _same(table.stretch, stretch):
                 return table
-        raise ForeignLaw(f"fabric.stretch = {stretch:g}: the law was made for {_list(self.stretches)}")
+        problem = f"fabric.stretch = {stretch:g}: the law was made for {_list(self.stretches)}"
+        raise ForeignLaw(problem, field="fabric.stretch")
 
     @property
     def stretches(self) -> tuple[float, ...]:
@@ -115,10 +116,10 @@ class Law:
             Fabrics of this kind have no law.
         """
         if not design.fabric.has_bending:
-            raise LawError(f"fabric.bending = {design.fabric.bending}: {WITHOUT_BENDING}")
+            raise LawError(f"fabric.bending = {design.fabric.bending}: {WITHOUT_BENDING}", field="fabric.bending")
         sx, sy = design.fabric.stretch_xy
         if not _same(sx, sy):
-            raise LawError(f"fabric.stretch = {[sx, sy]}: {WITH_TWO_STRETCHES}")
+            raise LawError(f"fabric.stretch = {[sx, sy]}: {WITH_TWO_STRETCHES}", field="fabric.stretch")
         free = {"fabric": {"stretch", "modulus_mpa", "density_kg_m3"}, "plastic": {"density_kg_m3"}}
         for section in ("fabric", "plastic", "lattice"):
             ours, theirs = (getattr(thing, section).model_dump(mode="json") for thing in (self.material, design))
@@ -131,7 +132,9 @@ class Law:
                 part = LATTICE_TOLERANCE if section == "lattice" else MATERIAL_TOLERANCE
                 if key not in free.get(section, ()) and not _same(ours[key], theirs[key], part):
                     other = "lattice" if section == "lattice" else "material"
-                    raise ForeignLaw(f"{section}.{key} = {theirs[key]}: the law is for another {other}, of {ours[key]}")
+                    field = f"{section}.{key}"
+                    problem = f"{field} = {theirs[key]}: the law is for another {other}, of {ours[key]}"
+                    raise ForeignLaw(problem, field=field)
         return self.at(sx)
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:

@@ -39,6 +39,9 @@ export function bytes(value) {
 
 export const plural = (count, word, words = `${word}s`) => `${count} ${count === 1 ? word : words}`;
 
+/** A field of the design file without the numbers of its entries: `pins[0].scale` is `pins.scale`. */
+export const plainField = (field) => field.replace(/\[\d+\]/g, "");
+
 /** How sure a preview is, in words, from its expected rms distance to the exact shape in percent of the diameter. */
 export function trust(expected) {
   if (!Number.isFinite(expected)) return { words: "Not estimated yet", level: 0 };

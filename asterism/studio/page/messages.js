@@ -1,5 +1,6 @@
 // What the page does with the server's messages.
 
+import { plainField } from "./format.js";
 import { announce, toast } from "./panels/toasts.js";
 
 export function listen(studio) {
@@ -69,7 +70,7 @@ export function listen(studio) {
   /** At the field, if one is on the page. Returns whether it was. */
   function showProblem({ field, text }) {
     if (!field) return false;
-    const name = field.replace(/\[\d+\]/g, "");
+    const name = plainField(field);
     const element = [...document.querySelectorAll("[data-field]")].find(
       (one) => one.dataset.field === name && one.offsetParent,
     );

@@ -116,14 +116,18 @@ class StudioPage:
         return self.page.get_by_test_id(name)
 
     def open(self, name: str) -> None:
-        """Open an example, or a file of the folder."""
+        """Open an example, or a file of the folder, and wait for its shape."""
+        self.open_without_shape(name)
+        self.rest()
+
+    def open_without_shape(self, name: str) -> None:
+        """The same for a design that may have no shape."""
         self.wait("studio.document || document.querySelector('[data-testid=new]')")
         opened = self.get("studio.opened")
         if self.get("Boolean(studio.document)"):
             self.item("open").click()
         self.item(name).click()
         self.wait(f"studio.opened > {opened}")
-        self.rest()
 
     def fill(self, name: str, value: float | str) -> None:
         """Type a value into a field, and press Enter."""

@@ -107,10 +107,13 @@ export function buildViewNote(element, { store, actions }) {
     const { problem, busy, engine } = store.get("state");
     const parts = [];
     if (store.get("document") && problem) {
+      const isInMaterial = /^(fabric|plastic)\./.test(problem.field ?? "");
       const place =
         problem.stars?.length || problem.at_mm
           ? button({ text: "Show the place", onclick: () => actions.showPlace(problem) })
-          : null;
+          : isInMaterial
+            ? button({ text: "Show the value", testid: "show-value", onclick: () => actions.showPage("sheet") })
+            : null;
       parts.push(
         h(
           "span",

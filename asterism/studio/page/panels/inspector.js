@@ -1,6 +1,7 @@
 // The panel on the right: pages for the tool, the sheet's material, and the shape.
 
 import { h, replace } from "../dom.js";
+import { plainField } from "../format.js";
 
 const PAGES = { tool: "Tool", sheet: "Material", shape: "Shape" };
 
@@ -43,6 +44,21 @@ export function buildInspector(element, { store, builders, toolTitles }) {
     replace(body, builder({ on }));
     body.setAttribute("aria-labelledby", `tab-${page}`);
     body.scrollTop = 0;
+    showFault();
+  }
+  /** What stands in the way of a shape, beside the control of the value that it is about. */
+  function showFault() {
+    const { problem } = store.get("state");
+    for (const element of body.querySelectorAll("[data-field]")) {
+      const line = element.querySelector(":scope > .fault");
+      const isAbout = Boolean(problem?.field) && element.dataset.field === plainField(problem.field);
+      if (!line || (!isAbout && !element.dataset.blocked)) continue;
+      element.classList.toggle("bad", isAbout);
+      line.hidden = !isAbout;
+      line.textContent = isAbout ? problem.text : "";
+      if (isAbout) element.dataset.blocked = "true";
+      else delete element.dataset.blocked;
+    }
   }
   function mark() {
     const page = store.get("page");
@@ -60,7 +76,7 @@ export function buildInspector(element, { store, builders, toolTitles }) {
     });
   }
   store.on(["page", "tool"], () => (build(), mark()));
-  store.on(["state"], mark);
+  store.on(["state"], () => (mark(), showFault()));
   build();
   mark();
 }

@@ -16,6 +16,15 @@ export function materialPanel({ store, edits, connection }, { on }) {
     value: "",
     onchange: (value) => send({ "fabric.stretch": Number(value) }),
   });
+  const stretchFault = h("div", { class: "fault", hidden: true, role: "alert" });
+  const stretchField = h(
+    "div",
+    { class: "field" },
+    h("label", {}, "Stretch, printed over released"),
+    stretch.element,
+    stretchFault,
+  );
+  stretchField.dataset.field = "fabric.stretch";
   const stretchHint = hint("");
   const thickness = numberField({
     label: "Released thickness",
@@ -123,7 +132,7 @@ export function materialPanel({ store, edits, connection }, { on }) {
   update();
   return [
     section("Fabric"),
-    h("div", { class: "field" }, h("label", {}, "Stretch, printed over released"), stretch.element),
+    stretchField,
     stretchHint,
     thickness.element,
     section("Plastic"),

@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from tests.asterism.studio.browser import StudioPage
 
+STIFF = "[fabric]\nstretch = 1.5\n[stars]\nlength_mm = 7.0\n[border]\nrings = 2\n"
 BROKEN = "[stars]\nlength_mm = -1\n"
 
 
-def test_saving_asks_before_it_replaces_a_file_with_a_mistake(page: StudioPage, folder: Path) -> None:
+def test_a_value_that_the_law_does_not_cover_is_marked_at_its_control(
+    new_page: Callable[[], StudioPage], folder: Path
+) -> None:
+    (folder / "stiff.toml").write_text(STIFF, encoding="utf-8")
+    page = new_page()
+    page.open_without_shape("file-stiff.toml")
+    page.wait("studio.state.problem?.field === 'fabric.stretch'")
+    page.item("show-value").click()
+    fault = page.page.locator("[data-field='fabric.stretch'] .fault")
+    fault.wait_for()
+    assert "the law was made for 1.35, 1.75" in fault.inner_text()
+    page.item("stretch").select_option("1.75")
+    page.rest()
+    assert fault.is_hidden()
+
+
+def test_saving_asks_before_it_replaces_a_file_with_a_mistake(new_page: Callable[[], StudioPage], folder: Path) -> None:
     text = (folder / "canopy.toml").read_text(encoding="utf-8")
     file = folder / "roof.toml"
     file.write_text(text, encoding="utf-8")
+    page = new_page()
     page.open("file-roof.toml")
     page.drag((0, 0), (5, 5))
     page.rest()
