@@ -33,7 +33,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_sheet_that_passes_through_itself_is_told(folder: Path, capsys, monkeypatch) -> None:
-    result = command(["simulate", "d.toml"], capsys, monkeypatch)
+    result = command(["simulate", "d.toml", "--starts", "1"], capsys, monkeypatch)
     assert result.status == 0, result.err
     assert "passes through itself" in result.err and "--contact" in result.err
     summary = json.loads((folder / "d" / "summary.json").read_text())

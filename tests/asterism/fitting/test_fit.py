@@ -54,6 +54,7 @@ def test_sizes_are_printable(found: Fit) -> None:
     assert loss is not None and abs(loss) < 0.2
 
 
+@pytest.mark.slow
 def test_the_same_call_gives_the_same_design(found: Fit, target: TargetSurface) -> None:
     again = fit(target, exact=False, printer=load_printer("ultimaker2"))
     assert again.design.to_dict() == found.design.to_dict()
@@ -69,6 +70,7 @@ def test_the_shape_of_a_design_is_found_back() -> None:
     assert found.summary.preview.mean_percent < 0.3
 
 
+@pytest.mark.slow
 def test_a_free_sheet_is_laid_on_the_target(target: TargetSurface) -> None:
     found = fit(target, needles=0, exact=False)
     assert found.design.pins == () and found.summary.needles == 0

@@ -53,6 +53,7 @@ def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
         assert (np.ptp(colours, axis=1) > 8).mean() > 0.02
 
 
+@pytest.mark.slow
 def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, capsys, monkeypatch) -> None:
     rng = np.random.default_rng(0)
     points = rng.uniform(-35, 35, (3000, 3))
