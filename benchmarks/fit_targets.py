@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from asterism.fitting.target import TargetSurface
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 RINGS = 24  # of triangles, of a round target
 

@@ -20,10 +20,10 @@ from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from homogenize.errors import LawError
 from homogenize.law.law_file import load_law
 from pattern import gallery
-from pattern.geometry.arrays import Floats
 
 PICTURES = Path(__file__).parent.parent / "asterism" / "studio" / "gallery"
 # size of a picture: twice the size at which the page shows it, for fine screens

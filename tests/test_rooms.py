@@ -130,6 +130,16 @@ def test_no_constant_has_the_name_of_another() -> None:
     assert {name: at for name, at in constants.items() if name.isupper() and len(set(at)) > 1} == {}
 
 
+def test_no_alias_is_defined_twice() -> None:
+    """Aliases of types, such as `Floats`, are capitalised names that are assigned at the top of a module."""
+    aliases = {
+        name: at
+        for name, at in defined((ast.Assign, ast.AnnAssign)).items()
+        if name[0].isupper() and not name.isupper()
+    }
+    assert {name: at for name, at in aliases.items() if len(set(at)) > 1} == {}
+
+
 def is_command(node: ast.stmt) -> bool:
     """Whether a statement defines a command of the command line."""
     decorators = node.decorator_list if isinstance(node, ast.FunctionDef) else []

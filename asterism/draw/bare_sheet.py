@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.draw.render import Scene, scene
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 
 def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:

@@ -17,7 +17,7 @@ from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import families, printable
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # size of the picture, pixels
 PICTURE_WIDTH_PX = 2000

@@ -8,7 +8,7 @@ import numpy as np
 
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import turning_angles
 
 # radius of a ball over the diameter of the sheet

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # work is done in pieces, because the allocation of large temporary arrays would take longer than the work itself
 # pairs of a triangle and a pixel in one piece

@@ -11,7 +11,7 @@ from asterism.draw.pin_marks import pin_marks
 from asterism.draw.raster import Raster, rasterise
 from asterism.draw.ribbons import ribbons
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import vertex_normals
 
 PLASTIC_SIDE = (0.985, 0.92, 0.80)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import vertex_normals
 
 # width of the arms of a shape without the rod field `width_mm`

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
+from asterism.process.listeners import Say
 from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.contraction import contraction
@@ -37,8 +37,6 @@ from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
 from pattern.layout.weight_support import check_weight_is_supported
 from pattern.mesh.meshing import mesh_layout
-
-Say = Callable[[str], None]
 
 
 @one_blas_thread()

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from asterism.fitting.errors import TargetError
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 
 # vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself

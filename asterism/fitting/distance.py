@@ -12,7 +12,7 @@ from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.target import TargetSurface
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ from asterism.fitting.reach import Reach, choose_stretch, target_reach
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from equilibrium.arrays import Floats
 from homogenize.law.anisotropy import BENDING_POISSON
 from homogenize.law.law import Law
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.painted_stars import with_painted_stars
 

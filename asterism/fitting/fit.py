@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from asterism.exact.simulation import Say
 from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.residual import FitPlaces, Residual
@@ -18,6 +17,7 @@ from asterism.previews.run import preview
 from asterism.previews.session import paper_law
 from asterism.print.printer import Printer
 from asterism.print.rounded import choose_rounding, with_rounding
+from asterism.process.listeners import Say
 from asterism.process.version import __version__
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from asterism.shape.shape import Shape

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.fitting.target_map import TargetMap
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # of the spacing: largest distance of corners of the outline
 OUTLINE_STEP = 0.45

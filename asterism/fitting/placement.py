@@ -6,8 +6,8 @@ import numpy as np
 
 from asterism.fitting.flattening.boundary_first import FlatDisk
 from asterism.fitting.target_map import TargetMap
+from equilibrium.arrays import Floats
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, inside
 
 # mm, smallest distance of star centres from the outline of a fitted design: bare rims droop between the needles

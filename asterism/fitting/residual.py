@@ -17,7 +17,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.normals import vertex_normals
 from pattern.geometry.planar import distance_to_outline, inside
 from pattern.geometry.rigid_fit import rigid_fit

@@ -18,8 +18,8 @@ from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
+from equilibrium.arrays import Floats
 from equilibrium.errors import Error
-from fem.elements.tabulation import Floats
 from homogenize.law.law import Law
 from pattern.design.design import Design
 

@@ -7,16 +7,16 @@ from typing import Any, Literal, get_args
 import numpy as np
 from scipy.optimize import brentq
 
-from asterism.exact.simulation import Say
 from asterism.fitting.errors import ReachError
 from asterism.fitting.star_menu import MIN_FITTED_ARM_MM
 from asterism.previews.run import preview
 from asterism.previews.session import paper_law
+from asterism.process.listeners import Say
+from equilibrium.arrays import Floats
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 

@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from asterism.previews.model import PREVIEW_MODEL
+from equilibrium.arrays import Floats
 from homogenize.law.law import Law
 from homogenize.law.law_table import LawTable
-from pattern.geometry.arrays import Floats
 
 # mm, shortest arms of a fitted design: shorter ones hardly differ from bare fabric
 MIN_FITTED_ARM_MM = 2.0

@@ -9,8 +9,8 @@ import scipy.sparse as sp
 
 from asterism.fitting.first_guess import FITTED_SIZE_DECIMALS
 from asterism.fitting.star_menu import StarMenu
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 from pattern.layout.painted_stars import with_painted_stars
 

@@ -18,8 +18,8 @@ from asterism.measure.compare.scan import MAX_SCAN_COORDINATE, read_surface
 from asterism.measure.compare.units import MM
 from asterism.shape.diameter import diameter
 from asterism.shape.self_intersections import self_intersections
+from equilibrium.arrays import Floats, Ints
 from pattern.design.sizing.expression import ExpressionError, evaluate
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals, vertex_normals
 
 TARGET_FORMATS = (".obj", ".stl", ".ply")

@@ -15,7 +15,7 @@ from asterism.studio.engine_problem import engine_problem
 from asterism.studio.messages import Frame
 from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.sheet_view import SheetView
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
 
 # Values of the widget's traits that change together: `mesh` and `frame` as bytes, `panel` as a table.

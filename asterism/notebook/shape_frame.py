@@ -13,7 +13,7 @@ from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame, ShownMesh
 from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.sheet_view import mesh_message
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, vertex_normals
 
 

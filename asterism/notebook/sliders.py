@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.design.pins import Pins
-from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 

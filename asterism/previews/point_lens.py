@@ -8,7 +8,7 @@ import numpy as np
 
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.surface import Lens, Places
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 
 
 class PointLens:

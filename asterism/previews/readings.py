@@ -8,7 +8,7 @@ from asterism.previews.sheet import Sheet
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.surface import Lens, Places
 from asterism.previews.uncertainty.other_forms import OtherForm, forms_met
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.sides import Side
 from fem.shell.shell import Shell

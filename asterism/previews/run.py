@@ -6,7 +6,8 @@ import time
 from dataclasses import replace
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.session import Preview, Say
+from asterism.previews.session import Preview
+from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
 from fem.search.sides import Side
 from homogenize.law.law import Law

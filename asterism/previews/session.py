@@ -33,10 +33,11 @@ from asterism.previews.surface.surface import shape_of
 from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.previews.uncertainty.other_forms import forms_met
 from asterism.previews.watch import Watch
+from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from equilibrium.threads import one_blas_thread
-from fem.elements.tabulation import Floats
 from fem.search.mean_fields import mean_fields
 from fem.search.sides import Side, check_side, side_of
 from homogenize.law.law import Law
@@ -48,7 +49,6 @@ from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 from pattern.layout.weight_support import check_weight_is_supported
 
-Say = Callable[[str], None]
 # from this number of triangles on, a message announces a long computation: some sheets take hundreds of iterations
 PATIENCE_TRIANGLES = 300
 # largest number of triangles that the caller may give, which limits the memory

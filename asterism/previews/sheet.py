@@ -21,8 +21,9 @@ from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.supports.conditions import conditions, weight
 from asterism.previews.supports.point_pins import softness, with_point_softness
+from equilibrium.arrays import Floats
 from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Floats, Tabulation
+from fem.elements.tabulation import Tabulation
 from fem.shell.fields import FieldError, Fields
 from fem.shell.shell import QUADRATURE_ORDER, Shell
 from fem.supports.conditions import ConditionError, impose_conditions

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response
 from fem.search.relax import energies_by_part

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.sides import Side
 from pattern.design.design import Design
 

@@ -17,9 +17,9 @@ from asterism.previews.sheet import Sheet
 from asterism.previews.shown_response import ShownResponse
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.surface import Lens, ShownSheet, shown_mesh
+from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from equilibrium.linear.watched_factor import WatchedFactor
-from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
 from fem.search.relax import factorise, follow, softest_shell_modes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True)

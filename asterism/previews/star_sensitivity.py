@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.state import PreviewState
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.relax import factorise
 from fem.search.sensitivity import stress_responses, stress_under
 from homogenize.law.axes import AXES

@@ -15,8 +15,8 @@ from asterism.previews.model import PreviewModel
 from asterism.previews.sheet import Sheet
 from asterism.previews.shown_response import ShownResponse
 from asterism.previews.surface.surface import ShownSheet
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.sides import Side
 from fem.shell.shell import Shell

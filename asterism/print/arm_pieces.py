@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from pattern.design.rounding import Rounding
-from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
 

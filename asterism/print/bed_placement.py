@@ -10,8 +10,8 @@ from shapely.geometry.base import BaseGeometry
 
 from asterism.print.printer import Printer
 from asterism.print.solid import Terrace
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
 

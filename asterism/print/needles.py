@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, distance_to_segment
 from pattern.layout.layout import Layout
 from pattern.layout.supports import PinSet

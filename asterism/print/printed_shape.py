@@ -7,14 +7,13 @@ from typing import Any
 
 from asterism.print.job import Job
 from asterism.print.shape_change import shape_change
+from asterism.process.listeners import Say
 from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.shape import Shape
 from homogenize.errors import LawError
 from homogenize.law.law import Law
 from pattern.design.design import Design
 
-Say = Callable[[str], None]
-Report = Callable[[str, Any], None]
 Found = tuple[Shape | None, ShapeChangeRecord | None]
 
 
@@ -23,7 +22,7 @@ def printed_shape(
     preview: bool,
     simulate: bool,
     law: Law | None = None,
-    report: Report | None = None,
+    report: Callable[[str, Any], None] | None = None,
     say: Say | None = None,
 ) -> Found:
     """The shape of the rounded design, and its distance from the shape of the design as drawn.

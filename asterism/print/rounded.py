@@ -6,10 +6,10 @@ import numpy as np
 
 from asterism.print.printer import Printer
 from asterism.results.records.export import SizeChangeRecord, TinyStarRecord
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
-from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline, font_size_within, offset_points
 from asterism.print.layers import TEXT
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # margin around the drawing and the column
 PAGE_MARGIN_MM = 18.5

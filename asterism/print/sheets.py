@@ -24,7 +24,7 @@ from asterism.print.layers import (
 )
 from asterism.print.sheet_page import DrawingItems, sheet_page
 from asterism.print.solid import Terrace
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # diameter of a hole in the drilling template
 _HOLE_MM = 1.0

@@ -27,7 +27,7 @@ from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
 from asterism.reports.facts import Facts
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # width and height of the page
 PAGE_MM = np.array(A4_MM)

@@ -17,7 +17,7 @@ from asterism.draw.chart_axes import style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import surface_cut
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 TARGET_COLOUR = "#c8553d"
 # size of the picture in inches, and its resolution

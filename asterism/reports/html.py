@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from asterism.draw.picture import small_png
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 STYLE = """
 :root { color-scheme: light; }

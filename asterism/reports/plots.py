@@ -11,7 +11,7 @@ from matplotlib.tri import Triangulation
 
 from asterism.reports.views import DISTANCE_COLOURS, ORANGE
 from asterism.shape.comparison import Comparison
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.planar import inside
 
 BLUE = "#4f6d92"

@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from asterism.draw.bare_sheet import bare
 from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.shape.comparison import Comparison
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 ORANGE = (0.93, 0.47, 0.16)
 # largest size of a view

@@ -19,7 +19,7 @@ from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
 from asterism.shape.tube import tube_radius
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.normals import triangle_normals, vertex_normals
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.free_motions import free_motions

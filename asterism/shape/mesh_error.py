@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.planar import polygon_area
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.layout import Layout

@@ -15,8 +15,8 @@ from scipy.spatial import cKDTree
 from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.of_shape import shape_record
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats, Ints
 
 # name of the shape in the folder of a preview or a simulation
 SHAPE_FILE = "shape.vtu"

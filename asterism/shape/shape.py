@@ -13,9 +13,9 @@ from asterism.results.records.of_shape import AnyShapeRecord, shape_record
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import surface_triangle_areas
+from equilibrium.arrays import Floats, Ints
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 from pattern.geometry.point_location import locate
 from pattern.layout.layout import Layout

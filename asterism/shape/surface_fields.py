@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
 
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry import planar
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
 
 

@@ -7,7 +7,7 @@ from scipy.optimize import leastsq
 
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.normals import vertex_normals
 
 # a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane

@@ -29,12 +29,12 @@ from asterism.studio.rest_summary import blank_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
 from asterism.studio.sheet_view import SheetView, blank_messages
 from asterism.studio.target_distance import TargetComparison
+from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from homogenize.errors import ForeignLaw
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import BlankSheetError
-from pattern.geometry.arrays import Floats
 from pattern.layout.painted_stars import with_painted_stars
 
 REST_S = 0.3  # without a message, after which the fine frame follows

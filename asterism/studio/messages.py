@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from equilibrium.arrays import Array
+
 # Of a value in a message; values of whole tables are left out.
 MAX_VALUE_CHARACTERS = 100
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from asterism.studio import frames
-from asterism.studio.messages import Array, Frame, ShownMesh
+from asterism.studio.messages import Frame, ShownMesh
+from equilibrium.arrays import Array
 
 
 def mesh_bytes(mesh: ShownMesh) -> bytes:

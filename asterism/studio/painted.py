@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
+from pattern.design.stars import Site
 from pattern.layout.layout import Layout
 from pattern.layout.painted_stars import SIZE_KEYS
 
-Site = tuple[int, int]
 # Painted sizes are kept to 0.1 micrometre: files stay readable.
 SIZE_DIGITS = 4
 

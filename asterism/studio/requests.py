@@ -11,11 +11,11 @@ from equilibrium.errors import Error
 
 MAX_REQUEST_BYTES = 4_000_000
 MAX_SITES = 20_000
-Whole = Annotated[int, Field(ge=0, le=2**53)]
+WholeNumber = Annotated[int, Field(ge=0, le=2**53)]
 Name = Annotated[str, Field(min_length=1, max_length=200)]
-SiteNumber = Annotated[int, Field(ge=-100_000, le=100_000)]
-Sites = Annotated[list[tuple[SiteNumber, SiteNumber]], Field(max_length=MAX_SITES)]
-Sizes = Annotated[list[float | None], Field(max_length=MAX_SITES)]
+SiteIndex = Annotated[int, Field(ge=-100_000, le=100_000)]
+Sites = Annotated[list[tuple[SiteIndex, SiteIndex]], Field(max_length=MAX_SITES)]
+SizesOfSites = Annotated[list[float | None], Field(max_length=MAX_SITES)]
 Slot = Literal["A", "B", "C"]
 
 
@@ -32,7 +32,7 @@ class Request(BaseModel):
     """
 
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
-    seq: Whole | None = None
+    seq: WholeNumber | None = None
 
 
 class Hello(Request):
@@ -87,7 +87,7 @@ class Go(Request):
     """Show the state at a position of the history."""
 
     type: Literal["go"]
-    position: Whole
+    position: WholeNumber
 
 
 class Recover(Request):
@@ -99,7 +99,7 @@ class Recover(Request):
 class GestureRequest(Request):
     """A change that belongs to a gesture; the gesture ends with `end`."""
 
-    gesture: Whole | None = None
+    gesture: WholeNumber | None = None
     end: bool = True
 
 
@@ -111,9 +111,9 @@ class Change(GestureRequest):
 class Paint(GestureRequest):
     type: Literal["sizes"]
     sites: Sites
-    length: Sizes | None = None
-    thickness: Sizes | None = None
-    width: Sizes | None = None
+    length: SizesOfSites | None = None
+    thickness: SizesOfSites | None = None
+    width: SizesOfSites | None = None
 
     @property
     def sizes(self) -> dict[str, list[float | None]]:
@@ -138,7 +138,7 @@ class FlipRequest(Request):
 
 class FormRequest(Request):
     type: Literal["form"]
-    index: Whole
+    index: WholeNumber
 
 
 class SlotRequest(Request):
@@ -189,7 +189,7 @@ class PrinterRequest(Request):
 
 class Acknowledge(Request):
     type: Literal["ack"]
-    frame: Whole
+    frame: WholeNumber
 
 
 AnyRequest = Annotated[

@@ -11,8 +11,8 @@ from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh, SmoothPart
 from asterism.studio.sheet_marks import STATIONS, SheetMarks
+from equilibrium.arrays import Floats, Ints
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
 from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_areas
 from pattern.layout.layout import Layout

@@ -12,7 +12,7 @@ from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
 from asterism.studio import frames
 from asterism.studio.messages import Surface, TargetPose
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 TARGET = 4  # kind of its binary frame
 

@@ -8,7 +8,7 @@ from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.studio.messages import Surface, TargetDistance, TargetPose
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 class TargetComparison:

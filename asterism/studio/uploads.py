@@ -11,9 +11,9 @@ import shapely
 
 from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
 from asterism.studio.dxf_outline import read_dxf_outline
+from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
-from pattern.geometry.arrays import Floats
 
 MAX_UPLOAD_BYTES = 8_000_000
 MAX_CORNERS = 1000

@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
-from asterism.exact.simulation import Say, simulate
+from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
+from asterism.process.listeners import Say
 from asterism.results.records.exact import MinimumRecord
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import gap, right_shape

@@ -6,9 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from asterism.exact.simulation import Say, simulate
+from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
+from asterism.process.listeners import Say
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.exact import ExactRecord

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 from pattern.design.errors import DesignError
 from pattern.mesh.mesh import Mesh
 

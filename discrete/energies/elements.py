@@ -6,11 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from discrete.energies.kernel import HAVE_NUMBA
-
-Array = NDArray[Any]
+from equilibrium.arrays import Array
 
 
 class Elements:

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
+from equilibrium.arrays import Array
 from pattern.geometry.planar import triangle_areas, triangle_gradients
 
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.energies.membrane import invariants, volumetric_derivatives
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
+from equilibrium.arrays import Array
 
 MAX_EDGE_OVER_WIDTH = 0.7  # 1: height of the triangles at the arms over the width of a crease, if it is resolved
 

@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.evidence.effort import PathStep
 from discrete.model.state import State
-from pattern.geometry.arrays import Ints
+from equilibrium.arrays import Array, Ints
 
 MIN_SIDE_BUMP_MM = 1e-6  # mm, smallest height of a bump that counts as up or down
 

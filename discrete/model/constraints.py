@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.energies.contact import ContactBarrier
-from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.reanalysing_factor import ReanalysingFactor

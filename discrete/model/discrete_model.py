@@ -10,7 +10,7 @@ import numpy as np
 
 from discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
 from discrete.energies.bending.registry import FABRIC_BENDING
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.energies.membrane import Membrane, membrane_params
 from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.joint import RodJoint
@@ -35,6 +35,7 @@ from discrete.model.constraints import pin_constraints
 from discrete.model.reconstruction import Reconstruction
 from discrete.model.state import State, moved_state
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from pattern.design.design import Design
 from pattern.design.materials import rest_curvature
 from pattern.design.residual_curvature import residual_curvature

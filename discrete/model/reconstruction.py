@@ -13,9 +13,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.rotations import rotate_vectors, rotation_remainder
 from discrete.model.state import State, edge_tangents, moved_state, parallel_transport
+from equilibrium.arrays import Array
 from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.sparse_pattern import SparsePattern

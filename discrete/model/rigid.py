@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.state import State, edge_tangents
+from equilibrium.arrays import Array
 
 
 def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from pattern.geometry.normals import vertex_normals
 
 BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, over the spacing of the stars

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.rotations import rotate_vectors
+from equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

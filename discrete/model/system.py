@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.model.rigid import rigid_modes, rigid_motions
 from discrete.model.state import State, moved_state
+from equilibrium.arrays import Array
 from equilibrium.linear.backends import make_solver
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.rotations import rotate_vectors
 from discrete.model.state import State, edge_tangents
 from discrete.release.prolongation import plastic_normals
+from equilibrium.arrays import Array
 from pattern.geometry.rigid_fit import rigid_fit
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from discrete.energies.elements import Array
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.discrete_model import DiscreteModel
@@ -15,6 +14,7 @@ from discrete.release.continuation import Report, prefixed_report
 from discrete.release.levels import MeshLevel, coarser_models, solve_through_levels
 from discrete.release.release_start import release_starts
 from discrete.release.single_mesh import solve_on_mesh
+from equilibrium.arrays import Array
 from equilibrium.newton.regularisation import Method
 from pattern.design.errors import DesignError
 from pattern.layout.free_motions import FreeMotions, free_motions

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.evidence.creases import measure_creases
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.model.contact_model import ContactModel, is_intersection_free
@@ -21,6 +20,7 @@ from discrete.release.continuation import Report, prefixed_report
 from discrete.release.extrapolation import extrapolate
 from discrete.release.prolongation import fit_to_surface, prolong
 from discrete.release.single_mesh import StartKind, solve_on_mesh
+from equilibrium.arrays import Array
 from equilibrium.newton.regularisation import Method
 from pattern.design.errors import MeshError
 from pattern.mesh.meshing import mesh_layout

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State, edge_tangents, orthonormal_to_tangents
 from discrete.release.surface_interpolation import interpolate_surface
+from equilibrium.arrays import Array
 from pattern.geometry.normals import vertex_normals
 
 

@@ -8,10 +8,10 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.star_bumps import add_bumps, bump_heights
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from pattern.design.lattice import DEFAULT_SPACING_MM
 
 SheetBend = Literal["none", "roll", "dome", "saddle"]

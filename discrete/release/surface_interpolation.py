@@ -6,8 +6,7 @@ import numpy as np
 from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, NearestNDInterpolator
 from scipy.spatial import ConvexHull
 
-from discrete.energies.elements import Array
-from pattern.geometry.arrays import Ints
+from equilibrium.arrays import Array, Ints
 from pattern.geometry.planar import distance_to_segment, triangle_areas
 
 MAX_MISSING_HULL_FRACTION = 1e-6  # 1: area of the convex hull outside a sheet that counts as convex, over the hull

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.arrays import Floats
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class CholmodFactor:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from equilibrium.linear.sparse_pattern import Floats
+from equilibrium.arrays import Floats
 
 Operator = Callable[[Floats], Floats]
 

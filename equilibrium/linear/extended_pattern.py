@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
+from equilibrium.arrays import Floats, Ints
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class ExtendedPattern(SparsePattern):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from equilibrium.linear.sparse_pattern import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 class Factor(Protocol):

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.arrays import Floats
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 # Smaller lower triangles use one thread: a second one mostly waits. One thread also adds in a fixed order, so that
 # small problems give the same digits in every run.

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from equilibrium.arrays import Floats
 from equilibrium.errors import BackendError
 from equilibrium.linear.backends import make_factor
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class HasPattern(Protocol):

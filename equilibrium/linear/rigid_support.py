@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
+from equilibrium.arrays import Floats, Ints
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 SUPPORT_STIFFNESS_FACTOR = 1e3  # stiffness of a support over the largest diagonal entry
 

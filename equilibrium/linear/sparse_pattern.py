@@ -6,12 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.compiled import HAVE_NUMBA, loop
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
 
 ENTRIES_PER_BATCH = 1 << 22  # while a pattern is built; tens of MB
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.arrays import Floats
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class SuperLUFactor:

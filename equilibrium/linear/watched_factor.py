@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from equilibrium.linear.sparse_pattern import Floats
 
 
 @dataclass

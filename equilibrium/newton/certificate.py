@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobpcg
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor, IterativeFactor
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
 LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues

@@ -12,10 +12,10 @@ from typing import Protocol
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from equilibrium.linear.factor import Factor, IterativeFactor
 from equilibrium.linear.rigid_support import stiffen
-from equilibrium.linear.sparse_pattern import Floats
 from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 from equilibrium.newton.minimise import NewtonResult, minimise
 from equilibrium.newton.problem import AnyState, Problem

@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.clock import Clock
 from equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError
 from equilibrium.linear.factor import Factor, IterativeFactor
 from equilibrium.linear.rigid_support import stiffen
-from equilibrium.linear.sparse_pattern import Floats, Ints
 from equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
 
 Method = Literal["blended", "shifted"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.linear.sparse_pattern import Floats
+from equilibrium.arrays import Floats
 from equilibrium.newton.problem import AnyState, Problem
 
 MAX_HALVINGS = 12  # of the first step

@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from equilibrium.linear.sparse_pattern import Floats
 
 GUARD_VECTORS = 1  # further vectors in every block, for multiple eigenvalues
 EIGENVALUE_TOLERANCE = 1e-5  # relative change between blocks; the change after it is about its square

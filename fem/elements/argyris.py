@@ -18,10 +18,11 @@ from skfem import ElementTriArgyris, MeshTri
 from skfem.assembly.dofs import Dofs
 from skfem.quadrature import get_quadrature
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.location import triangles_at
 from fem.elements.monomials import monomials, polynomials, powers
 from fem.elements.printed_mesh import checked_mesh
-from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
+from fem.elements.tabulation import Evaluation, Tabulation
 
 JetMap = Callable[[Floats], Floats]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 
 PlaneMap = Callable[[Floats], Floats]
 

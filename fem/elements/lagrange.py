@@ -11,9 +11,9 @@ import numpy as np
 from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
 from skfem.quadrature import get_quadrature
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.monomials import monomials, powers
 from fem.elements.printed_mesh import checked_mesh
-from fem.elements.tabulation import Floats, Ints
 
 ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
 

@@ -21,10 +21,11 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.lagrange import Lagrange
 from fem.elements.location import triangles_at
 from fem.elements.monomials import monomials, powers
-from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
+from fem.elements.tabulation import Evaluation, Tabulation
 
 
 class Lifted:

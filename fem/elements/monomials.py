@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.compiled import loop
-from fem.elements.tabulation import Floats, Ints
 
 
 def powers(degree: int) -> Ints:

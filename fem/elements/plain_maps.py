@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from fem.elements.deformation import affine, flat
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats
 
 
 def flat_positions(space: Space) -> Floats:

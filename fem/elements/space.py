@@ -8,7 +8,8 @@ from typing import Protocol
 import scipy.sparse as sp
 from skfem import MeshTri
 
-from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
+from equilibrium.arrays import Floats, Ints
+from fem.elements.tabulation import Evaluation, Tabulation
 
 Jets = Callable[[Floats], Floats]
 """Map from printed points (n, 2) mm to (n, 6, 3): position and its derivatives 1, 2, 11, 22, 12."""

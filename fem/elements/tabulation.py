@@ -9,10 +9,9 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from jaxtyping import Float, Int
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+from equilibrium.arrays import Floats, Ints
+
 Functions = Callable[[], tuple[Ints, Floats]]
 
 

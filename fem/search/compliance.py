@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.shell.shell import Shell
 
 

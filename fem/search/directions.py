@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 

@@ -12,9 +12,10 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import stiffen
-from fem.elements.tabulation import Evaluation, Floats
+from fem.elements.tabulation import Evaluation
 from fem.search.rigid_body_settling import settle_rigid_body
 from fem.search.simple_shapes import Plane, SimpleShape, similar
 from fem.shell.shell import Shell

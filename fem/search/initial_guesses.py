@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.candidate_shapes import candidate_shapes
 from fem.search.directions import distinct_shapes, energy_minima
 from fem.search.guess_builder import GuessBuilder, InitialGuess

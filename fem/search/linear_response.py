@@ -16,8 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.mixed_newton import MAX_STEP
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell

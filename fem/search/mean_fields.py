@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.sides import Side
 from fem.shell.shell import Shell
 

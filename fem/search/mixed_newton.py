@@ -20,9 +20,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.regularised import Regularised
 from fem.shell.shell import Shell
 

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.clock import Clock
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import stiffen
-from fem.elements.tabulation import Floats, Ints
 from fem.shell.shell import Shell
 from fem.shell.tension import tensile_part
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
 from equilibrium.newton.find_minimum import IterationResult, StationaryPoint, find_minimum, is_definite_on_support
 from equilibrium.newton.soft_modes import softest_modes as softest
-from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium, Trial
 from fem.search.guess_builder import InitialGuess
 from fem.search.initial_guesses import initial_guesses

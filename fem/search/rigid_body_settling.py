@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.shell.shell import Shell
 from fem.supports.rigid import span_a_plane
 

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
 

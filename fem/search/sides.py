@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.shell.shell import Shell
 
 Side = Literal["auto", "up", "down"]

@@ -12,8 +12,8 @@ from math import factorial
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats
 
 # takes printed points (n, 2) to (n, 6, 2): points in the plane and derivatives 1, 2, 11, 22, 12
 Plane = Callable[[Floats], Floats]

@@ -14,8 +14,9 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.linear.sparse_pattern import SparsePattern
-from fem.elements.tabulation import Floats, Ints, Tabulation
+from fem.elements.tabulation import Tabulation
 from fem.shell import koiter, koiter_tangent
 
 

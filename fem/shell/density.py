@@ -21,8 +21,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.compiled import formula, loop
-from fem.elements.tabulation import Floats
 
 EnergyTerm = Callable[[Floats], tuple[Floats, Floats, Floats]]
 

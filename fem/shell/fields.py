@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.shell.density import Density
 
 MAX_ASYMMETRY = 1e-9  # 1: asymmetry of a stiffness over its largest entry

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from equilibrium.arrays import Floats
 from equilibrium.compiled import loop
 from equilibrium.linear.sparse_pattern import SparsePattern
-from fem.elements.tabulation import Floats
 
 
 class MatrixReduction:

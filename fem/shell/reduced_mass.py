@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.supports.conditions import Reduction
 
 

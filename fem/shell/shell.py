@@ -21,13 +21,13 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sp
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.errors import BackendError
 from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats, Ints
 from fem.shell.assembly import Assembly
 from fem.shell.density import Density
 from fem.shell.fields import Fields

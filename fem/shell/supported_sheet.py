@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.plain_maps import constant, flat_positions
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats, Ints
 from fem.supports.conditions import Condition, Reduction, impose_conditions
 from fem.supports.rigid import admissible_motions, span_a_plane
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 
 
 def tensile_part(stress: Floats) -> Floats:

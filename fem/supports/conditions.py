@@ -19,9 +19,9 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.deformation import Deformation, flat
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_equations import Rows, edge_equations
 from fem.supports.elimination import Contradiction, eliminate
 

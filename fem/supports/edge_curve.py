@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import MeshTri
 
-from fem.elements.tabulation import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

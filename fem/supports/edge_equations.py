@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.deformation import Deformation, flat
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import EdgeCurve, edge_curve, left
 
 MIN_COEFFICIENT = 1e-10  # 1: over the largest coefficient of an equation; smaller ones are rounding and dropped

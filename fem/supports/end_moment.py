@@ -11,8 +11,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import left
 from fem.supports.loads import edge_points
 

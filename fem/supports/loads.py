@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats, Ints
 
 Force = ArrayLike | Callable[[Floats], Floats]
 

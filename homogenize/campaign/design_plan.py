@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from homogenize.law.axes import AXES, Axis
 from homogenize.law.law import WITHOUT_BENDING
 from homogenize.law.material import Material
 from homogenize.law.plan import MIN_CELL_EDGE_MM
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats
 
 # mesh edges between adjacent stars, as in the paper's law, whose edges are 1.15 mm long
 EDGES_PER_SPACING = 15

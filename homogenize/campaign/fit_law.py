@@ -10,6 +10,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator, RBFInterpolator
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Bools, Floats
 from homogenize.campaign.campaign import SampleRecord
 from homogenize.campaign.sample_rows import record_data, sample_problem, sample_row
 from homogenize.errors import CampaignError
@@ -20,7 +21,6 @@ from homogenize.law.law_residuals import law_residuals, mesh_differences, unstab
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, quantity_units, to_stored
 from homogenize.law.material import Material
 from homogenize.law.plan import Sizes
-from pattern.geometry.arrays import Bools, Floats
 
 _Q = len(QUANTITY_NAMES)
 _SCATTERED_SHAPE = tuple(axis.scattered_nodes for axis in AXES)

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from homogenize.campaign.campaign import SampleRecord
 from homogenize.cell.isotropy import isotropic_constants
 from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
 from homogenize.law.anisotropy import sample_anisotropy
 from homogenize.law.axes import named_sizes
 from homogenize.law.law_table import QUANTITIES, QUANTITY_NAMES
-from pattern.geometry.arrays import Floats
 
 
 def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:

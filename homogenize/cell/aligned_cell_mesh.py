@@ -14,10 +14,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
+from equilibrium.arrays import Floats, Ints
 from homogenize.cell.image_numbering import ImageNumbering, new_triangles
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 
@@ -76,7 +76,7 @@ def aligned_cell_mesh(
             rods.append(numbering(si + along * di, sj + along * dj))
             owner.append(number)
     centres = np.array([int(numbering(np.array([a]), np.array([b]))[0]) for a, b in stars])
-    around = np.empty((0, 3), dtype=np.int64)
+    around: Ints = np.empty((0, 3), dtype=np.int64)
     if surrounded:
         near = [[(-1, 1), (0, 0), (0, 1)], [(1, -1), (1, 0), (0, 0)], [(1, 0), (2, 0), (1, 1)]]
         near.append([(0, 1), (1, 1), (0, 2)])

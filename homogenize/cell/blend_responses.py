@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 
 EIGENVALUE_KEYS = ("eigenvalue", "supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue")
 

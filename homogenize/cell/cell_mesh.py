@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.bending.registry import FABRIC_BENDING
+from equilibrium.arrays import Floats, Ints
 from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
 from pattern.design.design import Design
 from pattern.design.errors import MeshError
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.rods.arms import check_clear
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Bools, Floats, Ints
 from homogenize.cell.periodic_delaunay import PeriodicTriangles, periodic_delaunay
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Bools, Floats, Ints
 from pattern.geometry.planar import distance_to_segment
 
 MAX_SMOOTHING_SWEEPS = 40

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from equilibrium.arrays import Floats
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 # length of the longest reciprocal vector, over the shortest
 MAX_WAVE_NUMBER_RATIO = 3.0

@@ -23,8 +23,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from discrete.energies.elements import Array
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from homogenize.cell.flat_cell import FlatCell
 from homogenize.cell.unit_cell import UnitCell
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
+from equilibrium.arrays import Array
 from equilibrium.newton.minimise import NewtonResult, minimise
 from homogenize.cell.unit_cell import UnitCell
 from pattern.design.lattice import DEFAULT_SPACING_MM

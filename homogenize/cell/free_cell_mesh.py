@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from homogenize.cell.conforming_triangulation import MeshConstraints, conforming_triangulation
 from homogenize.cell.image_numbering import ImageNumbering, new_triangles
 from homogenize.cell.periodic_delaunay import PeriodicTriangles
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment
 
 # smallest angle of a triangle
@@ -151,7 +151,7 @@ class _Tiles:
         from_base = image - image[:, :1]
         hinges = self._all(point[once], from_base[once])
         rods = [self._all(arm.point[None], arm.image[None]) for arm in arms]
-        around = np.empty((0, 3), dtype=np.int64)
+        around: Ints = np.empty((0, 3), dtype=np.int64)
         if surrounded:
             around = new_triangles(self._all(point[:, [1, 0, 3]], image[:, [1, 0, 3]]), triangles)
         stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]

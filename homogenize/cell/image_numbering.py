@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.geometry.arrays import Ints
+from equilibrium.arrays import Ints
 
 
 class ImageNumbering:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 from homogenize.cell.flat_cell import FlatCell
 from homogenize.cell.rolling import Tube, UnrolledCell, roll_cell, unroll, unrolled_flat_cell, unrolled_in_direction
 from homogenize.cell.unit_cell import UnitCell

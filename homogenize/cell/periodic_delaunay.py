@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import Delaunay
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import mean_circumcentres, triangle_angles, triangle_areas
 
 # of the edge: points move by so much, to choose one of several Delaunay triangulations

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
+from equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from equilibrium.newton.minimise import minimise
 from homogenize.cell.flat_cell import FlatCell, cell_gradient_tolerance, with_orthogonal_directors
 from homogenize.cell.unit_cell import UnitCell

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 from equilibrium.clock import Clock
 from homogenize.cell.arm_segments import arm_segments
 from homogenize.cell.blend_responses import blend_responses

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 # a sixfold function has its extremes at the first and the last
 THREEFOLD_ANGLES_RAD = (0.0, np.pi / 12, np.pi / 6)

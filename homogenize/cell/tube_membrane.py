@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 from homogenize.cell.rolling import Tube
 from homogenize.cell.unit_cell import UnitCell
 

@@ -12,10 +12,11 @@ import scipy.sparse as sp
 from discrete.energies.bending.fabric_bending import BendingMesh
 from discrete.energies.bending.plate_patches import patches
 from discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State, edge_tangents, moved_state
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+from equilibrium.arrays import Floats
 from homogenize.cell.tube_directions import is_threefold
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 # Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to
 # 0.1

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
 

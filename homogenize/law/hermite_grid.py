@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator, PchipInterpolator
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 SlopeRule = Literal["monotone", "smooth"]
 

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from equilibrium.arrays import Floats
 from homogenize.cell.corrugation_waves import CorrugationWaves
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.law_table import QUANTITIES, LawTable, LawValues
 from homogenize.law.material import Material
 from pattern.design.design import Design
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 # relative difference between numbers of a design and of the law: rounding of the machine
 LATTICE_TOLERANCE = 1e-6

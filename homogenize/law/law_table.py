@@ -16,10 +16,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from equilibrium.arrays import Bools, Floats
 from homogenize.law.axes import AXES, coordinates, named_sizes
 from homogenize.law.hermite_grid import HermiteGrid, SlopeRule
 from homogenize.law.law_range import min_length
-from pattern.geometry.arrays import Bools, Floats
 
 
 @dataclass(frozen=True)

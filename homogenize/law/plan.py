@@ -11,12 +11,12 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from equilibrium.arrays import Floats
 from homogenize.law.axes import AXES, LENGTH, Axis
 from homogenize.law.law_range import min_length
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Point, Section, Whole
 from pattern.design.stars import MIN_ARM_MM
-from pattern.geometry.arrays import Floats
 
 # cells of one grid or one set of scattered cells
 MAX_SAMPLES = 100_000

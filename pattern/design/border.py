@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from pydantic import Field, model_validator
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Line, Number, Point, Section, Whole
-from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats
 from pattern.geometry.flattening import flattened
 
 MAX_FILE_BYTES = 20_000_000

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Point, Section, Whole
-from pattern.geometry.arrays import Floats
 from pattern.geometry.plane_lattice import PlaneLattice, shortest_basis
 
 DEFAULT_SPACING_MM = 10 * np.sqrt(3.0)

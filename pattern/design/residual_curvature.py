@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Section
-from pattern.geometry.arrays import Floats
 
 CurvaturePerMm = Annotated[Number, Field(ge=-1, le=1)]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
+from equilibrium.arrays import Floats
 from pattern.design.section import Number, Section
-from pattern.geometry.arrays import Floats
 
 
 class Rounding(Section):

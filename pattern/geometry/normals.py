@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 
 def triangle_normals(

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # entries of a table of distances
 MAX_TABLE_ENTRIES = 2_000_000

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # The six directions to the nearest sites, in multiples of the lattice vectors, counterclockwise.
 GRID_DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # Triangles with the nearest centroids, of which one holds a point.
 CANDIDATE_TRIANGLES = 12

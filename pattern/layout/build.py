@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.arguments import check_type
 from pattern.design.border import Border
 from pattern.design.design import Design
@@ -15,7 +16,6 @@ from pattern.design.errors import BlankSheetError, DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.pins import Pins
 from pattern.design.stars import MIN_ARM_MM
-from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 from pattern.layout.outline import outline
 from pattern.layout.pin_conflicts import check_conflicts

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.support_samples import SupportSamples
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.free_motions import RIGID_MOTION_TOLERANCE, FreeMotions
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples

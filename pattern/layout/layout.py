@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, split_for_table
 from pattern.geometry.plane_lattice import PlaneLattice
 from pattern.layout.supports import PinSet, all_points

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats
 from pattern.design.border import MAX_SHEET_MM, Border
 from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 
 def outline(border: Border, lattice: Lattice) -> Floats:

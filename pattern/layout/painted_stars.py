@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from equilibrium.arrays import Ints
 from pattern.design.design import Design
 from pattern.design.stars import Override, Site
-from pattern.geometry.arrays import Ints
 from pattern.layout.outline import outline
 from pattern.layout.star_cells import star_cells
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats
 from pattern.layout.pin_placement import PIN_TOLERANCE_MM, rounded_place
 from pattern.layout.supports import PinSet, all_points, set_of_point
 

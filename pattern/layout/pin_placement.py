@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.pins import Pins
-from pattern.geometry.arrays import Floats
 from pattern.layout.supports import FIXED_BY_SLIDE, PinSet
 
 # Pins closer than this to a corner, the outline, an arm or another pin are there: a needle is thicker.

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.supports import PinSet
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.layout import Layout
 
 # rotation of the normal from one end of the sheet to the other

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.border import Border
 from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats, Ints
 
 MAX_STARS_OF_DESIGN = 5000
 # cells in the box around the sheet that may be listed before those outside the outline are dropped

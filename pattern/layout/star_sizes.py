@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.sizing.field import sample
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
-from pattern.geometry.arrays import Floats, Ints
 
 # A star is meant by `at_mm` within this part of the spacing: too close to be mistaken for a neighbour.
 MAX_STAR_MISS_SPACINGS = 0.1

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 
 # Which of x, y, z are supported, by the value of `slide` in the design file.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.free_motions import FreeMotions
 from pattern.layout.symmetries import Symmetry
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import SupportSamples, support_samples

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import GridPatch
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
 from pattern.layout.layout import Layout
 
@@ -36,7 +36,7 @@ def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple
         if (distance > PIN_VERTEX_TOLERANCE_MM).any():
             x, y = pin.points[np.argmax(distance)]
             raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
-        held = [np.asarray(at, dtype=np.int64)]
+        held: list[Ints] = [np.asarray(at, dtype=np.int64)]
         for a, b in pin.segments(layout.outline):
             on = distance_to_segment(points[border_vertices], a, b) <= PIN_VERTEX_TOLERANCE_MM
             held.append(border_vertices[on])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats, Ints
 
 # ends closer than this are meant to meet, with a rounded length
 NEARLY_MEETING_MM = 0.02

@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.stars import MIN_ARM_MM
-from pattern.geometry.arrays import Floats
 from pattern.rods.graph import Rod, RodGraph
 
 MAX_RODS = 20_000

@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.rods import DrawnArc, DrawnCircle, DrawnLine
-from pattern.geometry.arrays import Floats
 from pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
 
 # points of a spline between two given ones, at which its turn is measured

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats
 from pattern.design.border import Border
 from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
@@ -14,7 +15,6 @@ from pattern.design.rods import DrawnLine, Rods
 from pattern.design.sizing.field import SizingField, sample
 from pattern.design.sizing.profile import Profile
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import polygon_area
 from pattern.rods.clearance import check_rods
 from pattern.rods.curves import polyline

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import cross_2d
 
 # a rod that turns by more at a node has a corner there; decided on the drawing, since a mesh turns curves in steps

@@ -10,8 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Bools, Floats, Ints
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Bools, Floats, Ints
 from pattern.geometry.planar import turning_angles
 from pattern.rods.graph import CORNER_DEG
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.rods.graph import Rod, RodGraph
 
 

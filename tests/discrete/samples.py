@@ -9,7 +9,7 @@ import numpy as np
 
 from discrete.energies.bending.hinges import Hinges
 from discrete.energies.bending.plate import Plate
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.energies.membrane import Membrane
 from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.joint import RodJoint
@@ -18,6 +18,7 @@ from discrete.energies.rods.network import RodNetwork, stencil_inputs
 from discrete.energies.rods.stretch import RodStretch
 from discrete.energies.rods.twist import RodTwist
 from discrete.model.state import State, moved_state
+from equilibrium.arrays import Array
 
 COUNT = 40
 

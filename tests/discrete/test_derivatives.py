@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.energies.elements import Array
 from discrete.model.state import edge_tangents
+from equilibrium.arrays import Array
 from tests.discrete.samples import COUNT, SAMPLES, Sample
 
 STEP = 1e-30

@@ -7,11 +7,11 @@ import pytest
 from scipy.spatial import Delaunay
 
 from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
-from discrete.energies.elements import Array
 from discrete.energies.membrane import Membrane
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.design import Design

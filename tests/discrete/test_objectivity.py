@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.rigid import rigid_modes
 from discrete.model.state import State, moved_state
+from equilibrium.arrays import Array
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.mesh import Mesh

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats
 from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Floats
 
 
 class Bell(Argyris):

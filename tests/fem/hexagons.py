@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from skfem import MeshTri
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields, of_stretch
 

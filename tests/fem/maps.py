@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from fem.elements.deformation import Deformation
-from fem.elements.tabulation import Floats
 
 
 def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:

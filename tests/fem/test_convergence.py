@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.supports.conditions import EdgeSupport
 from fem.supports.loads import area_load
 from tests.fem.meshes import rectangle

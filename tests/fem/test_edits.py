@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from equilibrium.arrays import Floats
 from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Floats
 from fem.search.compliance import compliance
 from fem.search.linear_response import linear_response, rms_response
 from fem.search.mixed_newton import MAX_STEP

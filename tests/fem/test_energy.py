@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats
 from fem.elements.argyris import Argyris
 from fem.elements.lifted import Lifted
 from fem.elements.plain_maps import constant, flat_positions
-from fem.elements.tabulation import Floats
 from fem.shell.assembly import Assembly
 from fem.shell.density import Density, isotropic, on_metric
 from tests.fem.bell import Bell

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from discrete.energies.elements import Array
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from homogenize.cell.sample import Sample, solve_cell
 from homogenize.cell.unit_cell import UnitCell

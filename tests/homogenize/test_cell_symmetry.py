@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from discrete.energies.elements import Array
 from discrete.model.state import State
+from equilibrium.arrays import Array
 from homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cells import EDGE, design, relaxed, shaken

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, inside
 from pattern.layout.layout import Layout
 from pattern.layout.supports import PinSet

@@ -11,13 +11,13 @@ from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from homogenize.campaign.campaign import SampleRecord
 from homogenize.campaign.fit_law import fit_law
 from homogenize.cell.sample import solve_cell
 from homogenize.law.law import Law
 from pattern import gallery
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 

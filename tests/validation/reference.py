@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from discrete.energies.bending.hinges import Hinges, interior_edges, paper_coefficients
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.energies.membrane import Membrane
 from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
 from discrete.energies.rods.twist import RodTwist
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State, edge_tangents
+from equilibrium.arrays import Array
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh

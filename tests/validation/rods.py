@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from discrete.energies.elements import Array
 from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.network import (
     RodNetwork,
@@ -23,6 +22,7 @@ from discrete.energies.rods.stretch import RodStretch
 from discrete.energies.rods.twist import RodTwist
 from discrete.model.state import State
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from equilibrium.linear.backends import make_factor
 from equilibrium.newton.certificate import smallest_eigenvalue
 from equilibrium.newton.minimise import NewtonResult, minimise

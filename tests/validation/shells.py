@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.newton.find_minimum import is_definite_on_support
 from fem.elements.deformation import Deformation
 from fem.elements.space import Space
-from fem.elements.tabulation import Floats
 from fem.search.mixed_newton import mixed_newton
 from fem.search.relax import GRADIENT_TOLERANCE
 from fem.shell.density import Density, isotropic, on_metric

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.shape.comparison import Comparison
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from tests.validation.figures import both, middles
 
 MODELS = pytest.mark.parametrize("model", [0, 1], ids=["exact", "preview"])

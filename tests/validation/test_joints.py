@@ -9,7 +9,6 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
-from discrete.energies.elements import Array
 from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.joint import RodJoint
 from discrete.energies.rods.joint_network import fitted_frames, joint_inputs, joint_network, joint_params
@@ -20,6 +19,7 @@ from discrete.model.rigid import rigid_motions
 from discrete.model.rotations import rotate_vectors
 from discrete.model.state import State, moved_state
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from tests.validation.rods import Material
 
 LENGTH_MM = 20.0

@@ -13,11 +13,12 @@ import json
 import numpy as np
 import pytest
 
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.model.state import State
 from discrete.model.system import System
 from discrete.release.continuation import force_scale
 from discrete.release.single_mesh import solve_on_mesh
+from equilibrium.arrays import Array
 from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.materials import rest_curvature

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from discrete.energies.elements import Array
 from discrete.energies.rods.network import RodNetwork
 from discrete.energies.rods.stretch import RodStretch
 from discrete.model.state import State, edge_tangents, moved_state
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from tests.validation.rods import (
     Cantilever,
     Material,

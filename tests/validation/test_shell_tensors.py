@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import sqrtm
 from scipy.optimize import minimize
 
+from equilibrium.arrays import Floats
 from fem.elements.deformation import affine
-from fem.elements.tabulation import Floats
 from fem.search.relax import relax
 from fem.shell.density import Density
 from fem.shell.fields import Fields

@@ -20,7 +20,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from asterism.fitting.disk import Disk
 from asterism.fitting.flattening.surface_laplacian import angle_sums, corner_angles, laplacian
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from asterism.fitting.flattening.boundary_first import Flattener
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # number of Fourier terms: cosines and sines of 1 to 12 waves around the border
 FOURIER_TERMS = 24

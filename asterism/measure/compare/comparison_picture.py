@@ -22,7 +22,7 @@ from asterism.draw.fonts import write_title
 from asterism.draw.render import OBLIQUE, camera, render
 from asterism.measure.compare.scan_comparison import ScanComparison
 from asterism.measure.compare.silhouette import OutlineFit
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 SHAPE_COLOUR = INK
 SIGNED_DISTANCE_COLOURS = colormaps["RdBu_r"]

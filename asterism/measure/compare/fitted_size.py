@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # points of the scan that take part
 _MAX_POINTS = 3000

@@ -16,7 +16,7 @@ import shapely
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.units import MM
 from asterism.results.csv_cells import read_rows
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.planar import polygon_area
 
 OUTLINE_FORMATS = (".svg", ".csv")

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import surface_samples
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.rigid_fit import rigid_fit
 
 # points of the scan that take part in each of the three stages

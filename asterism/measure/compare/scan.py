@@ -12,7 +12,7 @@ import numpy as np
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.scan_file import check_scan_file
 from asterism.measure.compare.units import MM
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 SCAN_FORMATS = (".obj", ".stl", ".ply")
 MAX_SCAN_POINTS = 20_000

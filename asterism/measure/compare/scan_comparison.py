@@ -15,7 +15,7 @@ from asterism.results.records.comparison import ScanDistancesRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # poses count as equally good up to this factor of the best spread, ...
 _EQUAL_SPREAD_FACTOR = 1.1

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from asterism.draw.render import VIEWS, camera
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 # spacing of the points along outline and silhouette
 _POINT_SPACING_MM = 0.25

@@ -9,8 +9,8 @@ import numpy as np
 
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.reading import Reading
+from equilibrium.arrays import Floats, Ints
 from pattern.design.materials import bilayer_curvature
-from pattern.geometry.arrays import Floats, Ints
 
 StripFormula = Literal["paper", "timoshenko"]
 KappaBarKind = Literal["constant", "per-thickness", "zero"]

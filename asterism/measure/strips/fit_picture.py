@@ -15,9 +15,9 @@ from asterism.draw.colours import PALE
 from asterism.draw.fonts import write_title
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.strip_fit import StripFit
+from equilibrium.arrays import Floats
 from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
 from pattern.design.residual_curvature import residual_curvature
-from pattern.geometry.arrays import Floats
 
 WITH_FABRIC_COLOUR = "#2a6f97"
 PEELED_COLOUR = "#c8553d"

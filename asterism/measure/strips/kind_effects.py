@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

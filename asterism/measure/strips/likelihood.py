@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from asterism.measure.strips.curvature_model import CurvatureModel, StripData
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 
 def flat_terms(mean: Floats, limit: Floats, spread: Floats) -> tuple[Floats, Floats]:

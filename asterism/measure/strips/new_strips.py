@@ -17,9 +17,9 @@ from asterism.print.printer import Printer
 from asterism.print.profiles import load_printer
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import DesignError
 from pattern.design.stars import THICKNESS_RANGE_MM
-from pattern.geometry.arrays import Floats, Ints
 
 TEST_PRINT_FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 

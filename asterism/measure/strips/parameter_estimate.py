@@ -12,8 +12,8 @@ from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.kind_effects import KindEffects, effect_sizes, fit_kind_effects, variance_factor
 from asterism.measure.strips.likelihood import solve
 from asterism.measure.strips.noise import MIN_REPEATS, ReadingNoise, fit_noise, rounding_deviation, shared_rounding
+from equilibrium.arrays import Floats
 from pattern.design.materials import bilayer_curvature
-from pattern.geometry.arrays import Floats
 
 # factor of the variance of the means of kinds in the first turn, which uses the scatter within kinds only
 _FIRST_MEAN_VARIANCE_FACTOR = 1e6

@@ -13,8 +13,8 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from asterism.previews.corrugation.arms import Arms
+from equilibrium.arrays import Floats, Ints
 from equilibrium.compiled import loop
-from pattern.geometry.arrays import Floats, Ints
 
 # the crease of exp(-q/b) on the arm is rounded over this multiple of b
 CREASE_ROUNDING = 0.1

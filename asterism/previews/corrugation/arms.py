@@ -25,8 +25,8 @@ import numpy as np
 from asterism.previews.fields.star_arms import are_last_arms
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.surface.smooth_surface import smooth_surface
+from equilibrium.arrays import Floats
 from fem.elements.argyris import Argyris
-from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
 # arms whose unit vectors differ by less are the same: rounding leaves 1e-13, and two arms of a star differ by 1 or more

@@ -29,7 +29,7 @@ import scipy.sparse as sp
 from asterism.previews.edges.free_rim import beside, rim_fall, stars_share
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # smallest natural turn over one spacing in the formula for s(k), to avoid a division by zero
 MIN_NATURAL_TURN_RAD = 1e-4

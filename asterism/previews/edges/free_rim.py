@@ -32,7 +32,7 @@ from asterism.previews.fields.holes import in_holes
 from asterism.previews.fields.star_cells import long_arms
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_segment, nearest_segment, turning_angles
 from pattern.layout.layout import Layout
 

@@ -25,7 +25,7 @@ from asterism.previews.edges.free_rim import MIN_STAR_SHARE, beside, stars_share
 from asterism.previews.fields.star_arms import are_last_arms, rosette
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.geometry.planar import distance_along
 from pattern.layout.layout import Layout
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.previews.sheet import Sheet
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.supports.conditions import EdgeSupport
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, nearest_segment, turning_angles
 

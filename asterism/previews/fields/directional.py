@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from homogenize.law.anisotropy import (
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
@@ -16,7 +17,6 @@ from homogenize.law.anisotropy import (
     natural_curvatures,
     voigt_matrices,
 )
-from pattern.geometry.arrays import Floats
 
 # search for the direction of largest energy gain: angles tried around the best one, relative to the half width
 ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline
 from pattern.layout.layout import Layout
 

@@ -32,7 +32,7 @@ import numpy as np
 
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 
 
 def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:

@@ -59,11 +59,11 @@ from asterism.previews.fields.directional import rest_curvature_tensor, tensors,
 from asterism.previews.fields.star_arms import arm_metric
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from equilibrium.arrays import Floats
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
 from homogenize.law.anisotropy import BENDING_POISSON, min_bending_ratio
 from pattern.design.lattice import DEFAULT_SPACING_MM
-from pattern.geometry.arrays import Floats
 
 # lower limit of the saturation curvature of the sixfold term, as a turn over one spacing
 MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.layout import Layout
 
 

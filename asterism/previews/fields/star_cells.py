@@ -19,9 +19,9 @@ import scipy.sparse as sp
 
 from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from equilibrium.arrays import Floats, Ints
 from equilibrium.compiled import formula, loop
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 
 # resolution of the grid

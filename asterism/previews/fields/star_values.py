@@ -9,12 +9,12 @@ import numpy as np
 
 from asterism.previews.fields.directional import tube_of_largest_gain
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from equilibrium.arrays import Bools, Floats
 from homogenize.errors import LawError
 from homogenize.law.axes import law_coordinates
 from homogenize.law.law import Law
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from pattern.design.design import Design
-from pattern.geometry.arrays import Bools, Floats
 from pattern.layout.layout import Layout
 
 

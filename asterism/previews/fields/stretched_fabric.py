@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.compiled import formula, loop
-from fem.elements.tabulation import Floats
 from fem.shell.density import EnergyTerm
 from fem.shell.fields import Fields
 

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.guess_builder import GuessBuilder
 from fem.search.mean_fields import MeanFields

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.relax import follow
 from fem.shell.shell import Shell

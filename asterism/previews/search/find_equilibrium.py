@@ -25,8 +25,8 @@ from asterism.previews.search.alternatives import (
     perturb_along_softest_mode,
 )
 from asterism.previews.search.near_zero_modes import is_equilibrium_near_another
+from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
-from fem.elements.tabulation import Floats
 from fem.search.candidate_shapes import candidate_shapes
 from fem.search.evidence import ShellEquilibrium, Trial
 from fem.search.mean_fields import mean_fields

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.shell.shell import Shell
 

@@ -6,10 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats, Ints
 from fem.elements.deformation import affine
 from fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 from pattern.mesh.coarse.sheet_mesh import SheetMesh
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from asterism.previews.fields.stretched_fabric import stretched_fabric
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from fem.elements.tabulation import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from pattern.geometry.planar import triangle_angles

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elements.tabulation import Evaluation, Floats
+from equilibrium.arrays import Floats
+from fem.elements.tabulation import Evaluation
 
 
 @dataclass(frozen=True)

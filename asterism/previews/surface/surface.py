@@ -16,7 +16,7 @@ from asterism.previews.sheet import Sheet
 from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surface
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from homogenize.cell.corrugation_waves import CorrugationWaves
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.meshing import mesh_layout

@@ -34,7 +34,7 @@ import numpy as np
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.search.near_zero_modes import second_amplitude_limit
 from asterism.previews.uncertainty.other_forms import OtherForm
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.symmetries import Symmetry
 
 

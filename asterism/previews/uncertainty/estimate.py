@@ -15,8 +15,8 @@ from asterism.previews.uncertainty.other_forms import OtherForm, close_form, oth
 from asterism.previews.uncertainty.strain_sensitivity import strain_sensitivity
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
-from fem.elements.tabulation import Floats
 from fem.search.mean_fields import mean_fields
 from homogenize.cell.tube_directions import is_threefold, omitted_anisotropy
 from pattern.geometry.planar import polygon_area

@@ -30,7 +30,7 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.compliance import compliance
 from fem.supports.loads import point_load
 from pattern.layout.layout import Layout

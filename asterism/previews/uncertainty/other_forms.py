@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 from asterism.previews.state import PreviewState
 from asterism.shape.diameter import diameter
+from equilibrium.arrays import Floats
 from fem.search.evidence import Trial
-from pattern.geometry.arrays import Floats
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import symmetric_distances

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from asterism.previews.state import PreviewState
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from fem.search.linear_response import rms_response
 
 # stars are equal if the relative range of their sizes is at most this

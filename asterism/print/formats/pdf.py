@@ -21,7 +21,7 @@ from asterism.draw.fonts import families, printable
 from asterism.print.drawing import Circle, Drawing, Label, Polyline
 from asterism.print.formats.registry import export_format
 from asterism.print.layers import NEEDLES
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 _MM_PER_INCH = 25.4
 # width of the white line around a number

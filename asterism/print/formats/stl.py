@@ -10,7 +10,7 @@ import numpy as np
 from asterism.print.formats.registry import export_format
 from asterism.print.solid import Solid
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 def write_stl(path: Path, points: Floats, triangles: Ints) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline
 from asterism.print.formats.registry import export_format
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 _SVG = "http://www.w3.org/2000/svg"
 _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"

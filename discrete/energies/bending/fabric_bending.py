@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from discrete.energies.bending.hinges import interior_edges
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
+from equilibrium.arrays import Array
 
 
 class FabricPlate(NamedTuple):

@@ -16,8 +16,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
 from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
+from equilibrium.arrays import Array
 
 
 @formula

@@ -7,7 +7,8 @@ from typing import cast
 
 from discrete.energies.bending.fabric_bending import BendingMesh, FabricBending, FabricPlate
 from discrete.energies.bending.hinges import Hinges, paper_coefficients
-from discrete.energies.elements import Array, Elements
+from discrete.energies.elements import Elements
+from equilibrium.arrays import Array
 
 
 def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:

@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from discrete.energies.bending.hinges import interior_edges
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import triangle_areas, triangle_gradients
 

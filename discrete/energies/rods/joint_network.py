@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.energies.elements import Array
 from discrete.energies.rods.network import RodNetwork
 from discrete.energies.rods.section import torsion_constant
 from discrete.model.state import edge_tangents
+from equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.elements import Array
+from equilibrium.arrays import Array
 
 
 def torsion_constant(width: Array, thickness: Array) -> Array:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 MAX_FORMULA_CHARACTERS = 500
 MAX_FORMULA_NESTING = 40

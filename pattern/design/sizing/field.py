@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Number
 from pattern.design.sizing.profile import Profile
 from pattern.design.sizing.profiles import PROFILES
-from pattern.geometry.arrays import Floats
 
 
 def _branch(value: Any) -> str:

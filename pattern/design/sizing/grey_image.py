@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 
 MAX_PIXELS_A_SIDE = 256
 MAX_IMAGE_BYTES = 50_000_000

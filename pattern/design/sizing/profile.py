@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
+from equilibrium.arrays import Floats
 from pattern.design.section import Number, Section
-from pattern.geometry.arrays import Floats
 
 DistanceMm = Annotated[Number, Field(gt=0, le=1e4)]
 Power = Annotated[Number, Field(gt=0, le=100)]

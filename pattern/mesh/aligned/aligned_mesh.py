@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.arm_stations import arm_stations
 from pattern.mesh.aligned.cut_mesh import cut_mesh

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, LatticeGrid
 from pattern.mesh.grading import Grading

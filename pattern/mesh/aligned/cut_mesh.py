@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.arm_stations import BorderStations, arm_stations

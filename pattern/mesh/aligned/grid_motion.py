@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.mesh.aligned.arm_stations import Stations
 from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch
 from pattern.mesh.grading import Grading

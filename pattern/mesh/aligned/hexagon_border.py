@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import cross_2d
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout

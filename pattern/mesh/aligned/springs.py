@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 # small weight that keeps points in place if no path connects them to a known point
 HOLDING_WEIGHT = 1e-9

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import polygon_area, turning_angles
 
 # an outline that turns by more has a corner there

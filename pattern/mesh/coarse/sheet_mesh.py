@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, mean_circumcentres
 from pattern.mesh.coarse.coarse_outline import coarse_outline
 from pattern.mesh.free.triangulate import triangulate

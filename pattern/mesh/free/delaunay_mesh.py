@@ -12,8 +12,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
 from pattern.layout.layout import Layout
 from pattern.mesh.check import check_edge, checked

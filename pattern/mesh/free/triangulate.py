@@ -8,8 +8,8 @@ import triangle
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
+from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, is_in_sorted, triangle_areas
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching

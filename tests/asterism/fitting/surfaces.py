@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 def round_mesh(rings: int) -> tuple[Floats, Ints]:

@@ -15,8 +15,8 @@ from hypothesis.extra.numpy import arrays
 from asterism.fitting.errors import TargetError
 from asterism.fitting.target import TargetSurface, load_target
 from asterism.measure.compare.errors import ScanError
+from equilibrium.arrays import Floats, Ints
 from equilibrium.errors import Error
-from pattern.geometry.arrays import Floats, Ints
 from tests.asterism.fitting.surfaces import rectangle_mesh, spherical_cap
 
 Mesh = tuple[Floats, Ints]

@@ -7,8 +7,8 @@ import pytest
 
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import SizeName, star_sensitivity
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.painted_stars import with_painted_stars
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.shape.self_intersections import meets_itself, self_intersections
-from pattern.geometry.arrays import Floats, Ints
+from equilibrium.arrays import Floats, Ints
 
 
 def strip(turns: float, lean: float) -> tuple[Floats, Floats, Ints]:

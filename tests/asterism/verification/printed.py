@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 

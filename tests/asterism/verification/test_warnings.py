@@ -12,7 +12,7 @@ import pytest
 from asterism.shape.comparison import compare_shapes
 from asterism.verification.verification import Verification
 from asterism.verification.warnings import verification_warnings
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 from tests.asterism.verification.printed import design, shape

@@ -9,12 +9,12 @@ import pytest
 
 from asterism.shape.self_intersections import self_intersections
 from discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, ContactBarrier, ipc_toolkit
-from discrete.energies.elements import Array
 from discrete.model.contact_model import ContactModel
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State, moved_state
 from discrete.release.levels import solve_on_meshes
 from discrete.release.single_mesh import solve_on_mesh
+from equilibrium.arrays import Array
 from equilibrium.errors import BackendError
 from equilibrium.linear.extended_pattern import ExtendedPattern
 from pattern.design.design import Design

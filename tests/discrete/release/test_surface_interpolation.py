@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.energies.elements import Array
 from discrete.release.surface_interpolation import interpolate_surface
+from equilibrium.arrays import Array
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.mesh import Mesh

@@ -10,10 +10,11 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.backends import available, make_factor
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.pardiso import PardisoFactor
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.linear.sparse_pattern import SparsePattern
 
 SIDE = 12
 

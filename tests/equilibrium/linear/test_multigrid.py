@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from asterism.exact.simulation import simulate
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.single_mesh import solve_on_mesh
+from equilibrium.arrays import Floats
 from equilibrium.errors import BackendError
 from equilibrium.linear import backends, multigrid
 from equilibrium.linear.backends import available, make_factor, make_solver
@@ -22,7 +23,7 @@ from equilibrium.linear.conjugate_gradients import (
 from equilibrium.linear.factor import IterativeFactor
 from equilibrium.linear.multigrid import MultigridFactor
 from equilibrium.linear.reanalysing_factor import ReanalysingFactor
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.linear.sparse_pattern import SparsePattern
 from equilibrium.newton import certificate
 from equilibrium.newton.certificate import smallest_eigenvalue
 from pattern import gallery

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.backends import available, make_factor
-from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.linear.sparse_pattern import SparsePattern
 from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from equilibrium.arrays import Floats
 from equilibrium.linear.backends import make_factor
-from equilibrium.linear.sparse_pattern import Floats
 from equilibrium.newton.find_minimum import StationaryPoint, find_minimum, is_definite_on_support
 from equilibrium.newton.minimise import NewtonResult
 from equilibrium.newton.saddle import leave_saddle

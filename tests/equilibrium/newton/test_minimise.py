@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from equilibrium.arrays import Floats, Ints
 from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.multigrid import MultigridFactor
-from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
+from equilibrium.linear.sparse_pattern import SparsePattern
 from equilibrium.newton.minimise import Iteration, NewtonResult, minimise
 from equilibrium.newton.regularisation import MAX_FORCING_TERM
 

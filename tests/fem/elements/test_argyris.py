@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats
 from fem.elements.argyris import Argyris
 from fem.elements.monomials import monomials, powers
-from fem.elements.tabulation import Floats
 from tests.fem.bell import Bell
 
 ORDERS = np.array([0, 1, 1, 2, 2, 2])

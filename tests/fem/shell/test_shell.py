@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
+from equilibrium.arrays import Floats
 from equilibrium.errors import BackendError
 from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Floats
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import of_stretch
 from fem.shell.shell import Shell

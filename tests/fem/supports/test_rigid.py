@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from equilibrium.arrays import Floats
 from equilibrium.newton.find_minimum import find_minimum
 from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Floats
 from fem.search.mixed_newton import mixed_newton
 from fem.search.relax import follow
 from fem.shell.density import Density, isotropic

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from equilibrium.arrays import Floats
 from homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
@@ -25,7 +26,6 @@ from homogenize.law.anisotropy import (
     voigt_matrices,
 )
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 FROM_X = np.array(ALL_ANGLES_RAD) + 0.5 * np.pi
 LAM = 0.75

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from equilibrium.arrays import Floats
 from pattern.design.lattice import Lattice
-from pattern.geometry.arrays import Floats
 
 steps = st.floats(-40.0, 40.0)
 

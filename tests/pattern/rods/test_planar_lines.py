@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
-from pattern.geometry.arrays import Floats
 from pattern.rods.planar_lines import Piece, cut_lines
 
 

@@ -6,9 +6,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from equilibrium.arrays import Floats
 from pattern.design.section import Point
 from pattern.design.sizing.profile import DistanceMm, GradientProfile
-from pattern.geometry.arrays import Floats
 
 
 class AxisProfile(GradientProfile):

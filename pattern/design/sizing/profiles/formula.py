@@ -7,11 +7,11 @@ from typing import ClassVar
 import numpy as np
 from pydantic import field_validator
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Text
 from pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
 from pattern.design.sizing.profile import Profile
-from pattern.geometry.arrays import Floats
 
 
 class FormulaProfile(Profile):

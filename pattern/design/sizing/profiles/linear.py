@@ -7,10 +7,10 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Point
 from pattern.design.sizing.profile import GradientProfile
-from pattern.geometry.arrays import Floats
 
 MIN_GRADIENT_LENGTH_MM = 1e-6
 

@@ -11,10 +11,10 @@ import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
+from equilibrium.arrays import Floats
 from pattern.design.section import Number, Point, Text, Whole
 from pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
 from pattern.design.sizing.profile import Profile
-from pattern.geometry.arrays import Floats
 
 
 class PictureProfile(Profile):

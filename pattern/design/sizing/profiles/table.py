@@ -7,10 +7,10 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.section import Flag, Number, Point
 from pattern.design.sizing.profile import Profile
-from pattern.geometry.arrays import Floats
 
 MIN_TABLE_STEP_MM = 1e-6
 

@@ -12,7 +12,7 @@ from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
 from asterism.fitting.flattening.least_ratio import least_ratio_border
 from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from tests.asterism.fitting.surfaces import cylinder_part, rectangle_mesh, round_mesh, spherical_cap
 
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.scan import surface_samples
 from asterism.shape.shape import Shape
-from pattern.geometry.arrays import Floats
+from equilibrium.arrays import Floats
 from tests.asterism.sheets import sheet
 
 

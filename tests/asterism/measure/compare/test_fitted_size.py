@@ -13,8 +13,8 @@ from asterism.measure.compare.scan import Scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.previews.run import preview
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from pattern import gallery
-from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import vertex_normals
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, sheet

@@ -15,6 +15,7 @@ from asterism.previews.fields.directional import tensors, tube_of_largest_gain
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.session import Preview
+from equilibrium.arrays import Floats
 from homogenize.cell.corrugation_waves import CorrugationWaves
 from homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
@@ -30,7 +31,6 @@ from homogenize.law.law_table import MAX_SEPARATED_CURL
 from homogenize.law.material import Material
 from pattern import gallery
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 

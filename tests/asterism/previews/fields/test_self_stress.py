@@ -10,7 +10,7 @@ import pytest
 from asterism.previews.fields.self_stress import gaussian_moduli, pulls
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from pattern import gallery
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
-from fem.elements.tabulation import Floats
+from equilibrium.arrays import Floats
 from homogenize.errors import LawError
 from homogenize.law.axes import law_coordinates
 from homogenize.law.law_table import QUANTITY_NAMES

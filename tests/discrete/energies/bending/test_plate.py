@@ -10,10 +10,10 @@ from scipy.sparse.linalg import spsolve
 from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
 from discrete.energies.bending.plate import Plate
 from discrete.energies.bending.plate_patches import MAX_CURVATURE_GAIN, patches
-from discrete.energies.elements import Array
 from discrete.energies.membrane import Membrane
 from discrete.model.state import State
 from discrete.model.system import System
+from equilibrium.arrays import Array
 from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.errors import MeshError

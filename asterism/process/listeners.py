@@ -1,0 +1,8 @@
+"""Types of the functions that follow a computation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+# called with each line about the progress
+Say = Callable[[str], None]
