@@ -14,7 +14,7 @@ NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 
 
 # those that draw the figures of the paper, or solve unit cells
-LONG = ("figure", "table", "calibration", "verification")
+LONG = ("figure", "table", "calibration", "verification", "preview")
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,12 @@ from pattern.design.design import Design, save_design
 from pattern.layout.load_design import load_design
 
 ROOT = Path(__file__).parents[1]
+# a drawing of two layers: a closed rim, and a rib across it
+LEAF = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
+ width="60mm" height="40mm" viewBox="0 0 60 40">
+<g inkscape:groupmode="layer" inkscape:label="rim"><circle cx="30" cy="20" r="18" fill="none" stroke="black" stroke-width="1.2"/></g>
+<g inkscape:groupmode="layer" inkscape:label="ribs"><path d="M 12 20 H 48" fill="none" stroke="black" stroke-width="1.2"/></g>
+</svg>"""
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
 
@@ -99,6 +105,7 @@ def test_links_lead_somewhere(page: Path, link: str) -> None:
 @pytest.mark.parametrize(("page", "block"), DESIGNS, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(DESIGNS)])
 def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> None:
     Image.new("L", (4, 3)).save(tmp_path / "sizes.png")
+    (tmp_path / "leaf.svg").write_text(LEAF, encoding="utf-8")
     for text in whole_designs(block):
         file = tmp_path / "design.toml"
         file.write_text(text, encoding="utf-8")
@@ -107,11 +114,11 @@ def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(("page", "block"), PYTHON, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(PYTHON)])
 def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With a small design in place of the gallery's, in a folder that holds it as a file."""
+    """With a small design in place of the gallery's dome, in a folder that holds it as a file."""
     small = gallery.load("dome").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": 5.0}}
     small["stars"] |= {"length_mm": 8.0}
     design = Design.from_dict(small)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(asterism, "new", lambda name: design, raising=False)
+    monkeypatch.setattr(asterism, "new", lambda name: design if name == "dome" else gallery.load(name), raising=False)
     save_design(design, tmp_path / "dome.toml")
     exec(compile(block, page.name, "exec"), {})

@@ -70,6 +70,7 @@ def test_without_the_package_a_design_with_contact_is_one_line(folder: Path, cap
     assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.slow
 def test_no_contact_overrides_the_design(folder: Path, capsys, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "ipctk", None)
     (folder / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")

@@ -152,6 +152,7 @@ def test_the_sheet_turns_and_the_wheel_zooms_after_a_click(page: Any, preview: a
     page.wait_for_function(f"{camera}[1] > {0.8 * distance}")
 
 
+@pytest.mark.slow
 def test_a_slider_changes_the_sheet_and_every_picture_of_it(page: Any, preview: asterism.Preview) -> None:
     live = LiveSheet(preview, ["thickness", "stretch"])
     show(page, live.opening(), live, places=2)

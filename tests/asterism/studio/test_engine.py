@@ -119,7 +119,7 @@ def test_a_drag_ends_with_the_shape_of_its_last_edit(engine: EnginePipe) -> None
     ("changes", "kind", "field"),
     [
         ({"stars": {"length_mm": 40.0}}, "design", "stars.length_mm"),
-        ({"fabric": {"stretch": 1.5}}, "law", ""),
+        ({"fabric": {"stretch": 1.5}}, "law", "fabric.stretch"),
         ({"border": {"rings": -1}}, "design", "border.rings"),
         ({"pins": [{"points_mm": [[900.0, 0.0]]}]}, "design", "pins[0].points_mm[0]"),
         ({"stars": {"override": [{"site": [1, 0], "width_mm": 40.0}]}}, "design", "stars.override[0].width_mm"),

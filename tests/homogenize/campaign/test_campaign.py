@@ -179,7 +179,7 @@ def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
         fit_law(material(), records)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)])
 def test_interrupted_campaigns_leave_whole_files_and_no_workers(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -209,6 +209,7 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(
     assert 2 <= told[0].done < len(records) and all(record.failed is None for record in records)
 
 
+@pytest.mark.slow
 def test_dask_gives_the_same_law(tmp_path: Path, records: list[SampleRecord]) -> None:
     distributed = pytest.importorskip("distributed")
     own = fit_law(material(), records)
@@ -228,6 +229,7 @@ def test_dask_gives_the_same_law(tmp_path: Path, records: list[SampleRecord]) ->
         assert law_bytes(fit_law(material(), asyncio.run(notebook()))) == law_bytes(own)
 
 
+@pytest.mark.slow
 def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its scheduler would keep the cells for workers to come."""
     distributed = pytest.importorskip("distributed")

@@ -73,6 +73,7 @@ def test_a_verification_is_cancelled_and_the_preview_stays(page: StudioPage) -> 
     assert not page.get("studio.comparison")
 
 
+@pytest.mark.slow
 def test_a_verification_shows_the_distance_to_the_exact_shape(page: StudioPage) -> None:
     page.open("gallery-star")
     page.item("verify").click()
@@ -90,6 +91,7 @@ def test_a_verification_shows_the_distance_to_the_exact_shape(page: StudioPage) 
     page.wait(f"!{is_old}")
 
 
+@pytest.mark.slow
 def test_the_export_writes_files_that_can_be_downloaded(page: StudioPage, folder: Path) -> None:
     page.open("gallery-star")
     page.item("export").click()
@@ -102,6 +104,7 @@ def test_the_export_writes_files_that_can_be_downloaded(page: StudioPage, folder
     assert Path(download.value.path()).stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_reload_and_a_second_tab_show_the_same_state(new_page: Callable[[], StudioPage]) -> None:
     first = new_page()
     first.open("gallery-dome")

@@ -37,6 +37,7 @@ def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_
         page.page.close()
 
 
+@pytest.mark.slow
 def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
     page = new_page()
     page.open("gallery-dome")
@@ -70,6 +71,7 @@ def test_a_studio_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
     page.page.close()
 
 
+@pytest.mark.slow
 def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(new_page: Any, folder: Path) -> None:
     file = folder / "followed.toml"
     file.write_text('name = "followed"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")
@@ -90,6 +92,7 @@ def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures
     assert "followed.toml" in page.item("problem").inner_text()
 
 
+@pytest.mark.slow
 def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder: Path) -> None:
     file = folder / "spoiled.toml"
     file.write_text('name = "spoiled"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")

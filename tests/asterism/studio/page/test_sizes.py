@@ -43,6 +43,7 @@ def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     assert page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true"
 
 
+@pytest.mark.slow
 def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_its_ends_keep_their_kind(shared: StudioPage) -> None:
     shared.open("new")
     shared.item("tool-gradient").click()
@@ -81,6 +82,7 @@ def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_pat
     assert left < 6 < 8 < right
 
 
+@pytest.mark.slow
 def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
     page.item("tool-brush").click()
     page.fill("target", 4)

@@ -36,6 +36,7 @@ def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: St
     page.wait("!studio.isSmooth")
 
 
+@pytest.mark.slow
 def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, tmp_path: Path) -> None:
     page.open("gallery-dome")
     page.item("tab-shape").click()
