@@ -21,8 +21,10 @@ ROOT = Path(__file__).parents[1]
 # a drawing of two layers: a closed rim, and a rib across it
 LEAF = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
  width="60mm" height="40mm" viewBox="0 0 60 40">
-<g inkscape:groupmode="layer" inkscape:label="rim"><circle cx="30" cy="20" r="18" fill="none" stroke="black" stroke-width="1.2"/></g>
-<g inkscape:groupmode="layer" inkscape:label="ribs"><path d="M 12 20 H 48" fill="none" stroke="black" stroke-width="1.2"/></g>
+<g inkscape:groupmode="layer" inkscape:label="rim" fill="none" stroke="black" stroke-width="1.2">
+<circle cx="30" cy="20" r="18"/></g>
+<g inkscape:groupmode="layer" inkscape:label="ribs" fill="none" stroke="black" stroke-width="1.2">
+<path d="M 12 20 H 48"/></g>
 </svg>"""
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
