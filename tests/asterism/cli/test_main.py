@@ -251,6 +251,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_an_interrupt_after_the_results_says_that_they_are_there(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL)
     words = [sys.executable, "-c", LATE, "simulate", "d.toml", "-o", "out"]

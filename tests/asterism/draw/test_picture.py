@@ -145,6 +145,7 @@ def test_long_names_stay_on_the_picture() -> None:
     assert np.allclose(image_of(sheets.sheet(sheets.flat, edge=10.0), title="long name " * 20)[:, -20:], 1)
 
 
+@pytest.mark.slow
 def test_no_display_and_no_shared_state() -> None:
     program = (
         "import io, sys\n"

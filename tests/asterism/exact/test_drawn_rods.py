@@ -52,6 +52,7 @@ def test_commands_that_need_stars_say_so_in_one_line(name: str, design: Path, ca
     assert "only asterism simulate computes drawn rods; this needs [stars]" in done.line
 
 
+@pytest.mark.slow
 def test_several_starts_are_compared_along_the_rods(design: Path) -> None:
     shape = asterism.simulate(asterism.load_design(design), starts=3)
     assert shape.summary["is_minimum"] and shape.summary["minima_seen"] >= 1

@@ -60,6 +60,7 @@ def test_the_same_call_gives_the_same_design(found: Fit, target: TargetSurface) 
     assert again.design.to_dict() == found.design.to_dict()
 
 
+@pytest.mark.slow
 def test_the_shape_of_a_design_is_found_back() -> None:
     """The target is a part of the smooth preview of another design."""
     design = asterism.new("dome")

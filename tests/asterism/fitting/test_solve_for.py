@@ -21,6 +21,7 @@ def test_a_fresh_preview_has_the_value(name: str, wanted: Any, value: float, cha
     assert found == pytest.approx(value, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_values_that_do_not_occur_are_refused_with_those_that_do() -> None:
     with pytest.raises(ReachError, match=r"height_mm = 90: is not reached by scaling length_mm; it is \d.* to \d.* mm"):
         solve_for(asterism.new("dome"), "height_mm", 90.0)

@@ -90,6 +90,7 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) 
 
 
 @pytest.mark.usefixtures("blank_pictures")
+@pytest.mark.slow
 def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(border={"rings": 1}, mesh={"edge_mm": 6.0}), file)
     result = run("export", "d.toml", "-o", "out", "--simulate", "--no-border")
@@ -348,6 +349,7 @@ def test_files_that_are_no_exports_stay(file: Path, tmp_path: Path, run: Run) ->
     assert run("export", "d.toml").status == 0 and not (tmp_path / "d-print" / "needles.csv").exists()
 
 
+@pytest.mark.slow
 def test_another_plastic_than_the_designs_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

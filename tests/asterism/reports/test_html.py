@@ -11,6 +11,7 @@ from asterism.draw.render import FABRIC_SIDE, PINS, PLASTIC_SIDE
 from asterism.reports.html import png
 
 
+@pytest.mark.slow
 def test_colours_of_few_pixels_are_kept() -> None:
     """A cream sheet in all shades, with a corner of its back and a red point where it is held."""
     shade = np.linspace(0.5, 1.0, 400)[:, None] * np.linspace(0.8, 1.0, 600)

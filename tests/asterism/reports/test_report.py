@@ -110,6 +110,7 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
 
 
 @pytest.mark.usefixtures("blank_pictures")
+@pytest.mark.slow
 def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Path, capsys, monkeypatch) -> None:
     middle = "points_mm = [[-10, 0], [10, 0], [0, 12]]\nscale = 0.76\n"
     design.write_text(DESIGN.split("[[pins]]")[0].replace("0.4", "0.38") + "[[pins]]\n" + middle)
@@ -155,6 +156,7 @@ def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(
     assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in page(design.with_name("d-report.pdf"))[0]
 
 
+@pytest.mark.slow
 def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
     design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
     done = command(["report", str(design)], capsys, monkeypatch)

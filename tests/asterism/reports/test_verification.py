@@ -293,6 +293,7 @@ def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeyp
 
 
 @pytest.mark.skipif(lacks_browser(), reason="no Chromium, Chrome or Edge on this machine")
+@pytest.mark.slow
 def test_page_in_a_browser(folder, tmp_path):
     """Every picture is decoded and as large as it should be, nothing sticks out, and the page is not blank."""
     page = tmp_path / "report.html"

@@ -104,6 +104,7 @@ def solved(edge, rings, **changes):
     return simulate(Design.from_dict(data))
 
 
+@pytest.mark.slow
 def test_summary_says_it_when_two_levels_were_solved():
     two = solved(0.5, 0).summary
     assert len(two["levels"]) == 2 and two["creases_resolved"]

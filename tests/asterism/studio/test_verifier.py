@@ -45,6 +45,7 @@ def test_a_verification_sends_both_shapes_and_its_files(tmp_path: Path) -> None:
     assert np.linalg.norm(result.exact - result.preview, axis=1).mean() < 0.1 * np.ptp(result.exact[:, 0])
 
 
+@pytest.mark.slow
 def test_progress_is_in_numbers_and_never_leads_back(tmp_path: Path) -> None:
     pipe = Sent()
     run_verification(pipe, 1, table(border={"rings": 2}), ".", str(tmp_path / "out"))  # type: ignore[arg-type]

@@ -62,6 +62,7 @@ def test_rotation_vectors_invert_the_exponential() -> None:
     np.testing.assert_allclose(rotation_vectors(before, after), spin, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
     """A soft sheet on graded meshes, which changes from mesh to mesh while its creases are not resolved."""
     starts: list[tuple[DiscreteModel, State, State]] = []

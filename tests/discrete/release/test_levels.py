@@ -28,7 +28,8 @@ def model(edge: float, **changes: object) -> DiscreteModel:
 SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [25, 25], [-25, 25]]}
 
 
-@pytest.mark.parametrize("border", [{"rings": 1}, pytest.param(SLIT, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
+@pytest.mark.slow
 def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
     fine = model(1.0, border=border)
     found, levels = solve_on_meshes(fine)

@@ -104,6 +104,7 @@ def test_samples_belong_to_what_solved_them(samples: Path) -> None:
     assert campaign.sample_name(material(), task) != campaign.sample_name(material(), task, fake.solve_cell)
 
 
+@pytest.mark.slow
 def test_samples_belong_to_the_code_that_made_them(samples: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("homogenize.campaign.campaign.code_version", lambda: "other code")
     told: list[CampaignProgress] = []

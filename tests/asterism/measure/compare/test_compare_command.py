@@ -33,6 +33,7 @@ def scan(path: Path, scale: float = 1.0) -> None:
     trimesh.Trimesh((raised @ rotation.T + shift) * scale, SHAPE.triangles, process=False).export(path)
 
 
+@pytest.mark.slow
 def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
     scan(folder / "scan.obj", 1 / 25.4)
     words = ["compare", str(folder / "shape.vtu"), str(folder / "scan.obj")]

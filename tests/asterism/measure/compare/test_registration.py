@@ -29,6 +29,7 @@ def test_known_motions_are_undone(seed: int, noise: float, part: float) -> None:
     assert np.sqrt((off[of_sheet] ** 2).sum(axis=1).mean()) < 0.15 + 1.5 * noise
 
 
+@pytest.mark.slow
 def test_a_mirrored_scan_is_another_shape() -> None:
     points, _ = scanned(SHAPE, 0, 0.1, other=0.0)
     right, mirrored = (register(p, *SURFACE)[0] for p in (points, points * [-1.0, 1.0, 1.0]))
@@ -59,6 +60,7 @@ def test_a_table_under_the_sheet_is_left_out() -> None:
     assert s["points_left_out_percent"] == pytest.approx(100 * 1000 / 7000, abs=0.5)
 
 
+@pytest.mark.slow
 def test_what_is_measured() -> None:
     """A sheet that lies 0.5 mm off to its plastic side, with a bump of 2 mm, of which a third was scanned."""
     points, _ = scanned(SHAPE, 8, 0.0, 1.0, other=0.0)

@@ -67,6 +67,7 @@ LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0
 
 @settings(max_examples=10, deadline=None)
 @given(st.lists(LENGTHS, min_size=1, max_size=3))
+@pytest.mark.slow
 def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, float]]) -> None:
     """Also if stars or arms disappear and come back, and if the longest arm changes."""
     followed = arm_shares(SHEET.arms, POINTS)

@@ -45,6 +45,7 @@ def test_the_energy_is_that_of_the_exact_models_triangles(stretch: tuple[float, 
     assert density()(strain_of(shape)[None, None])[0][0, 0] == pytest.approx(exact, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_small_strains_are_the_laws() -> None:
     e = 1e-4 * np.random.default_rng(0).normal(size=(1, 20, 6))
     plain = Density(STIFFNESS)
