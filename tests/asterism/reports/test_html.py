@@ -5,6 +5,7 @@ from __future__ import annotations
 from io import BytesIO
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from asterism.draw.render import FABRIC_SIDE, PINS, PLASTIC_SIDE
