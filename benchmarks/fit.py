@@ -45,10 +45,10 @@ def row(name: str, exact: bool) -> dict[str, Any]:
     make, needles = TARGETS[name]
     begun = time.process_time()
     try:
-        found = fit(make(), needles=needles, printer=load_printer("ultimaker2"), exact=exact)
+        fitted = fit(make(), needles=needles, printer=load_printer("ultimaker2"), exact=exact)
     except ReachError as error:
         return {"refused": str(error), "cpu_s": time.process_time() - begun}
-    summary = found.summary.to_json()
+    summary = fitted.summary.to_json()
     return {key: value for key, value in summary.items() if key not in ("design", "motion", "shift_mm")} | {
         "cpu_s": time.process_time() - begun
     }

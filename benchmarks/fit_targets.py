@@ -13,26 +13,26 @@ from equilibrium.arrays import Floats, Ints
 RINGS = 24  # of triangles, of a round target
 
 
-def round_grid() -> tuple[Floats, Ints]:
-    """(V, 2) points of the unit disk, and triangles."""
+def round_mesh(rings: int = RINGS) -> tuple[Floats, Ints]:
+    """(V, 2) points of the unit disk in rings, and triangles."""
     points = [np.zeros((1, 2))]
-    for ring in range(1, RINGS + 1):
+    for ring in range(1, rings + 1):
         angle = np.arange(6 * ring) * (2.0 * np.pi / (6 * ring))
-        points.append(ring / RINGS * np.column_stack([np.cos(angle), np.sin(angle)]))
+        points.append(ring / rings * np.column_stack([np.cos(angle), np.sin(angle)]))
     plane = np.concatenate(points)
     return plane, Delaunay(plane).simplices.astype(np.int64)
 
 
-def rectangle(width: float, depth: float) -> tuple[Floats, Ints]:
+def rectangle_mesh(width: float, depth: float, columns: int = 50, rows: int = 40) -> tuple[Floats, Ints]:
     """(V, 2) points of a rectangle around the origin, and triangles."""
-    x, y = np.linspace(-0.5, 0.5, 50) * width, np.linspace(-0.5, 0.5, 40) * depth
+    x, y = np.linspace(-0.5, 0.5, columns) * width, np.linspace(-0.5, 0.5, rows) * depth
     plane = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     return plane, Delaunay(plane).simplices.astype(np.int64)
 
 
 def cap(half_angle_deg: float, name: str) -> TargetSurface:
     """A cap of a sphere, 100 mm wide."""
-    plane, triangles = round_grid()
+    plane, triangles = round_mesh()
     half = np.deg2rad(half_angle_deg)
     radius = 50.0 / np.sin(half)
     angle, around = half * np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
@@ -42,14 +42,14 @@ def cap(half_angle_deg: float, name: str) -> TargetSurface:
 
 def graph(height: Callable[[Floats, Floats], Floats], width: float, depth: float, name: str) -> TargetSurface:
     """Heights over an ellipse with these diameters."""
-    plane, triangles = round_grid()
+    plane, triangles = round_mesh()
     x, y = 0.5 * width * plane[:, 0], 0.5 * depth * plane[:, 1]
     return TargetSurface.of_triangles(np.column_stack([x, y, height(x, y)]), triangles, name)
 
 
 def barrel() -> TargetSurface:
     """A part of a cylinder of radius 55 mm, 110 degrees around."""
-    plane, triangles = rectangle(np.deg2rad(110.0), 76.0)
+    plane, triangles = rectangle_mesh(np.deg2rad(110.0), 76.0)
     angle = plane[:, 0]
     places = np.column_stack([55.0 * np.sin(angle), plane[:, 1], 55.0 * np.cos(angle)])
     return TargetSurface.of_triangles(places, triangles, "barrel")
@@ -57,7 +57,7 @@ def barrel() -> TargetSurface:
 
 def torus_part() -> TargetSurface:
     """The upper part of a torus: Gauss curvature of both signs."""
-    plane, triangles = rectangle(1.05, 1.7)
+    plane, triangles = rectangle_mesh(1.05, 1.7)
     around, across = plane.T
     radius = 100.0 + 35.0 * np.sin(across)
     places = np.column_stack([radius * np.sin(around), radius * np.cos(around), 35.0 * np.cos(across)])
@@ -66,7 +66,7 @@ def torus_part() -> TargetSurface:
 
 def three_legged_shell() -> TargetSurface:
     """A vault on three legs: the border rises between them."""
-    plane, triangles = round_grid()
+    plane, triangles = round_mesh()
     radius, around = np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
     reach = 52.0 * (1.0 + 0.12 * np.cos(3.0 * around)) * radius
     x, y = reach * np.cos(around), reach * np.sin(around)

@@ -136,7 +136,8 @@ def export(page: StudioPage, take: Take) -> None:
 
 
 STATES: dict[str, State] = {
-    one.__name__: one for one in (start, dome, brush, selection, needles, outline, warning, verifying, verified, export)
+    state.__name__: state
+    for state in (start, dome, brush, selection, needles, outline, warning, verifying, verified, export)
 }
 
 

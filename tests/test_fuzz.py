@@ -74,8 +74,8 @@ def test_failures_are_named(
 ) -> None:
     for name, text in new.items():
         (tmp_path / name).write_text(text)
-    found = list(failures(CASE, status, errors, tmp_path, set()))
-    assert found == [] if expected is None else found[0].startswith(expected) and len(found) == 1
+    lines = list(failures(CASE, status, errors, tmp_path, set()))
+    assert lines == [] if expected is None else lines[0].startswith(expected) and len(lines) == 1
 
 
 @pytest.mark.parametrize(("factor", "expected"), [(1.0, False), (1.2, False), (1.3, True), (np.nan, True)])

@@ -7,7 +7,7 @@ same. The exact model starts from the released sheet and from the preview, and t
 that was found from a preview stays a candidate of its design when the preview changes. With `--starts`, iterations and
 seconds of both starts are compared too. With names, docs/explanation/accuracy.md stays as it is. With `--kept`,
 comparisons in FOLDER are used even if other code has made them, as long as the preview has the same shape; estimates
-and warnings are those of today's preview. `python -m benchmarks.accuracy.finished FOLDER` puts those of
+and warnings are computed anew. `python -m benchmarks.accuracy.finished FOLDER` puts those of
 benchmarks/results there.
 """
 
@@ -22,7 +22,7 @@ from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
 from benchmarks.accuracy.exact import exact
-from benchmarks.accuracy.finished import read_row, row_path, stated_now, write_row
+from benchmarks.accuracy.finished import read_row, restated, row_path, write_row
 from benchmarks.accuracy.row import quick_row, whole_row
 from benchmarks.laws import law_of
 from benchmarks.report import write_report
@@ -48,11 +48,11 @@ def main() -> None:
         if options.names and design.name not in options.names:
             continue
         try:
-            its = law_of(design, law)  # before the exact model takes its time
+            law_in_use = law_of(design, law)  # before the exact model takes its time
             if options.kept and not row_path(options.folder, design, options.starts).exists():
                 left_out[design.name] = "not compared"
                 continue
-            rows.append(kept(design, options.folder, its, options.starts, options.kept))
+            rows.append(kept(design, options.folder, law_in_use, options.starts, options.kept))
         except LawError as error:
             left_out[design.name] = str(error)
             continue
@@ -72,10 +72,10 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     row = read_row(path, design)
     if row is not None and row["made_by"] == made_by:
         return row
-    if row is not None and as_is and (now := stated_now(row, design, law)):
-        now |= {"made_by": made_by}
-        write_row(path, now)
-        return now
+    if row is not None and as_is and (new_row := restated(row, design, law)):
+        new_row |= {"made_by": made_by}
+        write_row(path, new_row)
+        return new_row
     released = exact(design, folder)
     row = (whole_row if starts else quick_row)(design, folder, law)
     known = causes(design, law) | {"softness": released.summary["smallest_eigenvalue"]}

@@ -75,8 +75,8 @@ def main() -> None:
     options = parser.parse_args()
     law, left_out = load_law(), list[str]()
 
-    def rows(some: Sequence[Design]) -> list[Row]:
-        return _rows(some, options.folder, law, options.kept, left_out)
+    def rows(chosen: Sequence[Design]) -> list[Row]:
+        return _rows(chosen, options.folder, law, options.kept, left_out)
 
     more = [drawn(seed) for seed in range(RANDOM, RANDOM + FITTED + UNSEEN)]
     known, small, unseen = rows([*designs(), *more[:FITTED]]), rows(even()), rows(more[FITTED:])
@@ -89,10 +89,10 @@ def main() -> None:
     write_report("accuracy.expectation", [*known, *small, *unseen, *narrow, *others, *later, *last], text)
 
 
-def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool, left_out: list[str]) -> list[Row]:
+def _rows(chosen: Sequence[Design], folder: Path, law: Law, as_is: bool, left_out: list[str]) -> list[Row]:
     """Those that have a law and an exact minimum; names of designs that have no comparison yet go to `left_out`."""
     rows = []
-    for design in some:
+    for design in chosen:
         try:
             law.check(design)
         except LawError:
@@ -105,12 +105,12 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool, left_out:
             if not lowest(design, folder).summary["is_minimum"]:
                 print(f"{design.name}: the exact model has found no certain shape", flush=True)
                 continue
-        one = kept(design, folder, law, starts=False, as_is=as_is)
+        entry = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
         share = amplitude_share(plan.is_supported_in_plane, symmetries(design, plan))
-        amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        unequal = unequal_stars_percent(one["preview"]["contrast_percent"])
-        rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude, "unequal": unequal})
+        amplitude = float(np.linalg.norm(entry["preview"]["soft_amplitudes_percent"]))
+        unequal = unequal_stars_percent(entry["preview"]["contrast_percent"])
+        rows.append(entry | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude, "unequal": unequal})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
@@ -126,8 +126,8 @@ def section(
 ) -> str:
     """Markdown."""
     known = [*study, *small]
-    fits = [fitted([other for other in known if other is not one]) for one in known]
-    again = [one | {"expected_rms_percent": _again(one, fit)} for one, fit in zip(known, fits, strict=True)]
+    fits = [fitted([entry for entry in known if entry is not left_out]) for left_out in known]
+    again = [entry | {"expected_rms_percent": _again(entry, fit)} for entry, fit in zip(known, fits, strict=True)]
     lines = [
         [STUDY, *_goodness(study)],
         [SMALL, *_goodness(small)],
@@ -181,12 +181,12 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
     """
     some = [
-        one
-        for one in rows
-        if one["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and (one["kind"] < SYMMETRIC or not _two_ways(one))
+        entry
+        for entry in rows
+        if entry["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and (entry["kind"] < SYMMETRIC or not _two_ways(entry))
     ]
-    size, kind, unequal = (np.array([one[name] for one in some]) for name in ("amplitude", "kind", "unequal"))
-    distance = np.log([one["rms_percent"] for one in some])
+    size, kind, unequal = (np.array([entry[name] for entry in some]) for name in ("amplitude", "kind", "unequal"))
+    distance = np.log([entry["rms_percent"] for entry in some])
 
     def off(w: np.ndarray) -> np.ndarray:
         return np.asarray(distance - np.log(np.hypot(np.hypot(w[0], w[kind] * size), unequal)))
@@ -195,30 +195,32 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     return tuple(float(x) for x in np.abs(best) * np.exp(off(best).var()))
 
 
-def _again(one: Row, fit: tuple[float, ...]) -> float | None:
+def _again(entry: Row, fit: tuple[float, ...]) -> float | None:
     """What another fit expects: the part for the near form is exchanged, that for other forms stays."""
-    if one["expected_rms_percent"] is None:
+    if entry["expected_rms_percent"] is None:
         return None
-    form = one["expected_rms_percent"] ** 2 - _near(one, IN_USE) ** 2
-    return float(np.sqrt(max(form, 0.0) + _near(one, fit) ** 2))
+    form = entry["expected_rms_percent"] ** 2 - _near(entry, IN_USE) ** 2
+    return float(np.sqrt(max(form, 0.0) + _near(entry, fit) ** 2))
 
 
-def _near(one: Row, fit: tuple[float, ...]) -> float:
-    return math.hypot(fit[0], fit[one["kind"]] * one["amplitude"], one["unequal"])
+def _near(entry: Row, fit: tuple[float, ...]) -> float:
+    return math.hypot(fit[0], fit[entry["kind"]] * entry["amplitude"], entry["unequal"])
 
 
-def _two_ways(one: Row) -> bool:
-    return has_two_near_zero_modes(one["preview"]["soft_amplitudes_percent"], bool(one["design"].get("pins")))
+def _two_ways(entry: Row) -> bool:
+    return has_two_near_zero_modes(entry["preview"]["soft_amplitudes_percent"], bool(entry["design"].get("pins")))
 
 
 def _goodness(rows: Sequence[Row]) -> list[str]:
     ratio = [
-        one["rms_percent"] / one["expected_rms_percent"] for one in rows if one["expected_rms_percent"] is not None
+        entry["rms_percent"] / entry["expected_rms_percent"]
+        for entry in rows
+        if entry["expected_rms_percent"] is not None
     ]
-    far, rms = [one for one in rows if missed(one)], [one["rms_percent"] for one in rows]
+    far, rms = [entry for entry in rows if missed(entry)], [entry["rms_percent"] for entry in rows]
     return [
         str(len(rows)),
-        str(sum(bool(one["design"].get("pins")) for one in rows)),
+        str(sum(bool(entry["design"].get("pins")) for entry in rows)),
         f"{np.median(rms):.2f}",
         f"{np.quantile(rms, 0.9):.2f}",
         f"{np.median(ratio):.2f}",

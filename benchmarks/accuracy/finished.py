@@ -50,8 +50,8 @@ def write_row(path: Path, row: Row) -> None:
     write_file(path, json.dumps(plain(row), indent=1) + "\n")
 
 
-def stated_now(row: Row, design: Design, law: Law) -> Row | None:
-    """The row with the estimates and warnings of today's preview; None if today's preview has another shape."""
+def restated(row: Row, design: Design, law: Law) -> Row | None:
+    """The row with estimates and warnings of a new preview; None if the new preview has another shape."""
     shown = preview(design, law)
     return with_statements(row, shown) if is_same_shape(row["preview"], shown.summary) else None
 
@@ -62,9 +62,9 @@ def with_statements(row: Row, shown: Shape) -> Row:
     return row | {key: summary.get(key) for key in STATED} | {"preview": summary}
 
 
-def is_same_shape(before: Any, now: Any) -> bool:
+def is_same_shape(first: Any, second: Any) -> bool:
     """Whether the summaries of two previews of a design are of one shape."""
-    return np.allclose(_size(before), _size(now), rtol=MAX_SHAPE_CHANGE, atol=0.0)
+    return np.allclose(_size(first), _size(second), rtol=MAX_SHAPE_CHANGE, atol=0.0)
 
 
 def _size(summary: Any) -> list[float]:

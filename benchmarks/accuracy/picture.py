@@ -35,10 +35,10 @@ def draw(folder: Path, law: Law) -> None:
     """Three views from the same place, from left to right."""
     design = meshed(gallery.load(DESIGN), EDGE_MM)
     plan = layout(design)
-    found = compare_shapes(
+    comparison = compare_shapes(
         exact(design, folder), preview(design, law), plan, symmetries(design, plan), design.gravity.pull
     )
-    seen = comparison_views(found)
+    seen = comparison_views(comparison)
     images = [Image.open(BytesIO(png(seen[name][0]))).convert("RGB") for name in ("exact", "preview", "overlaid")]
     width, height = sum(image.width + GAP for image in images), max(image.height for image in images)
     sheet = Image.fromarray(np.full((height, width - GAP, 3), 255, dtype=np.uint8))
@@ -48,7 +48,7 @@ def draw(folder: Path, law: Law) -> None:
         left += image.width + GAP
     sheet.thumbnail((1400, 1400))
     write_file(DOCS / "pictures" / "verified.png", small_png(sheet))
-    print(f"{DESIGN}: {found.rms_percent:.2f} % of the diameter")
+    print(f"{DESIGN}: {comparison.rms_percent:.2f} % of the diameter")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ import numpy as np
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.uncertainty.height_error import HeightDoubts, height_error_percent
-from benchmarks.accuracy.finished import stated_now
+from benchmarks.accuracy.finished import restated
 from benchmarks.laws import law_of
 from benchmarks.report import RESULTS, markdown
 from homogenize.law.law import Law
@@ -65,17 +65,17 @@ def covers_height(row: Row, share: float) -> bool:
 
 
 def _rows(name: str, law: Law) -> list[Row]:
-    """The supported designs of a result that have an estimate, with that of today's previews."""
+    """The supported designs of a result that have an estimate, with that of a new preview."""
     rows = []
     for row in json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))["rows"]:
         design = Design.from_dict(row["design"])
         if not design.pins:
             continue
-        now = stated_now(row, design, law_of(design, law))
-        if now is None:
-            print(f"{design.name}: today's preview has another shape", flush=True)
-        elif now["expected_rms_percent"] is not None and now["expected_height_percent"] is not None:
-            rows.append(now)
+        new_row = restated(row, design, law_of(design, law))
+        if new_row is None:
+            print(f"{design.name}: its preview has another shape than the one that was compared", flush=True)
+        elif new_row["expected_rms_percent"] is not None and new_row["expected_height_percent"] is not None:
+            rows.append(new_row)
     return rows
 
 

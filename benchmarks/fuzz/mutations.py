@@ -35,10 +35,10 @@ def _changes(rng: Rng) -> int:
 def places(table: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """All keys and indices of nested tables and lists, as paths."""
     entries = table.items() if isinstance(table, dict) else enumerate(table) if isinstance(table, list) else ()
-    found: list[tuple[Any, ...]] = []
+    paths: list[tuple[Any, ...]] = []
     for key, value in entries:
-        found += [(*above, key), *places(value, (*above, key))]
-    return found
+        paths += [(*above, key), *places(value, (*above, key))]
+    return paths
 
 
 def _at(table: Any, path: Iterable[Any]) -> Any:

@@ -47,15 +47,16 @@ def test_stars_drawn_as_a_motif_are_stars_up_to_the_junction() -> None:
     """The same fabric and rods; joints of the motif and pairs of the stars store the same energy in the flat print."""
     angle = np.radians([-90.0, 30.0, 150.0])
     motif = [{"line_mm": [[0.0, 0.0], [9.0 * np.cos(a), 9.0 * np.sin(a)]]} for a in angle]
-    found = []
+    models, energies = [], []
     for pattern in ({"rods": {"motif": motif}}, {"stars": {"length_mm": 9.0}}):
         border = {"rectangle_mm": [24.0, 24.0], "star_margin_mm": 5.0}
         design = Design.from_dict({"border": border, **pattern, "lattice": {"spacing_mm": 40.0}})
         plan = print_layout(design)
-        made = DiscreteModel(design, plan, mesh_layout(plan, 4.0, "delaunay"))
-        found.append((made, made.energies(made.printed_state())))
-    (drawn, its), (stars, theirs) = found
+        models.append(DiscreteModel(design, plan, mesh_layout(plan, 4.0, "delaunay")))
+        energies.append(models[-1].energies(models[-1].printed_state()))
+    drawn, stars = models
+    of_drawn, of_stars = energies
     assert len(drawn.joints.vertices) == 1 and not len(stars.joints.vertices)
-    assert its["membrane"] == pytest.approx(theirs["membrane"], rel=1e-9)
+    assert of_drawn["membrane"] == pytest.approx(of_stars["membrane"], rel=1e-9)
     assert len(drawn.edges) == len(stars.edges)
-    assert its["rod_bending"] + its["rod_joints"] == pytest.approx(theirs["rod_bending"], rel=1e-9)
+    assert of_drawn["rod_bending"] + of_drawn["rod_joints"] == pytest.approx(of_stars["rod_bending"], rel=1e-9)

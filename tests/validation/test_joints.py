@@ -192,12 +192,12 @@ def test_frames_fitted_to_a_rigid_motion_are_its_rotation():
     joints = joint_network(paths, [[(0, 0), (1, 0), (2, 0)]])
     rotation = rotate_vectors(np.array([[0.4, -1.1, 2.0]]), np.eye(3)[None])[0].T
     moved = flat(case).rotated(rotation, np.zeros(3))
-    found = fitted_frames(joints, case.system.edges, case.printed, moved.positions, moved.directors)
-    np.testing.assert_allclose(found, moved.frames, atol=1e-12)
+    frames = fitted_frames(joints, case.system.edges, case.printed, moved.positions, moved.directors)
+    np.testing.assert_allclose(frames, moved.frames, atol=1e-12)
 
 
 def test_joint_of_two_halves_in_line_is_a_stencil():
-    """With the joint's frame at rest, two half edges in one line have the energy of today's stencil."""
+    """With the joint's frame at rest, two half edges in one line have the energy of one stencil."""
     n = 6
     printed = np.column_stack([np.linspace(0.0, 12.0, n + 1), np.zeros(n + 1)])
     ones = np.ones(n)

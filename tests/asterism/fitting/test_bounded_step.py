@@ -18,10 +18,10 @@ def test_it_is_the_bounded_least_squares_solution(seed: int, count: int) -> None
     matrix, right = rng.normal(size=(count + 6, count)), rng.normal(size=count + 6)
     low, high = -rng.uniform(0.0, 0.6, count), rng.uniform(0.0, 0.6, count)
     step = bounded_step(matrix.T @ matrix, -matrix.T @ right, low, high)
-    found = lsq_linear(matrix, right, (low - 1e-12, high + 1e-12), method="bvls", tol=1e-14)
+    reference = lsq_linear(matrix, right, (low - 1e-12, high + 1e-12), method="bvls", tol=1e-14)
     assert (step >= low).all() and (step <= high).all()
     cost = 0.5 * float(((matrix @ step - right) ** 2).sum())
-    assert cost == pytest.approx(found.cost, rel=1e-6, abs=1e-9)
+    assert cost == pytest.approx(reference.cost, rel=1e-6, abs=1e-9)
 
 
 def test_bounds_that_are_equal_keep_their_unknown() -> None:

@@ -11,9 +11,10 @@ from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.previews.session import paper_law
+from benchmarks.fit_targets import rectangle_mesh
 from homogenize.errors import ForeignLaw
 from pattern.layout.build import layout
-from tests.asterism.fitting.surfaces import cylinder_part, rectangle_mesh, spherical_cap
+from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
 
 def cap(half_angle: float, size: float = 100.0) -> TargetSurface:
@@ -57,9 +58,9 @@ def test_needles_hold_the_outline_at_its_places_on_the_target(guess: FirstGuess)
 
 
 def test_the_needles_of_a_target_with_corners_stand_at_them() -> None:
-    found = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law())
+    guess = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law())
     corners = [[x, y] for x in (-40.0, 40.0) for y in (-40.0, 40.0)]
-    places = np.array(found.design.pins[0].target_mm)[:, :2]
+    places = np.array(guess.design.pins[0].target_mm)[:, :2]
     for corner in corners:
         assert np.linalg.norm(places - corner, axis=1).min() < 1.0
 
@@ -106,8 +107,8 @@ def test_curvatures_of_a_cylinder_and_a_sphere() -> None:
         flat = flatten_target(target)
         placed = TargetMap.of(flat, 0.25, 0.3, np.array([3.0, 4.0]), 17.3)
         middle = placed.printed[flat.disk.border].mean(axis=0)
-        found = placed.principal_curvatures(middle[None])[0]
-        assert found == pytest.approx(expected, abs=1.5e-3)
+        curvatures = placed.principal_curvatures(middle[None])[0]
+        assert curvatures == pytest.approx(expected, abs=1.5e-3)
 
 
 def test_the_menu_agrees_with_the_law() -> None:

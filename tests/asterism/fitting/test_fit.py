@@ -16,10 +16,11 @@ from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.previews.session import Preview, paper_law
 from asterism.print.profiles import load_printer
+from benchmarks.fit_targets import rectangle_mesh
 from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
 from tests.asterism.commands import command
-from tests.asterism.fitting.surfaces import rectangle_mesh, spherical_cap
+from tests.asterism.fitting.surfaces import spherical_cap
 
 
 @pytest.fixture(scope="module")
@@ -28,36 +29,36 @@ def target() -> TargetSurface:
 
 
 @pytest.fixture(scope="module")
-def found(target: TargetSurface) -> Fit:
+def fitted(target: TargetSurface) -> Fit:
     return fit(target, exact=False, printer=load_printer("ultimaker2"))
 
 
-def test_a_fresh_preview_confirms_the_distance(found: Fit, target: TargetSurface) -> None:
-    summary = found.summary
+def test_a_fresh_preview_confirms_the_distance(fitted: Fit, target: TargetSurface) -> None:
+    summary = fitted.summary
     assert summary.preview.mean_percent < 0.3 and summary.preview.is_minimum and summary.reached
     assert summary.preview.mean_percent < 0.6 * summary.first_guess.mean_percent
     # the distance by other means: star centres of another preview of the written design
-    preview = Preview(found.design)
+    preview = Preview(fitted.design)
     centres = preview.sheet.layout.centres
     inner = np.linalg.norm(centres - centres.mean(axis=0), axis=1) < 25.0
     gaps = target.nearest(preview.at(centres[inner]).smooth).distance
     assert np.sqrt((gaps**2).mean()) < 0.006 * target.diameter_mm
 
 
-def test_sizes_are_printable(found: Fit) -> None:
-    rounding = found.design.stars.rounding
+def test_sizes_are_printable(fitted: Fit) -> None:
+    rounding = fitted.design.stars.rounding
     assert rounding is not None
-    plan = layout(found.design)
+    plan = layout(fitted.design)
     layers = rounding.layers(plan.arm_thickness)
     assert np.abs(layers - np.rint(layers)).max() < 1e-6
-    loss = found.summary.rounding_loss_percent
+    loss = fitted.summary.rounding_loss_percent
     assert loss is not None and abs(loss) < 0.2
 
 
 @pytest.mark.slow
-def test_the_same_call_gives_the_same_design(found: Fit, target: TargetSurface) -> None:
+def test_the_same_call_gives_the_same_design(fitted: Fit, target: TargetSurface) -> None:
     again = fit(target, exact=False, printer=load_printer("ultimaker2"))
-    assert again.design.to_dict() == found.design.to_dict()
+    assert again.design.to_dict() == fitted.design.to_dict()
 
 
 @pytest.mark.slow
@@ -67,20 +68,20 @@ def test_the_shape_of_a_design_is_found_back() -> None:
     preview = Preview(design)
     printed, triangles = rectangle_mesh(84.0, 78.0, 29, 27)
     own = TargetSurface.of_triangles(preview.at(printed).smooth, triangles, "dome")
-    found = fit(own, exact=False)
-    assert found.summary.preview.mean_percent < 0.3
+    fitted = fit(own, exact=False)
+    assert fitted.summary.preview.mean_percent < 0.3
 
 
 @pytest.mark.slow
 def test_a_free_sheet_is_laid_on_the_target(target: TargetSurface) -> None:
-    found = fit(target, needles=0, exact=False)
-    assert found.design.pins == () and found.summary.needles == 0
-    assert found.summary.preview.mean_percent < 0.4
-    heights, radius = found.shape.positions[:, 2], np.linalg.norm(found.shape.positions[:, :2], axis=1)
+    fitted = fit(target, needles=0, exact=False)
+    assert fitted.design.pins == () and fitted.summary.needles == 0
+    assert fitted.summary.preview.mean_percent < 0.4
+    heights, radius = fitted.shape.positions[:, 2], np.linalg.norm(fitted.shape.positions[:, :2], axis=1)
     assert heights[radius.argmin()] > heights[radius.argmax()] + 5.0
 
 
-def test_derivatives_of_the_residuals_are_the_limit_of_edits(found: Fit, target: TargetSurface) -> None:
+def test_derivatives_of_the_residuals_are_the_limit_of_edits(fitted: Fit, target: TargetSurface) -> None:
     from asterism.fitting.first_guess import guess_design
     from asterism.fitting.star_unknowns import StarUnknowns
     from asterism.previews.star_sensitivity import star_sensitivity

@@ -17,8 +17,8 @@ from asterism.fitting.solve_for import solve_for
 )
 def test_a_fresh_preview_has_the_value(name: str, wanted: Any, value: float, change: Any) -> None:
     shape = asterism.preview(solve_for(asterism.new(name), wanted, value, change))
-    found = shape.height_mm if wanted == "height_mm" else shape.summary["roll_radius_mm"]
-    assert found == pytest.approx(value, rel=3e-3)
+    reached = shape.height_mm if wanted == "height_mm" else shape.summary["roll_radius_mm"]
+    assert reached == pytest.approx(value, rel=3e-3)
 
 
 @pytest.mark.slow

@@ -13,8 +13,8 @@ from asterism.notebook.module_text import ENTRY, MARK, PACKAGE, module_text, wid
 def sources(text: str) -> dict[str, str]:
     """The modules within a module's text, in their order."""
     begin = text.index("{")
-    found: dict[str, str] = json.JSONDecoder().raw_decode(text[begin:])[0]
-    return found
+    sources: dict[str, str] = json.JSONDecoder().raw_decode(text[begin:])[0]
+    return sources
 
 
 def test_a_module_comes_after_those_that_it_imports_and_once() -> None:

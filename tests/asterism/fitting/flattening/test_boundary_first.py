@@ -12,8 +12,9 @@ from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
 from asterism.fitting.flattening.least_ratio import least_ratio_border
 from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
+from benchmarks.fit_targets import rectangle_mesh, round_mesh
 from equilibrium.arrays import Floats
-from tests.asterism.fitting.surfaces import cylinder_part, rectangle_mesh, round_mesh, spherical_cap
+from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
 
 def singular_values(flat: FlatDisk) -> Floats:
@@ -115,7 +116,7 @@ def test_a_surface_turned_over_is_flattened_to_the_mirror_image() -> None:
     plane, triangles = round_mesh(8)
     vertices = np.column_stack([plane, 0.2 * plane[:, 0] ** 3 + 0.1 * plane[:, 1] ** 2])
     disk = disk_of(vertices, triangles, "disk")
-    one, other = (Flattener(each).flatten() for each in (disk, disk.turned_over()))
-    assert isinstance(other.disk, Disk) and other.flipped == 0
-    distances = [np.linalg.norm(flat.points[:, None] - flat.points[None], axis=2) for flat in (one, other)]
+    original, turned = (Flattener(each).flatten() for each in (disk, disk.turned_over()))
+    assert isinstance(turned.disk, Disk) and turned.flipped == 0
+    distances = [np.linalg.norm(flat.points[:, None] - flat.points[None], axis=2) for flat in (original, turned)]
     assert distances[0] == pytest.approx(distances[1], abs=1e-9)

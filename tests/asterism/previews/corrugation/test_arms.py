@@ -57,9 +57,9 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
     weights = cell.weights / cell.weights.sum()
     preview = Preview(cell_design(length, 0.4, border={"rings": 3}), plain_law())
     arms = Arms(preview.sheet.layout, preview.sheet.space)
-    found = arm_shares(arms, offset).along @ ((1.0 - flat.stretch) * length * arms.direction)
-    right, found = right - weights @ right, found - weights @ found
-    assert np.sqrt(weights @ ((found - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
+    moved = arm_shares(arms, offset).along @ ((1.0 - flat.stretch) * length * arms.direction)
+    right, moved = right - weights @ right, moved - weights @ moved
+    assert np.sqrt(weights @ ((moved - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
 
 
 @pytest.mark.parametrize("angle", [0.0, np.pi / 6.0])

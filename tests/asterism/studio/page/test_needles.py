@@ -18,8 +18,8 @@ def page(shared: StudioPage) -> StudioPage:
 
 
 def table(page: StudioPage) -> dict[str, list[list[float]]]:
-    found: dict[str, list[list[float]]] = page.get("studio.document.design.pins[0]")
-    return found
+    pins: dict[str, list[list[float]]] = page.get("studio.document.design.pins[0]")
+    return pins
 
 
 @pytest.mark.slow
