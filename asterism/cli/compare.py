@@ -8,16 +8,8 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import output_option
+from asterism.cli.common.options import FileUnit, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
-
-
-class _Unit(StrEnum):
-    mm = "mm"
-    cm = "cm"
-    m = "m"
-    inches = "in"
-    um = "um"
 
 
 class _View(StrEnum):
@@ -32,7 +24,7 @@ def compare(
     shape: Annotated[Path, typer.Argument(help="Results of simulate, preview or verify, or a shape.vtu.")],
     scan: Annotated[Path, typer.Argument(help="A scan (.obj, .stl, .ply) or a photographed outline (.svg, .csv).")],
     output: Annotated[Path | None, output_option("Directory (default: SCAN-compared).")] = None,
-    units: Annotated[_Unit | None, typer.Option(help="Unit of the numbers in the file (default: mm).")] = None,
+    units: Annotated[FileUnit | None, typer.Option(help="Unit of the numbers in the file (default: mm).")] = None,
     view: Annotated[
         _View | None, typer.Option(help="Direction of the photograph of an outline (default: above).")
     ] = None,

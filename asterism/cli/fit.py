@@ -8,16 +8,8 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import LawFile, output_option
+from asterism.cli.common.options import FileUnit, LawFile, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
-
-
-class _TargetUnit(StrEnum):
-    mm = "mm"
-    cm = "cm"
-    m = "m"
-    inches = "in"
-    um = "um"
 
 
 class _PlasticSideOption(StrEnum):
@@ -31,7 +23,7 @@ def fit(
     run: Run,
     target: Annotated[Path, typer.Argument(help="Surface of the target (.obj, .stl, .ply).")],
     output: Annotated[Path | None, output_option("Design file (default: TARGET.toml).")] = None,
-    unit: Annotated[_TargetUnit, typer.Option(help="Unit of the numbers in the file.")] = _TargetUnit.mm,
+    unit: Annotated[FileUnit, typer.Option(help="Unit of the numbers in the file.")] = FileUnit.mm,
     size_mm: Annotated[
         float | None, typer.Option(min=1.0, help="Scale the target: largest distance of two of its points in mm.")
     ] = None,
@@ -64,7 +56,7 @@ def fit(
     """Find star sizes whose sheet comes near to a target surface.
 
     Writes the design file, and a folder beside it, DESIGN-fit, with summary.json, shape.vtu, rods.vtu, target.obj and
-    fit.png. The exit status is 1 if the shape is further from the target than --within, or no minimum.
+    fit.png. The exit status is 1 if the shape is further from the target than --within, or is no minimum.
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.fitting.fit import fit as compute
@@ -89,7 +81,7 @@ def fit(
     chosen_printer = load_printer(printer) if rounding else None
     chosen_law = None if law is None else load_law(law)
     with run.computing():
-        found = compute(
+        fitted = compute(
             surface,
             chosen_law,
             stretch,
@@ -101,10 +93,10 @@ def fit(
             say=run.say,
             report=run.report,
         )
-    files = write_fit(found, directory)
-    write_file(file, table_text(found.design.to_dict(), file))
-    run.table(found.summary.table())
+    files = write_fit(fitted, directory)
+    write_file(file, table_text(fitted.design.to_dict(), file))
+    run.table(fitted.summary.table())
     run.lines([str(file)])
     run.files(directory, files)
-    run.warn(*found.summary.warnings)
-    return DONE if found.summary.reached else NO_ANSWER
+    run.warn(*fitted.summary.warnings)
+    return DONE if fitted.summary.reached else NO_ANSWER

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pattern.design.design import Design
-from pattern.geometry.planar import polygon_area
-from pattern.layout.build import sheet_outline
+from pattern.layout.build import mesh_vertices, sheet_outline
 from pattern.layout.print_layout import print_layout
 
 # Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
@@ -60,10 +59,8 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     >>> exact_cost(gallery.load("tube")).vertices
     3363
     """
-    # equilateral triangles have half a vertex each
     outline = sheet_outline(design) if design.rods is None else print_layout(design).outline
-    area = abs(polygon_area(outline))
-    vertices = area / (0.75**0.5 * design.mesh.edge_mm**2)
+    vertices = mesh_vertices(design.mesh.edge_mm, outline)
     seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
     seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)
     seconds *= (GRADED_FACTOR if design.mesh.graded else 1.0) * (CONTACT_FACTOR if design.solver.contact else 1.0)

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from asterism.fitting.errors import TargetError
+from asterism.fitting.errors import TargetError, place_text
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 
@@ -81,7 +81,7 @@ def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
     unique, count = np.unique(edges, axis=0, return_counts=True)
     if count.max() > 2:
         place = vertices[unique[count.argmax()]].mean(axis=0)
-        raise TargetError(name, f"{count.max()} triangles share the edge at {_place(place)}: at most 2 can")
+        raise TargetError(name, f"{count.max()} triangles share the edge at {place_text(place)}: at most 2 can")
     pieces, piece = connected_components(_graph(unique, len(vertices)), directed=False)
     if pieces > 1:
         share = np.bincount(piece[triangles[:, 0]], minlength=pieces)
@@ -120,7 +120,7 @@ def _check_areas(vertices: Floats, triangles: Ints, name: str) -> None:
     area = 0.5 * np.linalg.norm(triangle_normals(vertices, triangles), axis=1)
     flat = np.flatnonzero(area < MIN_AREA_SHARE * longest**2)
     if len(flat):
-        place = _place(corners[flat[0]].mean(axis=0))
+        place = place_text(corners[flat[0]].mean(axis=0))
         raise TargetError(name, f"{len(flat)} of {len(triangles)} triangles have no area, the first at {place}")
 
 
@@ -131,7 +131,7 @@ def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> 
         raise TargetError(name, "is closed: cut it open, a target has one border")
     degree = np.bincount(border.ravel(), minlength=len(vertices))
     if degree.max() > 2:
-        raise TargetError(name, f"the border touches itself at {_place(vertices[degree.argmax()])}")
+        raise TargetError(name, f"the border touches itself at {place_text(vertices[degree.argmax()])}")
     ring = np.unique(border)
     loops = connected_components(_graph(border, len(vertices)), directed=False)[0] - (len(vertices) - len(ring))
     if loops > 1:
@@ -149,17 +149,17 @@ def _equally_oriented(triangles: Ints, name: str) -> Ints:
     key = np.sort(edges, axis=1)
     order = np.lexsort(key.T[::-1])
     same = np.flatnonzero((key[order][1:] == key[order][:-1]).all(axis=1))
-    one, other = order[same], order[same + 1]
+    first, second = order[same], order[same + 1]
     # neighbours that run through their common edge in the same direction have opposite sides
-    opposite = (edges[one] == edges[other]).all(axis=1)
-    graph = sp.coo_array((np.where(opposite, 2, 1), (owner[one], owner[other])), shape=(count, count)).tocsr()
+    opposite = (edges[first] == edges[second]).all(axis=1)
+    graph = sp.coo_array((np.where(opposite, 2, 1), (owner[first], owner[second])), shape=(count, count)).tocsr()
     visited, parent = breadth_first_order(graph, 0, directed=False)
     between = (graph + graph.T).tocsr()
     is_reversed = np.zeros(count, dtype=bool)
     for triangle in visited[1:]:
         before = parent[triangle]
         is_reversed[triangle] = is_reversed[before] ^ (between[before, triangle] == 2)
-    if (is_reversed[owner[one]] ^ is_reversed[owner[other]] ^ opposite).any():
+    if (is_reversed[owner[first]] ^ is_reversed[owner[second]] ^ opposite).any():
         raise TargetError(name, "has one side only, as a Moebius strip has: a target has two sides")
     return np.where(is_reversed[:, None], triangles[:, ::-1], triangles)
 
@@ -178,7 +178,3 @@ def _border_edges(triangles: Ints) -> Ints:
 
 def _graph(edges: Ints, count: int) -> sp.csr_array:
     return sp.coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
-
-
-def _place(point: Floats) -> str:
-    return "(" + ", ".join(f"{part:.1f}" for part in point) + ") mm"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from pattern.design.errors import one_line
 
@@ -19,3 +20,13 @@ class ReachError(Error):
     """A target is out of reach of the stars; the message is one line with place, needed and available value."""
 
     exit_status = 1
+
+
+def place_text(place: Floats, decimals: int = 1) -> str:
+    """A place (3,) in mm, for messages.
+
+    >>> import numpy as np
+    >>> place_text(np.array([1.0, -2.3, 30.0]))
+    '(1.0, -2.3, 30.0) mm'
+    """
+    return "(" + ", ".join(f"{coordinate:.{decimals}f}" for coordinate in place) + ") mm"

@@ -32,8 +32,11 @@ from pattern.layout.painted_stars import with_painted_stars
 FITTED_WIDTH_MM = 1.2
 # arms whose contractions frame the middle of what a target needs
 MIDDLE_ARMS_MM = (3.0, 12.5)
-# Gauss curvature of both signs, each with at least this share of the sum of its absolute values, needs the programme
+# a linear programme finds the border values if the Gauss curvatures of either sign have at least this share of the sum
+# of all absolute values
 MIN_MIXED_SHARE = 0.1
+# rad, sum of the absolute Gauss curvatures below which a target counts as developable
+MIN_GAUSS_RAD = 1e-3
 # decimals of mm in the design
 FITTED_SIZE_DECIMALS = 3
 
@@ -88,7 +91,7 @@ def guess_design(
     say("flattening the target")
     flat = flatten_target(target)
     width = float(np.clip(FITTED_WIDTH_MM, *law.size_ranges(law.stretches[0])["width_mm"]))
-    menus = [StarMenu.of(law, one, width) for one in sorted(law.stretches)]
+    menus = [StarMenu.of(law, available, width) for available in sorted(law.stretches)]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
     lattice = law.material.lattice
     target_map = placed(flat, _log_size(flat, menu), lattice)
@@ -120,7 +123,7 @@ def flatten_target(target: TargetSurface) -> FlatDisk:
     gauss = flattener.gauss_curvature
     total = np.abs(gauss).sum()
     mixed = min(gauss[gauss > 0.0].sum(), -gauss[gauss < 0.0].sum()) > MIN_MIXED_SHARE * total
-    flat = flattener.flatten(least_ratio_border(flattener) if mixed and total > 1e-3 else None)
+    flat = flattener.flatten(least_ratio_border(flattener) if mixed and total > MIN_GAUSS_RAD else None)
     if flat.flipped or not shapely.is_valid(shapely.polygons(flat.points[target.disk.border])):
         raise TargetError(target.name, "overlaps itself when it is laid flat: cut it into parts")
     return flat

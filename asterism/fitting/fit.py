@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from asterism.fitting.distance import FitDistance, target_distance
+from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.result import Fit
@@ -90,8 +91,8 @@ def fit(
     Examples
     --------
     >>> target = TargetSurface.of_formula("10*(1 - (x/50)**2 - (y/50)**2)", 80.0, name="dome")
-    >>> found = fit(target, exact=False)
-    >>> found.summary.preview.mean_percent < 0.5, found.summary.reached
+    >>> fitted = fit(target, exact=False)
+    >>> fitted.summary.preview.mean_percent < 0.5, fitted.summary.reached
     (True, True)
     """
     check_type(target, TargetSurface, "load_target reads one from a file")
@@ -131,9 +132,9 @@ def fit(
     shape = preview(design, law)
     verification = verify(design, law, report=report, say=tell, ready=shape) if exact else None
     result = shape if verification is None else verification.exact[verification.result]
-    near = distance(shape)
-    best = near if verification is None else distance(result)
-    record = _record(near, shape)
+    of_preview = distance(shape)
+    of_result = of_preview if verification is None else distance(result)
+    record = _record(of_preview, shape)
     summary: dict[str, Any] = {
         "model": "fit",
         "target": target.name,
@@ -148,18 +149,18 @@ def fit(
         "first_guess": measured(guess.design),
         "unrounded": unrounded,
         "preview": record,
-        "exact": None if verification is None else _record(best, result),
+        "exact": None if verification is None else _record(of_result, result),
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
-        "reached": bool(best.mean_percent <= within_percent and result.summary["is_minimum"]),
+        "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
         "within_percent": within_percent,
         "rounding_loss_percent": None if unrounded is None else record.mean_percent - unrounded.mean_percent,
         "steps": [vars(step) for step in search.steps],
         "restarts": search.restarts,
-        "warnings": [*guess.reach.warnings, *_warnings(search, best, verification)],
+        "warnings": [*guess.reach.warnings, *_warnings(search, of_result, verification)],
         "version": __version__,
         "design": design.to_dict(),
     }
-    return Fit(design, target, shape, verification, best, FitRecord.from_json(summary))
+    return Fit(design, target, shape, verification, of_result, FitRecord.from_json(summary))
 
 
 def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:
@@ -179,10 +180,9 @@ def _warnings(search: FitSearch, distance: FitDistance, verification: Verificati
     if share > MIN_SHARE_AT_BOUNDS:
         lines.append(f"{100 * share:.0f} % of the stars have the shortest or the longest arms that the law covers")
     if distance.largest_percent > MAX_QUIET_DISTANCE_PERCENT:
-        x, y, z = distance.farthest
         lines.append(
             f"the largest distance, {distance.largest_percent:.1f} % of the diameter, is at "
-            f"({x:.0f}, {y:.0f}, {z:.0f}) mm: more needles hold a rim, a larger target has more stars"
+            f"{place_text(distance.farthest, 0)}: more needles hold a rim, a larger target has more stars"
         )
     if verification is not None and verification.summary.starts_distance_percent > MAX_FORM_DISTANCE_PERCENT:
         apart = verification.summary.starts_distance_percent

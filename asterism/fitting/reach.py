@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.fitting.errors import ReachError
+from asterism.fitting.errors import ReachError, place_text
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target_map import TargetMap
 from equilibrium.arrays import Floats
@@ -19,6 +19,8 @@ MAX_RATIO_EXCESS = 1.06
 MIN_FITTED_STARS = 19
 # share of the stars that may curve to the other side without a warning
 MAX_WRONG_SIDE_SHARE = 0.05
+# a place curves to the other side if the sum of its curvatures is below minus this part of the largest curvature
+MIN_WRONG_SIDE_CURVATURE = 0.1
 
 
 @dataclass(frozen=True)
@@ -87,11 +89,11 @@ def target_reach(
     sharpest = int(size.argmax())
     if size[sharpest] > limit:
         raise ReachError(
-            f"{name}: at {_mm(places[sharpest])} the target curves by 1/{1.0 / size[sharpest]:.1f} mm; stars "
+            f"{name}: at {place_text(places[sharpest], 0)} the target curves by 1/{1.0 / size[sharpest]:.1f} mm; stars "
             f"{menu.spacing_mm:.1f} mm apart reach 1/{1.0 / limit:.1f} mm: make the target "
             f"{np.ceil(10 * size[sharpest] / limit) / 10:.1f} times larger, or smooth it there"
         )
-    wrong = float((curvatures.sum(axis=1) < -0.1 * limit).mean())
+    wrong = float((curvatures.sum(axis=1) < -MIN_WRONG_SIDE_CURVATURE * limit).mean())
     if wrong > MAX_WRONG_SIDE_SHARE and not has_needles:
         warnings.append(
             f"{100 * wrong:.0f} % of the target curves to the other side than its stars can: hold it with needles"
@@ -113,10 +115,6 @@ def _too_much(target_map: TargetMap, needed: float, menu: StarMenu, menus: Seque
     better = [each for each in menus if each.ratio >= needed]
     remedy = f"stretch {better[0].stretch:g}" if better else "a flatter target, or one cut into parts"
     return (
-        f"contractions at {_mm(high)} and {_mm(low)} must differ by a ratio of {needed:.2f}; "
+        f"contractions at {place_text(high, 0)} and {place_text(low, 0)} must differ by a ratio of {needed:.2f}; "
         f"available are {available}: choose {remedy}"
     )
-
-
-def _mm(place: Floats) -> str:
-    return "(" + ", ".join(f"{part:.0f}" for part in place) + ") mm"

@@ -29,8 +29,9 @@ MAX_SMOOTH_STEPS, MAX_STAR_STEPS = 3, 12
 FRESH_EVERY = 3
 # mm per unit: weight of the differences between neighbours, and of the changes themselves, from the first guess on
 NEIGHBOUR_WEIGHT, CHANGE_WEIGHT = 0.12, 0.01
-# damping of the first step relative to the largest diagonal entry, its factors after success and failure, and its end
-FIRST_DAMPING, DAMPING_AFTER_SUCCESS, DAMPING_AFTER_FAILURE, MAX_DAMPING = 1e-3, 0.3, 8.0, 1e3
+# damping of the first step relative to the largest diagonal entry, its factors after success and failure, and limits
+FIRST_DAMPING, DAMPING_AFTER_SUCCESS, DAMPING_AFTER_FAILURE = 1e-3, 0.3, 8.0
+MIN_DAMPING, MAX_DAMPING = 1e-9, 1e3
 # share of the predicted decrease that a step must reach
 MIN_DECREASE_SHARE = 0.1
 # relative decrease of the rms distance below which the fit ends
@@ -163,7 +164,7 @@ class FitSearch:
                 step = np.clip(step, low, high)
             predicted = -(gradient @ step + 0.5 * step @ normal @ step)
             if predicted > 0.0 and self._try(step, cost, predicted, weight):
-                self._damping = max(self._damping * DAMPING_AFTER_SUCCESS, 1e-9)
+                self._damping = max(self._damping * DAMPING_AFTER_SUCCESS, MIN_DAMPING)
                 return True
             self.preview.restore(before)
             self.state, self.unknowns = state_before, unknowns_before
@@ -188,8 +189,8 @@ class FitSearch:
             stages = list(self.preview.edit(moved.design(self.base)))
         except Error:
             return False
-        found = self.preview.equilibrium
-        if len(stages) < 2 or found.guess != EDIT_START or not found.is_minimum:
+        equilibrium = self.preview.equilibrium
+        if len(stages) < 2 or equilibrium.guess != EDIT_START or not equilibrium.is_minimum:
             return False
         state = self.residual.at(self.preview)
         linear = self.residual.at(self.preview, stages[0].x).places

@@ -93,13 +93,10 @@ class _Search:
         self._change, self._tell = change, say or (lambda text: None)
         self._plan = layout(design)
         self._column = SIZE_KEYS.index(change)
-        rows = {tuple(site): row for site, row in zip(
-            self._plan.sheet_sites.tolist(), self._plan.site_sizes_mm, strict=True
-        )}  # fmt: skip
-        self._sizes = np.array([rows[tuple(site)][self._column] for site in self._plan.sites.tolist()])
+        self._sizes = self._plan.star_sizes_mm[:, self._column]
         low, high = law.size_ranges(law.check(design).stretch)[AXES[self._column].key]
         self._range = (max(low, MIN_FITTED_ARM_MM) if change == "length_mm" else low), high
-        self._found: dict[float, float] = {}
+        self._measured: dict[float, float] = {}
 
     def design(self, factor: float) -> Design:
         """The design with sizes scaled, within the law's range."""
@@ -109,12 +106,12 @@ class _Search:
 
     def measure(self, factor: float) -> float:
         """The wanted quantity of a fresh preview; nan for a sheet that is not rolled."""
-        if factor not in self._found:
+        if factor not in self._measured:
             shape = preview(self.design(factor), self._law)
-            found: Any = shape.height_mm if self._wanted == "height_mm" else shape.summary["roll_radius_mm"]
-            self._found[factor] = np.nan if found is None else float(found)
-            self._tell(f"{self._change} times {factor:.4f}: {self._wanted} = {self._found[factor]:.3f}")
-        return self._found[factor]
+            measured: Any = shape.height_mm if self._wanted == "height_mm" else shape.summary["roll_radius_mm"]
+            self._measured[factor] = np.nan if measured is None else float(measured)
+            self._tell(f"{self._change} times {factor:.4f}: {self._wanted} = {self._measured[factor]:.3f}")
+        return self._measured[factor]
 
     def solve(self) -> float:
         """The factor that is nearest to 1 among those that give the value."""
@@ -124,8 +121,8 @@ class _Search:
         values = [self.measure(factor) for factor in tried]
         enclosing = [
             (a, b)
-            for a, b, one, other in zip(tried, tried[1:], values, values[1:], strict=False)
-            if (one - self._value) * (other - self._value) <= 0.0
+            for a, b, at_a, at_b in zip(tried, tried[1:], values, values[1:], strict=False)
+            if (at_a - self._value) * (at_b - self._value) <= 0.0
         ]
         for a, b in sorted(enclosing, key=lambda ends: min(abs(np.log(ends[0])), abs(np.log(ends[1])))):
             try:
@@ -134,7 +131,7 @@ class _Search:
                 continue
             if abs(self._miss(factor)) <= WANTED_TOLERANCE * self._value:
                 return factor
-        known = [one for one in values if np.isfinite(one)]
+        known = [value for value in values if np.isfinite(value)]
         if not known:
             raise ReachError(f"{self._wanted} = {self._value:g}: the sheet does not roll up for any {self._change}")
         jumps = ", where the sheet jumps from one form to another" if enclosing else ""
@@ -144,7 +141,7 @@ class _Search:
         )
 
     def _miss(self, factor: float) -> float:
-        found = self.measure(factor)
-        if not np.isfinite(found):
+        measured = self.measure(factor)
+        if not np.isfinite(measured):
             raise ValueError("not rolled")
-        return found - self._value
+        return measured - self._value

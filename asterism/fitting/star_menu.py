@@ -54,11 +54,11 @@ class StarMenu:
         lengths = np.linspace(max(low, MIN_FITTED_ARM_MM), high, _LENGTHS)
         thicknesses = np.geomspace(*ranges["thickness_mm"], _THICKNESSES)
         grid = np.stack(np.meshgrid(lengths, thicknesses, indexing="ij"), axis=-1).reshape(-1, 2)
-        found = table(grid[:, 0], grid[:, 1], width_mm)
+        stars = table(grid[:, 0], grid[:, 1], width_mm)
         shape = (len(lengths), len(thicknesses))
         names = ("lam_n", "lam", "kappa")
-        natural, flat, kappa = (found.value[name].reshape(shape) for name in names)
-        allowed = (found.inside & ~found.not_scale_separated).reshape(shape)
+        natural, flat, kappa = (stars.value[name].reshape(shape) for name in names)
+        allowed = (stars.inside & ~stars.not_scale_separated).reshape(shape)
         return cls(stretch, table.spacing_mm, width_mm, lengths, thicknesses, natural, flat, kappa, allowed)
 
     def contraction(self, bend: Floats | float) -> Floats:
@@ -75,8 +75,8 @@ class StarMenu:
     @cached_property
     def range(self) -> tuple[float, float]:
         """Smallest and largest contraction of allowed stars."""
-        found = self.contraction(0.0)[self.allowed]
-        return float(found.min()), float(found.max())
+        contractions = self.contraction(0.0)[self.allowed]
+        return float(contractions.min()), float(contractions.max())
 
     @property
     def ratio(self) -> float:
@@ -87,8 +87,8 @@ class StarMenu:
     @cached_property
     def curvatures(self) -> tuple[float, float]:
         """1/mm, smallest and largest natural curvature of allowed stars."""
-        found = self.kappa[self.allowed]
-        return float(found.min()), float(found.max())
+        curvatures = self.kappa[self.allowed]
+        return float(curvatures.min()), float(curvatures.max())
 
     def sizes(self, contraction: Floats, kappa: Floats, bend: Floats) -> Floats:
         """(S, 2) length and thickness (mm) of the stars that come nearest to contractions and natural curvatures.

@@ -39,8 +39,7 @@ class StarUnknowns:
     @classmethod
     def of(cls, plan: Layout, menu: StarMenu) -> StarUnknowns:
         """The unknowns of a layout."""
-        rows = {tuple(site): row for site, row in zip(plan.sheet_sites.tolist(), plan.site_sizes_mm, strict=True)}
-        sizes = np.array([rows[tuple(site)] for site in plan.sites.tolist()])
+        sizes = plan.star_sizes_mm
         return cls(plan, menu, sizes[:, 0].copy(), sizes[:, 1].copy())
 
     @property
@@ -79,10 +78,10 @@ class StarUnknowns:
             np.minimum(self.thicknesses_mm * np.exp(THICKNESS_UNIT * thicknesses), self.menu.thicknesses_mm[-1]),
         )
 
-    def difference(self, other: StarUnknowns) -> Floats:
-        """(2 S,) unknowns relative to others."""
-        lengths = (self.lengths_mm - other.lengths_mm) / LENGTH_UNIT_MM
-        return np.concatenate([lengths, np.log(self.thicknesses_mm / other.thicknesses_mm) / THICKNESS_UNIT])
+    def difference(self, start: StarUnknowns) -> Floats:
+        """(2 S,) unknowns relative to those of a start."""
+        lengths = (self.lengths_mm - start.lengths_mm) / LENGTH_UNIT_MM
+        return np.concatenate([lengths, np.log(self.thicknesses_mm / start.thicknesses_mm) / THICKNESS_UNIT])
 
     def design(self, base: Design) -> Design:
         """A design with these sizes."""
@@ -95,8 +94,8 @@ class StarUnknowns:
         rows = np.arange(len(pairs))
         ends = sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 0])), shape=(len(pairs), count))
         ends = ends - sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 1])), shape=(len(pairs), count))
-        one = ends.T @ ends / max(len(pairs), 1)
-        return sp.csr_array(sp.block_diag([one, one]))
+        of_one_size = ends.T @ ends / max(len(pairs), 1)
+        return sp.csr_array(sp.block_diag([of_one_size, of_one_size]))
 
     def smooth_basis(self) -> Floats:
         """(2 S, m) orthonormal smooth changes: polynomials of the printed coordinates."""

@@ -22,7 +22,6 @@ from equilibrium.arrays import Floats, Ints
 from pattern.design.sizing.expression import ExpressionError, evaluate
 from pattern.geometry.normals import triangle_normals, vertex_normals
 
-TARGET_FORMATS = (".obj", ".stl", ".ply")
 # a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature
 MIN_TARGET_TRIANGLES = 1500
 # the factorisation of a larger target would take more than some seconds
@@ -181,12 +180,11 @@ def load_target(
 
     Raises
     ------
-    TargetError, ScanError
-        The file cannot be read, or its surface cannot be a target.
+    ScanError
+        The file cannot be read.
+    TargetError
+        Its surface cannot be a target, or the unit is unknown.
     """
-    path = Path(path)
-    if path.suffix.lower() not in TARGET_FORMATS:
-        raise TargetError(path, f"must end in {', '.join(TARGET_FORMATS)}")
     if unit not in MM:
         raise TargetError(path, f"unit = {unit!r}: must be {', '.join(MM)}")
     vertices, triangles = read_surface(path)

@@ -16,6 +16,8 @@ from pattern.geometry.point_location import TriangleFinder, clipped
 CURVATURE_RADIUS = 0.9
 # of the spacing: distance of the points through which the quadric goes
 CURVATURE_STEP = 0.2
+# twice the coefficients of a quadric; places with fewer points around have no curvature
+MIN_QUADRIC_POINTS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +89,7 @@ class TargetMap:
         tree = cKDTree(samples)
         result = np.zeros((len(points), 2))
         for row, near in enumerate(tree.query_ball_point(points, CURVATURE_RADIUS * self.spacing_mm)):
-            if len(near) >= 12:
+            if len(near) >= MIN_QUADRIC_POINTS:
                 result[row] = _quadric_curvatures(samples[near] - points[row], places[near])
         return result
 
@@ -96,11 +98,11 @@ def _quadric_curvatures(shift: Floats, places: Floats) -> Floats:
     """(2,) principal curvatures at the origin of the quadric through places (n, 3) at shifts (n, 2)."""
     x, y = shift.T
     terms = np.column_stack([np.ones_like(x), x, y, 0.5 * x**2, 0.5 * y**2, x * y])
-    _, one, two, xx, yy, xy = np.linalg.lstsq(terms, places, rcond=None)[0]
-    normal = np.cross(one, two)
+    _, along_x, along_y, xx, yy, xy = np.linalg.lstsq(terms, places, rcond=None)[0]
+    normal = np.cross(along_x, along_y)
     length = np.linalg.norm(normal)
     if not length > 0.0:
         return np.zeros(2)
-    first = np.array([[one @ one, one @ two], [one @ two, two @ two]])
+    first = np.array([[along_x @ along_x, along_x @ along_y], [along_x @ along_y, along_y @ along_y]])
     second = -np.array([[xx, xy], [xy, yy]]) @ normal / length
     return np.asarray(np.sort(np.linalg.eigvals(np.linalg.solve(first, second)).real)[::-1])

@@ -1,4 +1,4 @@
-"""A preview behind sliders: requests of the page in, meshes, shapes and texts out. It knows nothing of notebooks."""
+"""A preview behind sliders: requests of the page in, meshes, shapes and texts out; independent of notebooks."""
 
 from __future__ import annotations
 

@@ -68,13 +68,12 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
 def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Floats]:
     """The law at the stars with one size of all of them changed, and these changes (S,) in mm."""
     plan, design, column = state.layout, state.design, SIZE_KEYS.index(size)
-    rows = {tuple(site): row for site, row in zip(plan.sheet_sites.tolist(), plan.site_sizes_mm, strict=True)}
-    now = np.array([rows[tuple(site)][column] for site in plan.sites.tolist()])
-    steps = np.full(len(now), SIZE_STEPS[column]) * (1.0 if column == 0 else now)
+    before = plan.star_sizes_mm[:, column]
+    steps = np.full(len(before), SIZE_STEPS[column]) * (1.0 if column == 0 else before)
     top = state.law.size_ranges(design.fabric.stretch_xy[0])[AXES[column].key][1]
-    steps = np.where(now + steps > top, -steps, steps)
-    sizes = np.full((len(now), len(SIZE_KEYS)), np.nan)
-    sizes[:, column] = now + steps
+    steps = np.where(before + steps > top, -steps, steps)
+    sizes = np.full((len(before), len(SIZE_KEYS)), np.nan)
+    sizes[:, column] = before + steps
     stars = design.required_stars.model_copy(update={"rounding": None})
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
     return star_values(changed, layout(changed), state.law, state.model), steps
@@ -82,16 +81,16 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
 
 def _colours(state: PreviewState) -> list[np.ndarray]:
     """Numbers of the stars that are changed together."""
-    colour = (state.layout.sites % COLOUR_STEPS) @ np.array([COLOUR_STEPS, 1])
-    return [np.flatnonzero(colour == one) for one in np.unique(colour)]
+    colours = (state.layout.sites % COLOUR_STEPS) @ np.array([COLOUR_STEPS, 1])
+    return [np.flatnonzero(colours == colour) for colour in np.unique(colours)]
 
 
 def _mixed(values: StarValues, changed: StarValues, stars: np.ndarray) -> StarValues:
     """The values with those of some stars from others."""
 
-    def mix(one: Floats, other: Floats) -> Floats:
-        result = one.copy()
-        result[stars] = other[stars]
+    def mix(of_all: Floats, of_some: Floats) -> Floats:
+        result = of_all.copy()
+        result[stars] = of_some[stars]
         return result
 
     return replace(

@@ -70,7 +70,10 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     if not any(pins.holds_height for pins in plan.pins):
         # the height is free: the lowest needle stands on the base
         low = min((needle.height_mm for needle in placed if needle.height_mm is not None), default=0.0)
-        placed = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in placed]
+        lift = np.array([0.0, 0.0, low])
+        placed = [
+            needle if needle.place is None else replace(needle, place=needle.place - lift) for needle in placed
+        ]
     return tuple(placed)
 
 

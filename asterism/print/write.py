@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -64,8 +63,7 @@ def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | No
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)
         summary = _summary(job, tiny, change, sorted([EXPORT_SUMMARY_FILE, *(file.name for file in folder.iterdir())]))
-        text = json.dumps(summary.to_json(), indent=2, allow_nan=False) + "\n"
-        (folder / EXPORT_SUMMARY_FILE).write_text(text, encoding="utf-8")
+        (folder / EXPORT_SUMMARY_FILE).write_text(summary.json_text(), encoding="utf-8")
     return summary
 
 

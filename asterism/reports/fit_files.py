@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from pattern.design.arguments import check_type
 
 
-def write_fit(found: Fit, directory: str | Path) -> list[str]:
+def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
     """Write shape.vtu and rods.vtu (laid on the target), target.obj, fit.png and summary.json.
 
     The shape is the exact one, or the preview if the exact model was not asked for. Its field `target_distance_mm` is
@@ -31,8 +30,8 @@ def write_fit(found: Fit, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    check_type(found, Fit, "fit makes them")
-    distance = found.distance
+    check_type(fitted, Fit, "fit makes them")
+    distance = fitted.distance
     fields = {
         **distance.shape.point_fields,
         "target_distance_mm": distance.surface_mm,
@@ -42,9 +41,9 @@ def write_fit(found: Fit, directory: str | Path) -> list[str]:
     with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
-        (folder / "target.obj").write_text(_obj(found.target), encoding="ascii")
-        draw_target_fit(found, folder / "fit.png")
-        (folder / SUMMARY_FILE).write_text(json.dumps(found.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        (folder / "target.obj").write_text(_obj(fitted.target), encoding="ascii")
+        draw_target_fit(fitted, folder / "fit.png")
+        (folder / SUMMARY_FILE).write_text(fitted.summary.json_text())
         return sorted(file.name for file in folder.iterdir())
 
 

@@ -25,13 +25,13 @@ FIT_PICTURE_SIZE_IN = (14.0, 8.4)
 FIT_PICTURE_DPI = 100
 
 
-def draw_target_fit(found: Fit, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_target_fit(fitted: Fit, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw a fit as PNG."""
     figure = Figure(figsize=FIT_PICTURE_SIZE_IN, dpi=FIT_PICTURE_DPI, facecolor="white")
     FigureCanvasAgg(figure)
-    summary, distance = found.summary, found.distance
-    by = "exact model" if found.verification is not None else "preview"
-    figure.text(0.03, 0.95, found.design.name, fontsize=15, weight="bold", color=INK, parse_math=False)
+    summary, distance = fitted.summary, fitted.distance
+    by = "exact model" if fitted.verification is not None else "preview"
+    figure.text(0.03, 0.95, fitted.design.name, fontsize=15, weight="bold", color=INK, parse_math=False)
     words = (
         f"{by}: rms {distance.mean_percent:.2f} % of the diameter ({summary.diameter_mm:.1f} mm), with bumps "
         f"{distance.surface_percent:.2f} %, largest {distance.largest_percent:.1f} %   ·   {summary.stars} stars, "
@@ -39,16 +39,16 @@ def draw_target_fit(found: Fit, path_or_file: str | Path | IO[bytes]) -> None:
     )
     figure.text(0.03, 0.915, words, fontsize=10, color=PALE, parse_math=False)
     for row, along in enumerate((0, 1)):
-        _section(figure.add_axes((0.05, 0.53 - 0.45 * row, 0.42, 0.3)), found, along)
-    _distance_map(figure, found)
-    _length_map(figure, found)
+        _section(figure.add_axes((0.05, 0.53 - 0.45 * row, 0.42, 0.3)), fitted, along)
+    _distance_map(figure, fitted)
+    _length_map(figure, fitted)
     figure.savefig(path_or_file, format="png", dpi=FIT_PICTURE_DPI)
 
 
-def _section(axes: Axes, found: Fit, along: int) -> None:
+def _section(axes: Axes, fitted: Fit, along: int) -> None:
     """Draw the sections of target and shape along x (0) or y (1) through the middle of the target."""
     across = 1 - along
-    disk, shape = found.target.disk, found.shape
+    disk, shape = fitted.target.disk, fitted.shape
     level = 0.5 * float(disk.vertices[:, across].min() + disk.vertices[:, across].max())
     parts: list[tuple[Floats, Ints, str, float]] = [
         (disk.vertices, disk.triangles, TARGET_COLOUR, 2.4),
@@ -67,8 +67,8 @@ def _section(axes: Axes, found: Fit, along: int) -> None:
     style_axes(axes, f"cut along {'xy'[along]} through the middle: target red, shape black", "mm")
 
 
-def _distance_map(figure: Figure, found: Fit) -> None:
-    shape, mean = found.shape, found.distance.mean_mm
+def _distance_map(figure: Figure, fitted: Fit) -> None:
+    shape, mean = fitted.shape, fitted.distance.mean_mm
     far = max(float(np.quantile(np.abs(mean), 0.98)), 0.05)
     axes = figure.add_axes((0.52, 0.5, 0.36, 0.36))
     mesh = Triangulation(shape.printed[:, 0], shape.printed[:, 1], shape.triangles)
@@ -78,8 +78,8 @@ def _distance_map(figure: Figure, found: Fit) -> None:
     figure.colorbar(drawn, cax=figure.add_axes((0.9, 0.53, 0.012, 0.28))).set_label("mm", color=PALE)
 
 
-def _length_map(figure: Figure, found: Fit) -> None:
-    plan = found.shape.layout
+def _length_map(figure: Figure, fitted: Fit) -> None:
+    plan = fitted.shape.layout
     axes = figure.add_axes((0.52, 0.05, 0.36, 0.36))
     if plan is None:
         return

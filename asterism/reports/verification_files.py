@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from asterism.reports.verification_page import verification_page
@@ -34,5 +33,5 @@ def write_verification(verification: Verification, directory: str | Path) -> lis
         )
         write_shape_vtu(verification.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(verification.comparison.other, folder / "preview.vtu")
-        (folder / SUMMARY_FILE).write_text(json.dumps(verification.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        (folder / SUMMARY_FILE).write_text(verification.summary.json_text())
         return sorted(file.name for file in folder.iterdir())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from asterism.draw.picture import draw_shape
@@ -32,5 +31,5 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
             draw_shape(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
-        (folder / SUMMARY_FILE).write_text(json.dumps(shape.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        (folder / SUMMARY_FILE).write_text(shape.summary.json_text())
         return sorted(file.name for file in folder.iterdir())

@@ -6,6 +6,7 @@ the reference of all keys (`python -m asterism.results.reference`).
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
@@ -121,6 +122,10 @@ class Record(Mapping[str, Any]):
     def to_json(self) -> dict[str, Any]:
         """Plain data for a JSON file; infinity and not-a-number become null."""
         return {name: _finite(value) for name, value in self.items()}
+
+    def json_text(self) -> str:
+        """The text of a JSON file."""
+        return json.dumps(self.to_json(), indent=2, allow_nan=False) + "\n"
 
     def changed(self, **values: Any) -> Self:
         """A copy with other values of some keys, or with further keys."""

@@ -11,7 +11,7 @@ from pattern.design.files import read_table
 
 
 class FileChangedError(Error):
-    """Somebody has changed the file since the document read or wrote it; the message is one line."""
+    """Another program has changed the file since the document read or wrote it; the message is one line."""
 
 
 class OtherFileError(Error):

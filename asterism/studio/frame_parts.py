@@ -1,4 +1,4 @@
-"""What pages want to see beside the shape: the sheet without bumps, and the target surface."""
+"""What pages show beside the shape: the sheet without bumps, and the target surface."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from asterism.studio.target import Target
 
 
 class PartsOwner(Protocol):
-    """What these parts need of the studio."""
+    """The part of the studio that `FrameParts` uses."""
 
     shown: Shown
     tabs: Tabs
@@ -29,7 +29,7 @@ class FrameParts:
     Attributes
     ----------
     target : None without one.
-    version : increases with every other target or pose.
+    version : increases with every change of the target or its pose.
     """
 
     def __init__(self, studio: PartsOwner) -> None:

@@ -56,7 +56,7 @@ class New(Request):
 
 
 class Save(Request):
-    """Write the design file; with `over` also over a text that somebody else has written there."""
+    """Write the design file; with `over` also over a text that another program has written there."""
 
     type: Literal["save"]
     name: Name | None = None

@@ -94,5 +94,5 @@ def _along(ends: Floats) -> Floats:
     return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))[..., None]
 
 
-def _has_same_arms(one: Layout, other: Layout) -> bool:
-    return np.array_equal(one.arm_tip, other.arm_tip) and np.array_equal(one.centres, other.centres)
+def _has_same_arms(first: Layout, second: Layout) -> bool:
+    return np.array_equal(first.arm_tip, second.arm_tip) and np.array_equal(first.centres, second.centres)

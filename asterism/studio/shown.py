@@ -13,7 +13,7 @@ from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
 from pattern.design.files import plain
 
-# Older meshes than so many are dropped.
+# meshes and forms that are kept; older ones are dropped
 MAX_MESHES = 6
 MAX_SNAPSHOTS = 50
 

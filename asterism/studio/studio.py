@@ -40,7 +40,7 @@ MAX_QUEUED = 1000
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
 # Edits whose answers may still come.
 MAX_OPEN_EDITS = 200
-# Problems that leave the shape as good as it was.
+# problems that do not concern the shown shape
 ANSWERS = frozenset({"no other side", "no such form", "no target"})
 
 _log = logging.getLogger("asterism.studio")

@@ -14,7 +14,7 @@ from asterism.studio import frames
 from asterism.studio.messages import Surface, TargetPose
 from equilibrium.arrays import Floats, Ints
 
-TARGET = 4  # kind of its binary frame
+TARGET = 4  # kind of the binary frame of a target
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Target:
     vertices, triangles : (V, 3) and (T, 3) as in the file.
     unit : of the file's numbers.
     rotation, shift : (3, 3) and (3,) mm, from the file to the shown pose.
-    is_fitted : it was laid on the sheet.
+    is_fitted : it is laid on the sheet.
     """
 
     name: str
@@ -40,17 +40,17 @@ class Target:
 
     @property
     def surface(self) -> Surface:
-        """In the shown pose."""
+        """The triangles in the shown pose, mm."""
         placed = MM[self.unit] * self.vertices @ self.rotation.T + self.shift
         return Surface(placed.astype(np.float32), self.triangles.astype(np.uint32))
 
     def moved(self, pose: TargetPose) -> Target:
-        """After another motion."""
+        """The target after a further motion."""
         turn = np.asarray(pose.rotation)
         return replace(self, rotation=turn @ self.rotation, shift=turn @ self.shift + pose.shift, is_fitted=True)
 
     def as_in_file(self, unit: str | None = None) -> Target:
-        """In the pose of its file, whose numbers are in another unit if one is given."""
+        """The target in the pose of its file; `unit` is a new unit of the file's numbers."""
         return Target(self.name, self.vertices, self.triangles, unit or self.unit)
 
     def packed(self) -> bytes:

@@ -23,7 +23,8 @@ from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
 from pattern.layout.symmetries import symmetries
 
-BOTH_STARTS = 2  # number of starts of `simulate_both`
+# number of starts of `simulate_both`
+BOTH_STARTS = 2
 
 
 def simulate_both(
@@ -84,15 +85,20 @@ def lower_minimum(design: Design, plan: Layout, released: Shape, near: Shape) ->
     if agree or lost:
         starts = [name for name in exact if name not in lost] or [first]
         entry = _entry(result, starts, 0.0)
-        found = {"minima_seen": 1, "minima": [entry], "next_minimum_percent": None, "result_is": FROM_DEFAULT_START}
-        if starts == [PREVIEW]:
-            found["result_is"] = BY_ENERGY
-        return _with(result, {"starts": BOTH_STARTS, "starts_lost": len(lost), **found})
+        numbers = {
+            "starts": BOTH_STARTS,
+            "starts_lost": len(lost),
+            "minima_seen": 1,
+            "minima": [entry],
+            "next_minimum_percent": None,
+            "result_is": BY_ENERGY if starts == [PREVIEW] else FROM_DEFAULT_START,
+        }
+        return _with(result, numbers)
     apart = between.rms_percent
     higher = second.summary["energy_n_mm"] - result.summary["energy_n_mm"]
     names = [first, PREVIEW if first == RELEASE else RELEASE]
     entries = [_entry(result, names[:1], 0.0), _entry(second, names[1:], apart)]
-    found = {
+    numbers = {
         "starts": BOTH_STARTS,
         "starts_lost": 0,
         "result_is": BY_ENERGY if higher >= 0.0 else BY_ENERGY_ON_BRANCH,
@@ -104,7 +110,7 @@ def lower_minimum(design: Design, plan: Layout, released: Shape, near: Shape) ->
         "minima_distance_percent": [[0.0, apart], [apart, 0.0]],
         "warnings": [*result.summary["warnings"], *two_minima_warnings(exact, first, apart)],
     }
-    return replace(_with(result, found), others=(second,))
+    return replace(_with(result, numbers), others=(second,))
 
 
 def _with(shape: Shape, values: dict[str, Any]) -> Shape:

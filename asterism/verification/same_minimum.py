@@ -15,7 +15,7 @@ from pattern.layout.symmetries import Symmetry
 
 
 def same_minimum(
-    one: Shape, other: Shape, plan: Layout, symmetries: Sequence[Symmetry], gravity: Sequence[float] | None = None
+    first: Shape, second: Shape, plan: Layout, symmetries: Sequence[Symmetry], gravity: Sequence[float] | None = None
 ) -> tuple[bool, Comparison]:
     """Whether both are certified and are one minimum, and the second laid on the first as held.
 
@@ -24,18 +24,18 @@ def same_minimum(
 
     Parameters
     ----------
-    one, other : exact shapes of one design.
+    first, second : exact shapes of one design.
     plan, symmetries, gravity : of the design, as in `asterism.shape.comparison.compare_shapes`.
     """
-    between = compare_shapes(one, other, plan, symmetries, gravity)
-    certain = bool(one.summary["is_minimum"] and other.summary["is_minimum"])
-    agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(one, other, plan, symmetries)
-    if agree and not same_energy(one.summary["energy_n_mm"], other.summary["energy_n_mm"]):
-        agree = compare_shapes(one, other, plan, symmetries[:1], gravity).rms_percent >= SAME_FORM_PERCENT
+    between = compare_shapes(first, second, plan, symmetries, gravity)
+    certain = bool(first.summary["is_minimum"] and second.summary["is_minimum"])
+    agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(first, second, plan, symmetries)
+    if agree and not same_energy(first.summary["energy_n_mm"], second.summary["energy_n_mm"]):
+        agree = compare_shapes(first, second, plan, symmetries[:1], gravity).rms_percent >= SAME_FORM_PERCENT
     return agree, between
 
 
-def _same_stars_down(one: Shape, other: Shape, plan: Layout, symmetries: Sequence[Symmetry]) -> bool:
+def _same_stars_down(first: Shape, second: Shape, plan: Layout, symmetries: Sequence[Symmetry]) -> bool:
     """Whether two shapes have the same inverted stars, up to a symmetry; the cell means do not show these."""
-    first, second = (np.isin(plan.star_number, shape.summary["stars_down"]) for shape in (one, other))
-    return any(np.array_equal(first, second[symmetry.star]) for symmetry in symmetries)
+    down = [np.isin(plan.star_number, shape.summary["stars_down"]) for shape in (first, second)]
+    return any(np.array_equal(down[0], down[1][symmetry.star]) for symmetry in symmetries)

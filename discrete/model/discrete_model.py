@@ -124,9 +124,9 @@ class DiscreteModel(System):
 
     def _residual_curvature_over_the_plastics(self) -> Array:
         """(R,) 1/mm, residual curvature of every rod edge minus that of the design's plastic; 0 where they are one."""
-        own = [rod.kappa_bar for rod in self.layout.graph.rods]
+        of_rods = [rod.kappa_bar for rod in self.layout.graph.rods]
         plastic = residual_curvature(self.edge_thickness, self.design.plastic.kappa_bar_per_mm)
-        of_edge = np.array([np.nan if value is None else value for value in own])[self.network.rod]
+        of_edge = np.array([np.nan if value is None else value for value in of_rods])[self.network.rod]
         return np.where(np.isnan(of_edge), 0.0, of_edge - plastic)
 
     def _dead_load(self) -> Array:
@@ -249,7 +249,7 @@ class DiscreteModel(System):
 def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:
     """The rods of a graph on a mesh, and their joints."""
     starts = np.array([rod.start for rod in graph.rods], dtype=np.int64)
-    links = [((one.rod, one.end), (other.rod, other.end)) for one, other in graph.links]
+    links = [((first.rod, first.end), (second.rod, second.end)) for first, second in graph.links]
     bonded = [[(each.rod, each.end) for each in graph.ends_at[node]] for node in graph.joints]
     network = rod_network(mesh.rods, np.where(np.isin(starts, graph.paired), starts, -1), mesh.points, links)
     return network, joint_network(mesh.rods, bonded)

@@ -22,6 +22,7 @@ MM_OF_UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4, "px": 25.4 / 96.0}
 # mm of a DXF drawing's unit by its number in the header, $INSUNITS; 0 is none
 MM_OF_INSUNITS = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 14: 100.0}
 DXF_LINES = "LINE LWPOLYLINE POLYLINE ARC CIRCLE ELLIPSE SPLINE INSERT"
+# points of a curve in SVG at which its turn is measured
 CURVE_SAMPLES = 64
 # pieces of a curve in DXF: a quarter of a circle turns by less than 6 degrees in each
 DXF_CURVE_PIECES = 16
@@ -80,8 +81,8 @@ def read_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
         raise _error("holds no line with a stroke", path)
     if len(lines) > MAX_FILE_LINES:
         raise _error(f"holds {len(lines)} lines, at most {MAX_FILE_LINES} are allowed", path)
-    far = max(float(np.abs(line.points).max()) for line in lines)
-    if not far <= MAX_PLACE_MM:
+    farthest = max(float(np.abs(line.points).max()) for line in lines)
+    if not farthest <= MAX_PLACE_MM:
         raise _error("holds places that are not finite, or further than 100 m from the origin", path)
     return lines
 
@@ -130,10 +131,10 @@ def _mark_layers(element: Any, layer: str) -> None:
         if tag in _INVISIBLE_TAGS:
             element.remove(child)
             continue
-        own = (child.get(_LAYER_NAME) or child.get("id") or layer) if tag == "g" else layer
-        if own:
-            child.set(_LAYER, own)
-        _mark_layers(child, own)
+        name = (child.get(_LAYER_NAME) or child.get("id") or layer) if tag == "g" else layer
+        if name:
+            child.set(_LAYER, name)
+        _mark_layers(child, name)
 
 
 def _stroke_width(shape: Any, scale: float, path: Path) -> float:
@@ -180,8 +181,8 @@ def _dxf_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
         raise _error(f"cannot be read as DXF: {type(error).__name__}", path) from None
     number = int(drawing.header.get("$INSUNITS", 0))
     if number not in MM_OF_INSUNITS and (units is None or number != 0):
-        what = "has no unit ($INSUNITS = 0)" if number == 0 else f"has another unit ($INSUNITS = {number})"
-        raise _error(f'{what}: set it to mm in the drawing, or units = "mm" here', path)
+        problem = "has no unit ($INSUNITS = 0)" if number == 0 else f"has another unit ($INSUNITS = {number})"
+        raise _error(f'{problem}: set it to mm in the drawing, or units = "mm" here', path)
     scale = MM_OF_INSUNITS.get(number) or MM_OF_UNITS[units or "mm"]
     lines = []
     for entity in _entities(drawing.modelspace()):
@@ -195,14 +196,14 @@ def _dxf_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
 
 def _entities(space: Any) -> list[Any]:
     """The lines of a drawing, with those of its blocks."""
-    found: list[Any] = []
+    entities: list[Any] = []
     for entity in space.query(DXF_LINES):
         if entity.dxftype() != "INSERT":
-            found.append(entity)
+            entities.append(entity)
         else:
             inner = entity.virtual_entities()
-            found += [part for part in inner if part.dxftype() in DXF_LINES.split() and part.dxftype() != "INSERT"]
-    return found
+            entities += [part for part in inner if part.dxftype() in DXF_LINES.split() and part.dxftype() != "INSERT"]
+    return entities
 
 
 def _cleaned(points: Floats) -> Floats:

@@ -101,7 +101,7 @@ def layout(design: Design) -> Layout:
     if all(pin is place for pin, place in zip(pins, placed, strict=True)):
         _check_placed_pins(design.pins, design.border, lattice)
     else:
-        _check_pins(pins, corners)
+        check_pins(pins, corners)
     pins = tuple(replace(pin, points=pin.points.copy()) for pin in pins)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
@@ -168,10 +168,11 @@ def _placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tu
 @lru_cache(maxsize=KEPT_OUTLINES)
 def _check_placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> None:
     """The checks of pins that are not moved onto arms."""
-    _check_pins(_placed_pins(pins, border, lattice), _kept_outline(border, lattice))
+    check_pins(_placed_pins(pins, border, lattice), _kept_outline(border, lattice))
 
 
-def _check_pins(pins: tuple[PinSet, ...], corners: Floats) -> None:
+def check_pins(pins: tuple[PinSet, ...], corners: Floats) -> None:
+    """Refuse pins that contradict each other or pull too far, on a sheet with the outline (B, 2) mm."""
     check_conflicts(pins, corners)
     check_reach(pins, corners)
 
@@ -203,11 +204,15 @@ def _check_mesh(edge: float, border: Border, lattice: Lattice) -> None:
     check_mesh_size(edge, corners)
 
 
+def mesh_vertices(edge: float, corners: Floats) -> float:
+    """About how many vertices a mesh of equilateral triangles has, with edges in mm, in the outline (B, 2) mm."""
+    # half a vertex a triangle
+    return float(shapely.area(shapely.polygons(corners)) / (np.sqrt(0.75) * edge**2))
+
+
 def check_mesh_size(edge: float, corners: Floats) -> None:
     """Refuse mesh edges (mm) too short for the memory of a computer, on a sheet with the outline (B, 2) mm."""
-    # equilateral triangles of this edge have half a vertex each
-    area = float(shapely.area(shapely.polygons(corners)))
-    vertices = area / (np.sqrt(0.75) * edge**2)
+    vertices = mesh_vertices(edge, corners)
     if vertices > MAX_VERTICES:
         allowed = np.ceil(100 * edge * np.sqrt(vertices / MAX_VERTICES)) / 100
         raise DesignError(

@@ -88,6 +88,11 @@ class Layout:
         return self.lattice.nearest(self.centres)
 
     @property
+    def star_sizes_mm(self) -> Floats:
+        """(S, 3) length, thickness and width of each star, as `site_sizes_mm`."""
+        return self.site_sizes_mm[self.star_number]
+
+    @property
     def spacing_mm(self) -> float:
         """Distance of nearest neighbours: length of the shorter lattice vector; of a drawing, the scale of its rods."""
         return float(np.linalg.norm(self.lattice_vectors, axis=1).min())

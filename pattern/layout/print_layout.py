@@ -7,11 +7,9 @@ import shapely
 
 from pattern.design.design import Design
 from pattern.geometry.planar import polygon_area
-from pattern.layout.build import check_mesh_size, layout, sheet_outline
+from pattern.layout.build import check_mesh_size, check_pins, layout, sheet_outline
 from pattern.layout.layout import Layout
-from pattern.layout.pin_conflicts import check_conflicts
 from pattern.layout.pin_placement import pin_set, snapped_to_lines
-from pattern.layout.pin_reach import check_reach
 
 
 def print_layout(design: Design) -> Layout:
@@ -37,28 +35,27 @@ def print_layout(design: Design) -> Layout:
     from pattern.rods.drawn_graph import drawn_pattern  # slow to import; designs of stars do without it
 
     corners = None if design.border.rods is not None else sheet_outline(design)
-    print_ = drawn_pattern(design.rods, design.border, design.lattice, corners)
-    outline, graph = print_.outline, print_.graph
+    drawn = drawn_pattern(design.rods, design.border, design.lattice, corners)
+    outline, graph = drawn.outline, drawn.graph
     scale = float(abs(polygon_area(outline)) / graph.total_length)
     vectors = design.lattice.vectors if design.rods.motif else scale * np.eye(2)
     check_mesh_size(design.mesh.edge_mm, outline)
     lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
     sets = [pin_set(pin, outline, f"pins[{k}]") for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_lines(pin, outline, graph.nodes, lines) for pin in sets)
-    check_conflicts(pins, outline)
-    check_reach(pins, outline)
-    none = np.empty((0, 2))
+    check_pins(pins, outline)
+    no_arms = np.empty((0, 2))
     return Layout(
         outline=outline,
-        centres=none,
+        centres=no_arms,
         arm_star=np.empty(0, dtype=np.int64),
-        arm_tip=none,
-        arm_thickness=none,
-        arm_width=none,
+        arm_tip=no_arms,
+        arm_thickness=no_arms,
+        arm_width=no_arms,
         neighbours=np.empty((0, 2), dtype=np.int64),
         pins=pins,
         lattice_vectors=vectors,
         lattice_origin=np.asarray(design.lattice.origin_mm, dtype=float),
         drawn=graph,
-        rim=print_.rim,
+        rim=drawn.rim,
     )

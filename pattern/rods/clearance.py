@@ -40,9 +40,10 @@ def check_rods(graph: RodGraph) -> None:
 
 def _check_angles(graph: RodGraph) -> None:
     for node, ends in enumerate(graph.ends_at):
-        for one, other in combinations(ends, 2):
-            first, second = graph.rods[one.rod], graph.rods[other.rod]
-            angle = np.degrees(np.arccos(np.clip(first.direction_at(one.end) @ second.direction_at(other.end), -1, 1)))
+        for end_1, end_2 in combinations(ends, 2):
+            first, second = graph.rods[end_1.rod], graph.rods[end_2.rod]
+            cosine = first.direction_at(end_1.end) @ second.direction_at(end_2.end)
+            angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
             if angle < MIN_ROD_ANGLE_DEG:
                 place = graph.nodes[node]
                 meet = f"{first.name} and {second.name} meet at {angle:.0f} deg at {_at(place)}"
@@ -56,15 +57,17 @@ def _check_clearance(graph: RodGraph) -> None:
     first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=widest)
     keep = first < second
     for i, j in zip(first[keep], second[keep], strict=True):
-        one, other = graph.rods[i], graph.rods[j]
-        if {one.start, one.end} & {other.start, other.end}:
+        first_rod, second_rod = graph.rods[i], graph.rods[j]
+        if {first_rod.start, first_rod.end} & {second_rod.start, second_rod.end}:
             continue
         distance = float(shapely.distance(lines[i], lines[j]))
-        if distance < 0.5 * (_width(one) + _width(other)):
+        widths = _width(first_rod), _width(second_rod)
+        if distance < 0.5 * sum(widths):
             place = shapely.get_coordinates(shapely.shortest_line(lines[i], lines[j])).mean(axis=0)
-            apart = f"{one.name} and {other.name} are {distance:.2f} mm apart at {_at(place)} and would print as one"
             raise _error(
-                f"{apart} (widths {_width(one):g}, {_width(other):g}): move them apart, or let them meet", place
+                f"{first_rod.name} and {second_rod.name} are {distance:.2f} mm apart at {_at(place)} and would print "
+                f"as one (widths {widths[0]:g}, {widths[1]:g}): move them apart, or let them meet",
+                place,
             )
 
 

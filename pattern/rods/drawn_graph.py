@@ -125,10 +125,10 @@ def _copies(rods: Rods, lattice: Lattice, corners: Floats) -> list[_Drawn]:
         raise DesignError("lattice.spacing_mm", problem, lattice.spacing_mm)
     places = lattice.sites.place(lattice.sites.cells_within(low, high))
     sheet = shapely.polygons(corners)
-    near = shapely.distance(sheet, shapely.points(places)) <= reach
+    is_on_sheet = shapely.distance(sheet, shapely.points(places)) <= reach
     return [
         _Drawn(line, points + place, line.name or f"motif[{k}]", copy)
-        for copy, place in enumerate(places[near])
+        for copy, place in enumerate(places[is_on_sheet])
         for k, (line, points) in enumerate(zip(rods.motif, lines, strict=True))
     ]
 

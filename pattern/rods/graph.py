@@ -116,7 +116,7 @@ class RodGraph:
         for number, rod in enumerate(self.rods):
             ends[rod.start].append(RodEnd(number, 0))
             ends[rod.end].append(RodEnd(number, 1))
-        return tuple(tuple(some) for some in ends)
+        return tuple(tuple(at_node) for at_node in ends)
 
     @cached_property
     def links(self) -> tuple[tuple[RodEnd, RodEnd], ...]:
@@ -138,9 +138,9 @@ class RodGraph:
         """mm, of all rods."""
         return sum(rod.length for rod in self.rods)
 
-    def _goes_on(self, one: RodEnd, other: RodEnd) -> bool:
+    def _goes_on(self, first: RodEnd, second: RodEnd) -> bool:
         """Whether two ends at a node are one smooth line."""
-        out = self.rods[one.rod].direction_at(one.end)
-        back = -self.rods[other.rod].direction_at(other.end)
+        out = self.rods[first.rod].direction_at(first.end)
+        back = -self.rods[second.rod].direction_at(second.end)
         turn = np.arctan2(cross_2d(back, out), back @ out)
         return bool(abs(turn) <= np.radians(CORNER_DEG))

@@ -74,8 +74,8 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     node, nodes = _clusters(place, merge_mm)
     pieces = []
     for number, line in enumerate(lines):
-        mine = np.flatnonzero(owner == number)
-        pieces += _split(number, line, part[mine], node[mine], nodes, merge_mm)
+        of_line = np.flatnonzero(owner == number)
+        pieces += _split(number, line, part[of_line], node[of_line], nodes, merge_mm)
     degree = np.bincount([end for piece in pieces for end in (piece.start, piece.end)], minlength=len(nodes))
     kept = [
         piece for piece in pieces if _length(piece.points) > merge_mm or min(degree[piece.start], degree[piece.end]) > 1
@@ -121,10 +121,10 @@ def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:
     size = np.bincount(node, minlength=len(merged))
     fixed = {int(node[i]): places[i] for i, (number, at) in enumerate(key) if not _is_end(lines[number], int(at))}
     target = {k: fixed.get(k, merged[k]) for k in range(len(merged))}
-    of = {(number, int(at)): int(node[i]) for i, (number, at) in enumerate(key)}
+    cluster_of = {(number, int(at)): int(node[i]) for i, (number, at) in enumerate(key)}
     loose = []
     for number, at in ends:
-        cluster = of[number, at % len(lines[number])]
+        cluster = cluster_of[number, at % len(lines[number])]
         if size[cluster] > 1:
             lines[number][at] = target[cluster]
         else:
@@ -134,14 +134,14 @@ def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:
     feet: list[tuple[int, int, int, Floats]] = []
     for number, at in loose:
         point = shapely.Point(lines[number][at])
-        near = [int(k) for k in tree.query(point, predicate="dwithin", distance=join_mm) if k != number]
-        if near:
-            other = min(near, key=lambda k: (shapes[k].distance(point), k))
-            foot = shapes[other].interpolate(shapes[other].project(point))
-            feet.append((number, at, other, np.array(foot.coords[0])))
-    for number, at, other, foot_place in feet:
+        nearby = [int(k) for k in tree.query(point, predicate="dwithin", distance=join_mm) if k != number]
+        if nearby:
+            nearest = min(nearby, key=lambda k: (shapes[k].distance(point), k))
+            foot = shapes[nearest].interpolate(shapes[nearest].project(point))
+            feet.append((number, at, nearest, np.array(foot.coords[0])))
+    for number, at, nearest, foot_place in feet:
         lines[number][at] = foot_place
-        lines[other] = _with_point(lines[other], foot_place)
+        lines[nearest] = _with_point(lines[nearest], foot_place)
     return lines
 
 
@@ -179,8 +179,8 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
         place = _meeting(segments[i], segments[j])
         if place is None:
             x, y = segments[i].mean(axis=0)
-            here = " and ".join(sorted({names[owner[i]] or "a line", names[owner[j]] or "a line"}))
-            raise DesignError("rods", f"{here} lie on each other at [{x:.2f}, {y:.2f}]: draw the line once")
+            both = " and ".join(sorted({names[owner[i]] or "a line", names[owner[j]] or "a line"}))
+            raise DesignError("rods", f"{both} lie on each other at [{x:.2f}, {y:.2f}]: draw the line once")
         for k in (i, j):
             step = segments[k][1] - segments[k][0]
             part = float(np.clip((place - segments[k][0]) @ step / (step @ step), 0.0, 1.0))
@@ -190,9 +190,9 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
     return places, owners, parts
 
 
-def _meeting(one: Floats, other: Floats) -> Floats | None:
-    """(2,) mm, where two segments meet that come within rounding; None if they lie on each other."""
-    (a, b), (c, d) = one, other
+def _meeting(first: Floats, second: Floats) -> Floats | None:
+    """(2,) mm, where two segments (2, 2) that touch within rounding meet; None if they lie on each other."""
+    (a, b), (c, d) = first, second
     u, v, w = b - a, d - c, c - a
     cross = u[0] * v[1] - u[1] * v[0]
     if abs(cross) <= 1e-9 * np.linalg.norm(u) * np.linalg.norm(v):
@@ -225,8 +225,8 @@ def _split(number: int, line: Floats, part: Floats, node: Ints, nodes: Floats, m
     pieces = []
     for k in range(len(part) - 1):
         inner = line[int(np.floor(part[k])) + 1 : int(np.ceil(part[k + 1]))]
-        near = [np.linalg.norm(inner - nodes[node[end]], axis=1) > merge_mm for end in (k, k + 1)]
-        points = np.concatenate([nodes[node[k]][None], inner[near[0] & near[1]], nodes[node[k + 1]][None]])
+        is_clear = [np.linalg.norm(inner - nodes[node[end]], axis=1) > merge_mm for end in (k, k + 1)]
+        points = np.concatenate([nodes[node[k]][None], inner[is_clear[0] & is_clear[1]], nodes[node[k + 1]][None]])
         if node[k] == node[k + 1] and _length(points) <= 4.0 * merge_mm:
             continue  # the same node twice
         pieces.append(Piece(number, points, int(node[k]), int(node[k + 1])))

@@ -38,8 +38,8 @@ def star_graph(
         from scipy.spatial import cKDTree  # slow to import; readers of designs do without it
 
         pairs = cKDTree(places).query_pairs(meeting, output_type="ndarray")
-    for one, other in pairs[np.lexsort(pairs.T)]:
-        node[node == node[max(one, other)]] = node[min(one, other)]
+    for pair in pairs[np.lexsort(pairs.T)]:
+        node[node == node[pair.max()]] = node[pair.min()]
     kept, node = np.unique(node, return_inverse=True)
     start, end = node[arm_star], node[len(centres) :]
     touched = np.bincount(end, minlength=len(kept)) > 0

@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+
+class FileUnit(StrEnum):
+    """Units of the numbers in a file, as `asterism.measure.compare.units.MM`."""
+
+    mm = "mm"
+    cm = "cm"
+    m = "m"
+    inches = "in"
+    um = "um"
+
 
 DesignFile = Annotated[Path, typer.Argument(help="Design file (.toml or .json).")]
 MaterialFile = Annotated[

@@ -1,1 +1,1 @@
-"""Conformal flattening of a triangulated disk. It knows surfaces, and no sheets."""
+"""Conformal flattening of a triangulated disk, independent of stars and sheets."""

@@ -38,19 +38,19 @@ def least_ratio_border(flattener: Flattener, terms: int = FOURIER_TERMS) -> Floa
     change = flattener.harmonic(series)
     inner = disk.inner[:: max(len(disk.inner) // MAX_BOUNDED_VERTICES, 1)]
     rows = np.concatenate([disk.border, inner])
-    one = np.ones((len(rows), 1))
-    none = np.zeros((len(rows), 1))
+    ones = np.ones((len(rows), 1))
+    zeros = np.zeros((len(rows), 1))
     # unknowns: coefficients, upper and lower bound of u
-    above = np.hstack([change[rows], -one, none])
-    below = np.hstack([-change[rows], none, one])
+    above = np.hstack([change[rows], -ones, zeros])
+    below = np.hstack([-change[rows], zeros, ones])
     cost = np.concatenate([np.zeros(series.shape[1]), [1.0, -1.0]])
-    found = linprog(
+    solution = linprog(
         cost,
         A_ub=np.vstack([above, below]),
         b_ub=np.concatenate([-start[rows], start[rows]]),
         bounds=(None, None),
         method="highs",
     )
-    if found.status != 0:
+    if solution.status != 0:
         return np.zeros(len(disk.border))
-    return np.asarray(series @ found.x[: series.shape[1]])
+    return np.asarray(series @ solution.x[: series.shape[1]])

@@ -23,9 +23,9 @@ def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
     [[90.0, 45.0, 45.0]]
     """
     corners = vertices[triangles]
-    one, other = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    cross = np.linalg.norm(np.cross(one, other), axis=2)
-    return np.asarray(np.arctan2(cross, np.einsum("tkc,tkc->tk", one, other)))
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cross = np.linalg.norm(np.cross(ahead, behind), axis=2)
+    return np.asarray(np.arctan2(cross, np.einsum("tkc,tkc->tk", ahead, behind)))
 
 
 def laplacian(angles: Floats, triangles: Ints, count: int) -> sp.csc_array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -177,8 +176,7 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
     """
     with staged_result(directory) as folder:
         comparison.draw(folder / "compare.png")
-        text = json.dumps(comparison.summary.to_json(), indent=2, allow_nan=False) + "\n"
-        (folder / SUMMARY_FILE).write_text(text, encoding="utf-8")
+        (folder / SUMMARY_FILE).write_text(comparison.summary.json_text(), encoding="utf-8")
     return ["compare.png", SUMMARY_FILE]
 
 

@@ -116,12 +116,12 @@ def _coloured(figure: Figure, comparison: ScanComparison, scale: Normalize) -> N
     colours = np.where(
         known[:, None], SIGNED_DISTANCE_COLOURS(scale(np.where(known, distance, 0.0)))[:, :3], NOT_SCANNED
     )
-    thing = bare(comparison.shape, colours)
+    sheet = bare(comparison.shape, colours)
     low, high = comparison.shape.positions.min(axis=0), comparison.shape.positions.max(axis=0)
     view = camera(*OBLIQUE, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
     room = np.array([0.46 * COMPARISON_WIDTH_IN, 0.68 * COMPARISON_HEIGHT_IN]) * COMPARISON_DPI
-    seen = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
-    image = render(thing, view, float((room / seen).min()))
+    seen = np.maximum(np.ptp(view.project(sheet.points)[:, :2], axis=0), 1e-3)
+    image = render(sheet, view, float((room / seen).min()))
     height, width = image.shape[:2]
     canvas = image[..., 3:] * image[..., :3] + 1 - image[..., 3:]
     left, bottom = (
@@ -136,8 +136,8 @@ def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -
     across = 1 - along
     segments = surface_cut(comparison.shape.positions, comparison.shape.triangles, across, level)[:, :, [along, 2]]
     near = np.abs(comparison.points[:, across] - level) < _SECTION_HALF_WIDTH_MM
-    for some, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
-        axes.plot(*comparison.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
+    for selected, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
+        axes.plot(*comparison.points[selected][:, [along, 2]].T, ".", color=colour, markersize=2.5)
     axes.add_collection(LineCollection(list(segments), colors=SHAPE_COLOUR, linewidths=1.2))
     positions = comparison.shape.positions[:, [along, 2]]
     low, high = positions.min(axis=0), positions.max(axis=0)

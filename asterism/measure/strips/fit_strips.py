@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -161,6 +160,5 @@ def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
         text = material_text(material.fit, one_line(path.stem), remarks)
         (folder / path.name).write_text(text, encoding="utf-8")
         draw_fit(material.fit, title, folder / f"{path.stem}.png")
-        numbers = json.dumps(material.summary.to_json(), indent=2, allow_nan=False) + "\n"
-        (folder / f"{path.stem}.json").write_text(numbers, encoding="utf-8")
+        (folder / f"{path.stem}.json").write_text(material.summary.json_text(), encoding="utf-8")
     return [path.name, f"{path.stem}.png", f"{path.stem}.json"]

@@ -151,12 +151,12 @@ def _follow(  # type: ignore[no-untyped-def]
                     along = x * direction[a, 0] + y * direction[a, 1]
                     aside = y * direction[a, 0] - x * direction[a, 1]
                     part, ahead = min(max(along * per_length, 0.0), 1.0), max(along - length[a], 0.0)
-                    near = np.exp(
+                    share_of_arm = np.exp(
                         CREASE_ROUNDING
                         - np.sqrt(CREASE_ROUNDING**2 + (aside * per_beside) ** 2 + (ahead * per_beyond) ** 2)
                     )
-                    near *= max(1.0 - np.sqrt(aside * aside + ahead * ahead) * per_room, 0.0) * to_pin[place]
-                    point[k], share[0, k], share[1, k] = order[place], part * near, part * part * near
+                    share_of_arm *= max(1.0 - np.sqrt(aside * aside + ahead * ahead) * per_room, 0.0) * to_pin[place]
+                    point[k], share[0, k], share[1, k] = order[place], part * share_of_arm, part * part * share_of_arm
                 k += 1
         if not point.size:
             starts[a + 1] = k

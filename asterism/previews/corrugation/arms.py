@@ -66,9 +66,9 @@ class Arms:
 
     def with_layout(self, layout: Layout) -> Arms:
         """A copy for another layout whose arms have the same printed positions."""
-        other = copy(self)
-        other.layout = layout
-        return other
+        arms = copy(self)
+        arms.layout = layout
+        return arms
 
     def with_lengths(self, layout: Layout, space: Argyris) -> Arms | None:
         """The arms of another layout with other lengths only; None if more has changed."""
@@ -77,9 +77,9 @@ class Arms:
             and np.array_equal(layout.centres, self.layout.centres)
         ):
             return None
-        other = copy(self)
-        other._follow(layout, space)
-        return other if np.abs(other.direction - self.direction).max(initial=0.0) < SAME_DIRECTION else None
+        arms = copy(self)
+        arms._follow(layout, space)
+        return arms if np.abs(arms.direction - self.direction).max(initial=0.0) < SAME_DIRECTION else None
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
         """Compute how far the tips move relative to the smooth surface.

@@ -39,11 +39,11 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
         <= MAX_NEIGHBOUR_STEP * np.linalg.norm(vectors, axis=1).max()
     )
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors
-    of = connected_sites(empty, np.argwhere(joined) - 1)
+    region = connected_sites(empty, np.argwhere(joined) - 1)
     sheet = shapely.polygons(layout.outline)
     near = model.hole_rim_distance * layout.spacing_mm
     rim = ~shapely.contains_xy(sheet, places) | (distance_to_outline(places, layout.outline) < near)
-    return np.asarray(places[~np.isin(of, of[rim])])
+    return np.asarray(places[~np.isin(region, region[rim])])
 
 
 def connected_sites(empty: np.ndarray, steps: Ints) -> Ints:

@@ -70,14 +70,14 @@ def _beyond_quadratic(e, follows, coupled, square, mu, lam, energy, gradient, he
 
     The membrane strains count from `follows` (P, 3, 3) times the bending strains, if they are coupled.
     """
-    own, turn, stress, both = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
+    strain, turn, stress, both = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
     for p in range(e.shape[0]):
         for a in range(3):
-            own[a] = e[p, a]
+            strain[a] = e[p, a]
             if coupled:
-                own[a] += follows[p, a, 0] * e[p, 3] + follows[p, a, 1] * e[p, 4] + follows[p, a, 2] * e[p, 5]
-        one, two, shear = own[0] / square[p], own[1] / square[p], own[2] / square[p]
-        c11, c22 = 1.0 + 2.0 * one, 1.0 + 2.0 * two
+                strain[a] += follows[p, a, 0] * e[p, 3] + follows[p, a, 1] * e[p, 4] + follows[p, a, 2] * e[p, 5]
+        e11, e22, shear = strain[0] / square[p], strain[1] / square[p], strain[2] / square[p]
+        c11, c22 = 1.0 + 2.0 * e11, 1.0 + 2.0 * e22
         det = c11 * c22 - shear * shear
         at = max(det, MIN_DET_C)
         by = (det - at) / at
@@ -86,11 +86,11 @@ def _beyond_quadratic(e, follows, coupled, square, mu, lam, energy, gradient, he
         slope = lam[p] * log - mu[p]  # of W by ln J
         rate = lam[p] * first * first + slope * second
         turn[0], turn[1], turn[2] = 2.0 * c22, 2.0 * c11, -2.0 * shear  # of det C by the strain
-        stress[0] = 2.0 * mu[p] * one + lam[p] * (one + two)
-        stress[1] = 2.0 * mu[p] * two + lam[p] * (one + two)
+        stress[0] = 2.0 * mu[p] * e11 + lam[p] * (e11 + e22)
+        stress[1] = 2.0 * mu[p] * e22 + lam[p] * (e11 + e22)
         stress[2] = mu[p] * shear
-        energy[p] = mu[p] * (one + two - log) + 0.5 * lam[p] * log * log
-        energy[p] -= 0.5 * (stress[0] * one + stress[1] * two + stress[2] * shear)
+        energy[p] = mu[p] * (e11 + e22 - log) + 0.5 * lam[p] * log * log
+        energy[p] -= 0.5 * (stress[0] * e11 + stress[1] * e22 + stress[2] * shear)
         # a negative trace of C is impossible for a surface; it occurs if the rest metric follows the curvature
         inside_out = min(c11 + c22, 0.0)
         energy[p] += mu[p] * inside_out * inside_out

@@ -1,6 +1,6 @@
-"""Joints of rods: half an edge of each rod bends and twists between its end and a rotation shared by all of them.
+"""Joints of rods: half an edge of each rod bends and twists between its end and a rotation that all rods share.
 
-A joint has a frame R, a rotation that is an unknown of its own. Half an edge of printed direction a leaves the joint
+A joint has a frame R, a rotation that is an unknown of the model. Half an edge of printed direction a leaves the joint
 along `R a` with the normal `R e_z` on its plastic side, and bends and twists into the edge:
 
     W = (B (k_b - k_b0)^2 + C k_n^2 + T m^2)/l

@@ -21,14 +21,14 @@ class JointNetwork:
     vertices : (J,) vertex of each joint.
     joint : (H,) joint of each half edge.
     edge : (H,) rod edge of each half edge.
-    other : (H,) vertex at the other end of that edge.
+    far_vertex : (H,) vertex at the other end of that edge.
     sign : (H,) 1, or -1 if the edge runs towards the joint.
     """
 
     vertices: Array
     joint: Array
     edge: Array
-    other: Array
+    far_vertex: Array
     sign: Array
 
 
@@ -45,33 +45,33 @@ def joint_network(paths: tuple[Array, ...], joints: list[list[tuple[int, int]]])
     A rod over vertices 0, 1, 2 and a branch from vertex 2 to 3:
 
     >>> corner = joint_network((np.array([0, 1, 2]), np.array([2, 3])), [[(0, 1), (1, 0)]])
-    >>> corner.vertices.tolist(), corner.edge.tolist(), corner.other.tolist(), corner.sign.tolist()
+    >>> corner.vertices.tolist(), corner.edge.tolist(), corner.far_vertex.tolist(), corner.sign.tolist()
     ([2], [1, 2], [1, 3], [-1.0, 1.0])
     """
     first = np.concatenate([[0], np.cumsum([len(path) - 1 for path in paths])])
-    vertices, joint, edge, other, sign = [], [], [], [], []
+    vertices, joint, edge, far_vertex, sign = [], [], [], [], []
     for number, ends in enumerate(joints):
         rod, end = ends[0]
         vertices.append(paths[rod][-end])
         for rod, end in ends:
             joint.append(number)
             edge.append(first[rod + 1] - 1 if end else first[rod])
-            other.append(paths[rod][-2 if end else 1])
+            far_vertex.append(paths[rod][-2 if end else 1])
             sign.append(-1.0 if end else 1.0)
-    at, of, along, far = (np.array(values, dtype=np.int64) for values in (vertices, joint, edge, other))
-    return JointNetwork(at, of, along, far, np.array(sign, dtype=float))
+    numbers = (np.array(values, dtype=np.int64) for values in (vertices, joint, edge, far_vertex))
+    return JointNetwork(*numbers, np.array(sign, dtype=float))
 
 
 def joint_inputs(joints: JointNetwork, n_vertices: int, n_edges: int) -> tuple[Array, Array]:
     """Inputs (H, 15) and dofs (H, 10) of `RodJoint`."""
     xyz = np.arange(3)
-    node, other = 3 * joints.vertices[joints.joint][:, None] + xyz, 3 * joints.other[:, None] + xyz
+    node, far = 3 * joints.vertices[joints.joint][:, None] + xyz, 3 * joints.far_vertex[:, None] + xyz
     directors = 3 * n_vertices + 3 * joints.edge[:, None] + xyz
     frames = 3 * (n_vertices + n_edges) + 9 * joints.joint[:, None]
-    inputs = np.hstack([node, other, directors, frames + xyz, frames + 6 + xyz])
+    inputs = np.hstack([node, far, directors, frames + xyz, frames + 6 + xyz])
     twist = 3 * n_vertices + joints.edge[:, None]
     spin = 3 * n_vertices + n_edges + 3 * joints.joint[:, None] + xyz
-    return inputs, np.hstack([node, other, twist, spin])
+    return inputs, np.hstack([node, far, twist, spin])
 
 
 def joint_params(
@@ -95,7 +95,7 @@ def joint_params(
     """
     edge = joints.edge
     w, h = width[edge], thickness[edge]
-    step = printed[joints.other] - printed[joints.vertices[joints.joint]]
+    step = printed[joints.far_vertex] - printed[joints.vertices[joints.joint]]
     length = np.linalg.norm(step, axis=1)
     shear = modulus / (2.0 * (1.0 + poisson))
     stiffness = [modulus * w * h**3 / 12.0, modulus * h * w**3 / 12.0, shear * torsion_constant(w, h)]

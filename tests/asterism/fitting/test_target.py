@@ -15,9 +15,10 @@ from hypothesis.extra.numpy import arrays
 from asterism.fitting.errors import TargetError
 from asterism.fitting.target import TargetSurface, load_target
 from asterism.measure.compare.errors import ScanError
+from benchmarks.fit_targets import rectangle_mesh
 from equilibrium.arrays import Floats, Ints
 from equilibrium.errors import Error
-from tests.asterism.fitting.surfaces import rectangle_mesh, spherical_cap
+from tests.asterism.fitting.surfaces import spherical_cap
 
 Mesh = tuple[Floats, Ints]
 
@@ -145,7 +146,7 @@ def test_files_in_three_formats_give_the_same_target(ending: str, tmp_path: Path
 
 
 def test_files_that_are_no_target_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(TargetError, match=r"must end in \.obj, \.stl, \.ply"):
+    with pytest.raises(ScanError, match=r"must end in \.obj, \.stl, \.ply"):
         load_target(tmp_path / "cap.step")
     with pytest.raises(ScanError, match="is not there"):
         load_target(tmp_path / "cap.obj")
