@@ -71,9 +71,7 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
         # the height is free: the lowest needle stands on the base
         low = min((needle.height_mm for needle in placed if needle.height_mm is not None), default=0.0)
         lift = np.array([0.0, 0.0, low])
-        placed = [
-            needle if needle.place is None else replace(needle, place=needle.place - lift) for needle in placed
-        ]
+        placed = [needle if needle.place is None else replace(needle, place=needle.place - lift) for needle in placed]
     return tuple(placed)
 
 

@@ -1,5 +1,6 @@
 // Requests of the sliders: one at a time is under way, and the newest of those that wait follows.
 
+// an answer that takes longer is announced as late
 const PATIENCE_MS = 1500;
 
 export class Flow {

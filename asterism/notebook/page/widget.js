@@ -13,14 +13,14 @@ import colours from "../../studio/page/colours.css";
 import dark from "../../studio/page/dark.css";
 import controls from "../../studio/page/controls.css";
 import overlays from "../../studio/page/dialogs.css";
-import own from "./widget.css";
+import widget from "./widget.css";
 
 const STYLE = [
   colours.replaceAll(":root", ":host"),
   dark.replaceAll(":root", ":host(.dark)"),
   controls,
   overlays,
-  own,
+  widget,
 ].join("\n");
 
 /** What the view reads, as far as a notebook has it. */
@@ -155,7 +155,7 @@ function render({ model, el }, flow) {
   model.on("change:panel", tell);
   draw();
   tell();
-  host.sheet = { view, store }; // for tests and for the curious
+  host.sheet = { view, store }; // for tests and scripts
   return () => {
     model.off("change:frame", draw);
     model.off("change:panel", tell);

@@ -58,8 +58,13 @@ def joint_network(paths: tuple[Array, ...], joints: list[list[tuple[int, int]]])
             edge.append(first[rod + 1] - 1 if end else first[rod])
             far_vertex.append(paths[rod][-2 if end else 1])
             sign.append(-1.0 if end else 1.0)
-    numbers = (np.array(values, dtype=np.int64) for values in (vertices, joint, edge, far_vertex))
-    return JointNetwork(*numbers, np.array(sign, dtype=float))
+    return JointNetwork(
+        vertices=np.array(vertices, dtype=np.int64),
+        joint=np.array(joint, dtype=np.int64),
+        edge=np.array(edge, dtype=np.int64),
+        far_vertex=np.array(far_vertex, dtype=np.int64),
+        sign=np.array(sign, dtype=float),
+    )
 
 
 def joint_inputs(joints: JointNetwork, n_vertices: int, n_edges: int) -> tuple[Array, Array]:
