@@ -11,6 +11,7 @@ import pytest
 
 from asterism.studio.engine_link import MAX_DEATHS, EngineLink
 from asterism.studio.messages import Busy, Edit, Frame, ShownMesh, StudioProblem
+from tests.event_loop import run_coroutine
 
 QUICK = "tests.asterism.studio.quick_engines:serve"
 PATIENCE_S = 60.0
@@ -50,7 +51,7 @@ def run(test: Callable[[Links], Awaitable[None]], **options: Any) -> None:
         finally:
             links.link.close()
 
-    asyncio.run(body())
+    run_coroutine(body())
 
 
 def test_an_engine_that_ends_is_replaced_and_given_the_design_again(tmp_path: Path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import copy
 import json
 import shutil
@@ -22,6 +21,7 @@ from homogenize.campaign.fit_law import fit_law
 from homogenize.errors import AddressError, CampaignError
 from homogenize.law.law_file import law_bytes, law_digest
 from homogenize.law.material import Material
+from tests.event_loop import run_coroutine
 from tests.homogenize import fake, same_process
 
 SMALL = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
@@ -227,7 +227,7 @@ def test_dask_gives_the_same_law(tmp_path: Path, records: list[SampleRecord]) ->
                 material(), tmp_path / "notebook", dask=cluster.scheduler_address, respond=fake.solve_cell
             )
 
-        assert law_bytes(fit_law(material(), asyncio.run(notebook()))) == law_bytes(own)
+        assert law_bytes(fit_law(material(), run_coroutine(notebook()))) == law_bytes(own)
 
 
 @pytest.mark.slow
@@ -274,4 +274,4 @@ def test_a_cluster_that_is_not_there(notebook: bool, tmp_path: Path) -> None:
         ask()
 
     with pytest.raises(AddressError, match=r"^--dask: no scheduler answers at 'nonsense://x'"):
-        asyncio.run(ask_from_a_notebook()) if notebook else ask()
+        run_coroutine(ask_from_a_notebook()) if notebook else ask()
