@@ -11,6 +11,6 @@ T = TypeVar("T")
 
 
 def run_coroutine(coroutine: Coroutine[Any, Any, T]) -> T:
-    """The result of a coroutine in a thread and event loop of its own: a shared browser keeps the main thread's loop."""
+    """The result of a coroutine in a thread of its own: a shared browser keeps the event loop of the main thread."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(asyncio.run, coroutine).result()
