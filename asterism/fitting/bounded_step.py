@@ -43,6 +43,8 @@ def bounded_step(normal: Floats, gradient: Floats, low: Floats, high: Floats) ->
         if share < 1.0:
             blocking = free & (room <= share * (1.0 + 1e-12) + 1e-15)
             is_fixed |= blocking
+            # exactly at the bound: rounding must not make an upper bound look like a place between both
+            step[blocking] = np.where(way > 0.0, high, low)[blocking]
             continue
         slope = normal @ step + gradient
         # at an upper bound the slope must push up, at a lower bound down

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from asterism.fitting.bounded_step import bounded_step
 
 
+# an unknown reaches its upper bound but for rounding, and must leave it later
+@example(388, 10)
 @given(st.integers(0, 10_000), st.integers(1, 12))
 @settings(max_examples=60, deadline=None)
 def test_it_is_the_bounded_least_squares_solution(seed: int, count: int) -> None:
