@@ -38,8 +38,8 @@ BRUSH_MM = 25.0  # radius; the page begins with 22 mm
 DRAG_S = 5.0
 EDITS_PER_SECOND = 60.0
 SHARED = (
-    "If more than one program wants a core, times by the clock are longer than on an idle machine, and fewer pictures "
-    "come. Times of the processor are near those of an idle core."
+    "Above one process a core, times by the clock are longer than on an idle machine, and fewer pictures are made. "
+    "Times of the processor are near those of an idle core."
 )
 COLUMNS = [
     "design", "edit", "count", "linear ms", "95 %", "processor ms", "95 %", "equilibrium ms", "95 %", "processor ms",
@@ -253,9 +253,7 @@ def main(names: list[str]) -> None:
     rows = [row(name, kind, count) for name in names or DESIGNS for kind, count in kinds.items()]
     between = os.getloadavg()[0]
     processes = [start_row(name) | drag_row(name) for name in names or DESIGNS]
-    shared = (
-        f"Programs that wanted the {os.cpu_count()} cores before the first run, between the tables and at the end: "
-    )
+    shared = f"Load average of the {os.cpu_count()} cores before the first run, between the tables and at the end: "
     parts = [
         f"{shared}{load:.1f}, {between:.1f}, {os.getloadavg()[0]:.1f}. {SHARED}",
         table(rows),

@@ -155,5 +155,5 @@ def mutated_cells(text: str, rng: Rng) -> str:
 
 
 def json_text(table: dict[str, Any]) -> str:
-    """The JSON of a table; a number that JSON does not have becomes a word that the reader knows."""
+    """The JSON of a table; infinite numbers and nan become words that Python's JSON reader accepts."""
     return json.dumps(table, indent=1, ensure_ascii=False)
