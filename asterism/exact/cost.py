@@ -59,7 +59,7 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     >>> exact_cost(gallery.load("tube")).vertices
     3363
     """
-    outline = sheet_outline(design) if design.rods is None else print_layout(design).outline
+    outline = sheet_outline(design) if design.border.rods is None else print_layout(design).outline
     vertices = mesh_vertices(design.mesh.edge_mm, outline)
     seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
     seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)

@@ -10,7 +10,7 @@ import numpy as np
 
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
-from asterism.process.listeners import Say
+from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.contraction import contraction
@@ -83,7 +83,7 @@ def simulate(
     if near is not None and starts != 1:
         raise ValueError("near goes with one start")
     check_backend(backend)
-    announce = say or (lambda text: None)
+    announce = say or ignore_line
     start = time.perf_counter()
     plan = plan if plan is not None else print_layout(design)
     if design.solver.contact:

@@ -7,7 +7,6 @@ curvature locks the sheet, and then the energy of a plate with Poisson's ratio n
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +20,7 @@ from asterism.fitting.reach import Reach, choose_stretch, target_reach
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
 from homogenize.law.anisotropy import BENDING_POISSON
 from homogenize.law.law import Law
@@ -66,7 +66,7 @@ def guess_design(
     stretch: float | None = None,
     needles: int | None = None,
     nearest: bool = False,
-    say: Callable[[str], None] = lambda text: None,
+    say: Say = ignore_line,
 ) -> FirstGuess:
     """The first guess of a design for a target.
 

@@ -18,7 +18,7 @@ from asterism.previews.run import preview
 from asterism.previews.session import paper_law
 from asterism.print.printer import Printer
 from asterism.print.rounded import choose_rounding, with_rounding
-from asterism.process.listeners import Say
+from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from asterism.shape.shape import Shape
@@ -100,7 +100,7 @@ def fit(
         raise ValueError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
     if law is not None:
         check_type(law, Law, "load_law reads one from a file")
-    law, tell = law or paper_law(), say or (lambda text: None)
+    law, tell = law or paper_law(), say or ignore_line
     guess = guess_design(target, law, stretch, needles, nearest, tell)
     plan = layout(guess.design)
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)

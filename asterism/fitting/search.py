@@ -7,7 +7,6 @@ where it takes another form, the fit goes on from that form. Only what a fresh p
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +17,7 @@ from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
+from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from homogenize.law.law import Law
@@ -75,7 +75,7 @@ class FitSearch:
     residual: Residual
     diameter_mm: float
     unknowns: StarUnknowns
-    say: Callable[[str], None] = lambda text: None
+    say: Say = ignore_line
     steps: list[FitStep] = field(default_factory=list)
     restarts: int = 0
 

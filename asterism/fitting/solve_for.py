@@ -11,7 +11,7 @@ from asterism.fitting.errors import ReachError
 from asterism.fitting.star_menu import MIN_FITTED_ARM_MM
 from asterism.previews.run import preview
 from asterism.previews.session import paper_law
-from asterism.process.listeners import Say
+from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
@@ -90,7 +90,7 @@ class _Search:
         self, design: Design, wanted: Wanted, value: float, change: Changed, law: Law, say: Say | None
     ) -> None:
         self._base, self._wanted, self._value, self._law = design, wanted, value, law
-        self._change, self._tell = change, say or (lambda text: None)
+        self._change, self._tell = change, say or ignore_line
         self._plan = layout(design)
         self._column = SIZE_KEYS.index(change)
         self._sizes = self._plan.star_sizes_mm[:, self._column]

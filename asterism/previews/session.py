@@ -33,7 +33,7 @@ from asterism.previews.surface.surface import shape_of
 from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.previews.uncertainty.other_forms import forms_met
 from asterism.previews.watch import Watch
-from asterism.process.listeners import Say
+from asterism.process.listeners import Say, ignore_line
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
@@ -122,7 +122,7 @@ class Preview(PreviewReadings):
             )
         if law is not None:
             check_type(law, Law, "load_law reads one from a file")
-        self._say = say or (lambda text: None)
+        self._say = say or ignore_line
         self._triangles = triangles
         self._watch = Watch(check, max_seconds)
         self._edits = 0

@@ -1,4 +1,4 @@
-"""Whether a design file on the disk is the one that a document knows."""
+"""A check before saving: whether a design file has changed since the document read or wrote it."""
 
 from __future__ import annotations
 

@@ -89,8 +89,8 @@ class EngineLink:
         """Send `Flip`, `ShowForm` or `FitTarget`."""
         self._ask(message)
 
-    def want(self, parts: Parts) -> None:
-        """Have these parts in all frames, also in those of later engines."""
+    def request_parts(self, parts: Parts) -> None:
+        """Request these parts in all frames, also in those of an engine that replaces this one."""
         self._parts = parts
         self._child.send(parts)
 

@@ -36,7 +36,7 @@ class FrameParts:
         self._studio = studio
         self.target: Target | None = None
         self.version = 0
-        self._wanted = Parts(0)
+        self._requested = Parts(0)
         self._fits: tuple[int, int] | None = None  # seq of the question, version of the target
 
     def show_bumps(self, tab: Tab, shown: bool) -> None:
@@ -47,13 +47,13 @@ class FrameParts:
     def update(self) -> None:
         """Have the engine send what the open pages show."""
         smooth = any(tab.is_smooth for tab in self._studio.tabs)
-        if smooth != self._wanted.smooth:
-            self._want(smooth)
+        if smooth != self._requested.smooth:
+            self._request(smooth)
 
-    def _want(self, smooth: bool) -> None:
+    def _request(self, smooth: bool) -> None:
         surface = None if self.target is None else self.target.surface
-        self._wanted = Parts(self._studio.last_seq(), smooth, surface, self.version)
-        self._studio.engine.want(self._wanted)
+        self._requested = Parts(self._studio.last_seq(), smooth, surface, self.version)
+        self._studio.engine.request_parts(self._requested)
 
     def load(self, target: Target) -> None:
         """Show a target that was sent, laid on the shape if there is one."""
@@ -64,7 +64,7 @@ class FrameParts:
     def set_target(self, target: Target | None) -> None:
         """Show another target, or none."""
         self.target, self.version = target, self.version + 1
-        self._want(self._wanted.smooth)
+        self._request(self._requested.smooth)
         self._studio.tell_state()
 
     def place(self, request: ask.TargetRequest) -> None:

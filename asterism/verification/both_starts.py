@@ -8,7 +8,7 @@ from typing import Any
 from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
 from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
-from asterism.process.listeners import Say
+from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import gap, right_shape
@@ -51,7 +51,7 @@ def simulate_both(
     DesignError, MeshError, BackendError
         As in `simulate`, from the released print.
     """
-    tell = say or (lambda text: None)
+    tell = say or ignore_line
     plan = print_layout(design)
     released = simulate(design, backend, report, say, plan=plan)
     if plan.drawn is not None:  # drawn rods have no preview

@@ -9,7 +9,7 @@ from functools import partial
 from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
-from asterism.process.listeners import Say
+from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.exact import ExactRecord
@@ -69,7 +69,7 @@ def verify(
     LawError
         The law is for another material.
     """
-    tell, step = say or (lambda text: None), progress or (lambda stage, done, of: None)
+    tell, step = say or ignore_line, progress or (lambda stage, done, of: None)
     tell("preview")
     step(STAGES[0], 0, 1)
     with clock_without_compiling() as clock:

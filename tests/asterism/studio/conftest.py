@@ -50,7 +50,7 @@ class QuickEngine:
         if seq == 1:
             self._receive(Limits(seq, {"length_mm": (3.0, 11.0)}, (1.35, 1.75)))
 
-    def want(self, parts: Any) -> None:
+    def request_parts(self, parts: Any) -> None:
         self.edits.append(parts)
 
     def cancel(self) -> None: ...

@@ -1,4 +1,4 @@
-"""The target surface that a page sends, and what pages want to see beside the shape."""
+"""The target surface that a page sends, and the parts that pages show beside the shape."""
 
 from __future__ import annotations
 

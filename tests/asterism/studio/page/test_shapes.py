@@ -10,11 +10,16 @@ from PIL import Image
 from tests.asterism.studio.browser import StudioPage
 
 
+def open_shape(page: StudioPage, name: str) -> float:
+    """Open a design of the gallery, wait for its summary, and show it; its height (mm)."""
+    page.open(f"gallery-{name}")
+    page.summarised()
+    page.item("tab-shape").click()
+    return float(page.get("studio.height"))
+
+
 def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
-    shared.summarised()
-    shared.item("tab-shape").click()
-    height = shared.get("studio.height")
+    height = open_shape(shared, "dome")
     shared.item("flip").click()
     shared.wait("studio.isSummarised && studio.state.numbers.side === 'up'")
     assert shared.get("studio.height") < height
@@ -24,12 +29,9 @@ def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
 
 @pytest.mark.slow
 def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
-    shared.open("gallery-fig8-l-increasing")
-    shared.summarised()
-    shared.item("tab-shape").click()
+    height = open_shape(shared, "fig8-l-increasing")
     forms = shared.get("studio.state.forms")
     assert [form["is_shown"] for form in forms] == [True, False]
-    height = shared.get("studio.height")
     shared.item(f"form-{forms[1]['index']}").click()
     # the form that was shown is the other one
     shared.wait(f"Math.abs(studio.height - {height}) > 1 && studio.state.forms[1]?.energy_percent < 0")
@@ -40,10 +42,7 @@ def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
 
 @pytest.mark.slow
 def test_designs_are_kept_as_a_and_b_and_compared(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
-    shared.summarised()
-    shared.item("tab-shape").click()
-    height = shared.get("studio.height")
+    height = open_shape(shared, "dome")
     shared.item("keep-A").click()
     shared.wait("document.querySelector('[data-testid=show-A]')")
     shared.item("tool-gradient").click()
