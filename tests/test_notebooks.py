@@ -13,16 +13,13 @@ from matplotlib.figure import Figure
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 
 
-# those that draw the figures of the paper, or solve unit cells
-LONG = ("figure", "table", "calibration", "verification", "preview")
+# the others compare models, draw the figures of the paper, or solve unit cells
+SHORT = "first_shape"
 
 
 @pytest.mark.parametrize(
     "path",
-    [
-        pytest.param(path, marks=pytest.mark.slow if path.stem.startswith(LONG) else (), id=path.stem)
-        for path in NOTEBOOKS
-    ],
+    [pytest.param(path, marks=() if path.stem == SHORT else pytest.mark.slow, id=path.stem) for path in NOTEBOOKS],
 )
 def test_notebook_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -130,6 +130,7 @@ def test_a_shape_is_drawn_with_its_arms_and_colours(page: Any, preview: asterism
     assert options == ["Plain sheet", "Height", "Curvature", "Strain"]
 
 
+@pytest.mark.slow
 def test_the_sheet_turns_and_the_wheel_zooms_after_a_click(page: Any, preview: asterism.Preview) -> None:
     show(page, shape_traits(preview.shape()))
     camera = (
@@ -178,6 +179,7 @@ def test_a_slider_changes_the_sheet_and_every_picture_of_it(page: Any, preview: 
     assert page.evaluate("Object.values(model.listeners).flat().length") == 1  # that of the flow of requests
 
 
+@pytest.mark.slow
 def test_the_newest_of_waiting_requests_wins(page: Any, preview: asterism.Preview) -> None:
     live = LiveSheet(preview, ["thickness"])
     show(page, live.opening(), live)

@@ -35,6 +35,7 @@ def test_four_clicks_on_a_free_sheet_carry_it(shared: StudioPage) -> None:
     assert pins["target_mm"][1] == pytest.approx([value / 1.35 for value in corners[2]] + [0], abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_needle_is_lifted_in_the_view(page: StudioPage) -> None:
     place = "studio.document.design.pins[0].target_mm[0]"
     page.page.evaluate("document.getElementById('view-canvas').focus()")

@@ -38,7 +38,9 @@ def drawing(path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("suffix", [".svg", ".dxf", ".csv"])
+@pytest.mark.parametrize(
+    "suffix", [".csv", *(pytest.param(suffix, marks=pytest.mark.slow) for suffix in (".svg", ".dxf"))]
+)
 def test_an_outline_comes_from_a_drawing(page: StudioPage, tmp_path: Path, suffix: str) -> None:
     page.changed(lambda: page.upload("upload-outline", drawing(tmp_path / f"roof{suffix}")))
     assert len(outline(page)) == 5
@@ -63,6 +65,7 @@ def test_regular_outlines(page: StudioPage) -> None:
     assert page.get("studio.document.design.border.rings") == 2
 
 
+@pytest.mark.slow
 def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
     (ax, ay), (bx, by) = outline(page)[:2]
     middle = ((ax + bx) / 2, (ay + by) / 2)
@@ -87,6 +90,7 @@ def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_
     assert [value == round(value) for value in outline(page)[0]] == [False, False]
 
 
+@pytest.mark.slow
 def test_the_ruler_measures_and_the_frame_is_in_the_picture(page: StudioPage) -> None:
     page.item("tool-ruler").click()
     page.drag((0.0, 0.0), (30.0, 0.2))

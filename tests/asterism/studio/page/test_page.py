@@ -37,6 +37,7 @@ def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_
     assert page.get("studio.sizes") == sizes
 
 
+@pytest.mark.slow
 def test_a_needle_is_dragged_and_lifted(page: StudioPage) -> None:
     page.open("file-canopy.toml")
     page.item("tool-needles").click()
@@ -62,6 +63,7 @@ def test_a_corner_is_moved_and_the_outline_stays_when_it_would_cross_itself(page
     assert moved[0] == pytest.approx([corner[0] - 6, corner[1] - 3], abs=1.0)
 
 
+@pytest.mark.slow
 def test_a_verification_is_cancelled_and_the_preview_stays(page: StudioPage) -> None:
     page.open("gallery-dome")
     height = page.get("studio.height")
@@ -145,6 +147,7 @@ def test_stars_are_changed_by_keyboard_alone(page: StudioPage) -> None:
     assert page.get("studio.sizes") == before
 
 
+@pytest.mark.slow
 def test_a_refused_value_shows_its_limits_at_the_field(page: StudioPage) -> None:
     page.open("gallery-dome")
     page.item("tool-gradient").click()

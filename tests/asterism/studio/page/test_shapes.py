@@ -18,6 +18,7 @@ def open_shape(page: StudioPage, name: str) -> float:
     return float(page.get("studio.height"))
 
 
+@pytest.mark.slow
 def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
     height = open_shape(shared, "dome")
     shared.item("flip").click()

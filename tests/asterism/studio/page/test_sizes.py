@@ -29,6 +29,7 @@ def has_image(places: list[tuple[float, float]], x: float, y: float) -> bool:
     return any(abs(x - a) + abs(y - b) < 0.1 for a, b in places)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "line"), [("linear", ("start_mm", "end_mm")), ("radial", ("centre_mm",))])
 def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     page: StudioPage, kind: str, line: tuple[str, ...]
@@ -67,6 +68,7 @@ def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
     assert lengths == pytest.approx([6 + site["at_mm"][0] / 50 for site in sites], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_path: Path) -> None:
     Image.linear_gradient("L").rotate(90).save(tmp_path / "grey.png")
     page.item("tool-gradient").click()
@@ -113,6 +115,7 @@ def test_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
     assert len(places) == 4 and all(abs(y - 8.7) < 7 for _, y in places)
 
 
+@pytest.mark.slow
 def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPage) -> None:
     page.item("tool-select").click()
     page.drag((-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23))

@@ -25,6 +25,7 @@ def cap(path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: StudioPage) -> None:
     page.open("gallery-dome")
     assert not page.get("studio.isSmooth")
