@@ -312,6 +312,8 @@ class Preview(PreviewReadings):
             state = self._clock("fields", with_stars, state, design, plan, values)
         else:
             state = self._printed_state(design, plan, values)
+        if design != self.state.design:
+            state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
             raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
         if state.factor is self.state.factor:

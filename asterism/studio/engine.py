@@ -146,13 +146,23 @@ class Engine:
             self._show_blank(design)
 
     def _show_design(self, design: Design, edit: Edit) -> None:
-        if self._preview is None:
-            self._preview = Preview(design, check=self._bounds.check, say=self._say)
-            self._show("equilibrium", None)
-        elif edit.snapshot is not None and self._restore(edit.snapshot, design):
+        if edit.is_opened or self._preview is None:
+            self._open(design, edit.snapshot)
             self._show("equilibrium", None)
         else:
             self._show_stages(self._preview, design, edit)
+
+    def _open(self, design: Design, snapshot: bytes | None) -> None:
+        """Go to the form of a snapshot, or to the one that a search finds; the form shown before has no influence."""
+        preview, self._preview = self._preview, None  # if this fails, later edits must not go on from the old form
+        self._owes_search = False
+        if preview is None:
+            preview = Preview(design, check=self._bounds.check, say=self._say)
+            if snapshot is not None:
+                self._restores(preview, snapshot, design)
+        elif snapshot is None or not self._restores(preview, snapshot, design):
+            preview = Preview(design, check=self._bounds.check, say=self._say)
+        self._preview = preview
 
     def _parsed(self, edit: Edit, parsed: Design | None) -> Design:
         """The design of an edit, with its painted stars; `parsed` is its table, if that is parsed already."""
@@ -182,20 +192,20 @@ class Engine:
         is_recent = time.monotonic() - self._equilibrium_at < EQUILIBRIUM_EVERY_S
         return self._inbox.has_waiting and is_recent and bool(change < MAX_LENGTH_CHANGE_MM)
 
-    def _restore(self, snapshot: bytes, design: Design) -> bool:
+    @staticmethod
+    def _restores(preview: Preview, snapshot: bytes, design: Design) -> bool:
         """Whether the preview could go to the form of a snapshot."""
-        assert self._preview is not None
         try:
-            self._preview.restore(replace(pickle.loads(snapshot), design=design))
+            preview.restore(replace(pickle.loads(snapshot), design=design))
         except ValueError as error:
             if isinstance(error, Error):
                 raise
             return False  # the form of another mesh
-        self._owes_search = False
         return True
 
     def _flip(self) -> None:
         if self._preview is None:
+            self._send(StudioProblem(self._bounds.seq, "no other side", "there is no shape to flip"))
             return
         before = self._preview.state
         side = self._preview.flip()

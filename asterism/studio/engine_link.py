@@ -117,6 +117,8 @@ class EngineLink:
         if isinstance(message, Ready):
             self._set("computing" if self._owes is not None else "ready")
             self._start_spare()
+        if isinstance(message, Frame) and message.snapshot is not None:
+            self._keep_form(message.seq, message.snapshot)
         if isinstance(message, Frame | ShownMesh):
             message = replace(message, mesh=message.mesh + self._mesh_offset)
             self._last_mesh = max(self._last_mesh, message.mesh)
@@ -127,6 +129,11 @@ class EngineLink:
             self._owes = None
             self._set("ready")
         self._receive(message)
+
+    def _keep_form(self, seq: int, snapshot: bytes) -> None:
+        """The next engine goes on from this form, unless another design was opened since."""
+        if self._known is not None and seq >= self._known.seq:
+            self._known = replace(self._known, snapshot=snapshot)
 
     def _start_spare(self) -> None:
         if self._keeps_spare and self._spare is None and self._child in self._loaded:

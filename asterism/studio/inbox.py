@@ -14,9 +14,9 @@ MERGED_FIELDS = ("design", "sites", "sizes_mm", "removed")
 
 
 def merged(known: Edit, new: Edit) -> Edit:
-    """A new edit; what it leaves out is as in an earlier one."""
+    """A new edit; what it leaves out is as in an earlier one, also the form, unless another design is opened."""
     kept = {name: getattr(known, name) for name in MERGED_FIELDS if getattr(new, name) is None}
-    return replace(new, **kept)
+    return replace(new, snapshot=new.snapshot if new.is_opened else known.snapshot, **kept)
 
 
 class Inbox:
@@ -57,7 +57,8 @@ class Inbox:
             elif isinstance(message, Parts):
                 self._parts = message
             elif isinstance(message, Edit) and self._waiting and isinstance(self._waiting[-1], Edit):
-                self._waiting[-1] = merged(self._waiting[-1], message)
+                is_opened = message.is_opened or self._waiting[-1].is_opened
+                self._waiting[-1] = replace(merged(self._waiting[-1], message), is_opened=is_opened)
             else:
                 self._waiting.append(message)
             self._changed.notify_all()

@@ -27,7 +27,8 @@ class Edit:
     sites, sizes_mm : (n, 2) and (n, 3), all stars with sizes of their own; nan keeps the size of the design's profile.
     removed : (m, 2), all removed stars.
     is_dragging : the pointer is down: coarse mesh, linear response first, no summary.
-    snapshot : the form to start from, as in a frame.
+    is_opened : the design does not follow from the shown one by an edit: its form does not depend on that.
+    snapshot : of an opened design, the form to go back to, as in a frame; without one, the form is searched for.
     folder : of the design file, for pictures.
     """
 
@@ -37,6 +38,7 @@ class Edit:
     sizes_mm: Array | None = None
     removed: Array | None = None
     is_dragging: bool = False
+    is_opened: bool = False
     snapshot: bytes | None = None
     folder: str = "."
 
@@ -246,6 +248,10 @@ class ShapeSummary:
     numbers: dict[str, Any]
     warnings: tuple[Notice, ...] = ()
     forms: tuple[Form, ...] = ()
+
+
+# kinds of problems that do not concern the shown shape
+ANSWERS = frozenset({"no other side", "no such form", "no target"})
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from asterism.studio.examples import design_files, gallery_entries
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.messages import (
+    ANSWERS,
     Busy,
     Edit,
     Flip,
@@ -40,8 +41,6 @@ MAX_QUEUED = 1000
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
 # Edits whose answers may still come.
 MAX_OPEN_EDITS = 200
-# problems that do not concern the shown shape
-ANSWERS = frozenset({"no other side", "no such form", "no target"})
 
 _log = logging.getLogger("asterism.studio")
 
@@ -274,11 +273,11 @@ class Studio:
                 change[request.type](request.sites, gesture)
 
     async def accept(self, snapshot: bytes | None = None) -> None:
-        """The document shows another state: lay it out, and tell pages and engine."""
+        """The document shows a state that no gesture has made, in the form of a snapshot or a fresh one."""
         assert self.document is not None
         await asyncio.to_thread(self.document.end_gesture)
         self.tell_document()
-        self._send_edit(snapshot=snapshot)
+        self._send_edit(is_opened=True, snapshot=snapshot)
 
     async def _slot(self, request: ask.SlotRequest, document: Document) -> None:
         if request.type == "show":
@@ -307,9 +306,9 @@ class Studio:
 
     def _show_document(self, document: Document) -> None:
         self._upkeep.begin(document)
-        self._send_edit()
+        self._send_edit(is_opened=True)
 
-    def _send_edit(self, is_dragging: bool = False, snapshot: bytes | None = None) -> None:
+    def _send_edit(self, is_dragging: bool = False, is_opened: bool = False, snapshot: bytes | None = None) -> None:
         """Have the engine compute what the document shows."""
         assert self.document is not None
         base, sites, sizes, removed = split(self.document.table)
@@ -321,7 +320,7 @@ class Studio:
         design = None if base == self._sent_base else base
         self._sent_base = base
         folder = str(self.document.path.parent)
-        self.engine.edit(Edit(self._seq, design, sites, sizes, removed, is_dragging, snapshot, folder))
+        self.engine.edit(Edit(self._seq, design, sites, sizes, removed, is_dragging, is_opened, snapshot, folder))
 
     def _from_engine(self, message: Any) -> None:
         revision = self._revisions.get(getattr(message, "seq", -1), -1)

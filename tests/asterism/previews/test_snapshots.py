@@ -65,6 +65,18 @@ def test_snapshots_of_other_meshes_are_refused() -> None:
         coarse.restore(before)  # type: ignore[arg-type]
 
 
+def test_the_other_forms_of_one_design_are_not_those_of_another() -> None:
+    start = gallery.load("fig8-l-increasing")
+    preview = Preview(start)
+    thicker = Design.from_dict(start.to_dict() | {"stars": start.to_dict()["stars"] | {"thickness_mm": 0.42}})
+    other = Preview(thicker).snapshot()
+    assert preview.forms
+    preview.restore(preview.snapshot())
+    assert preview.forms
+    preview.restore(other)
+    assert not preview.forms
+
+
 def test_other_forms_are_shown_and_left_again() -> None:
     preview = Preview(gallery.load("fig8-l-increasing"))
     forms = preview.forms

@@ -14,7 +14,10 @@ from asterism.studio.messages import Edit, Frame, JobProgress, Ready, ShownMesh,
 
 
 def serve(connection: Connection) -> None:
-    """Answer each edit with a flat square; `die`, `die_once` and `hang_once` in its table are done first."""
+    """Answer each edit with a flat square; `die`, `die_once` and `hang_once` in its table are done first.
+
+    The snapshot is that of the edit and its number.
+    """
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     connection.send(Ready(0.0))
     while True:
@@ -36,7 +39,8 @@ def serve(connection: Connection) -> None:
         positions = np.column_stack([square, np.zeros(4)])
         normals = np.tile([0.0, 0.0, 1.0], (4, 1))
         args = (positions, normals, np.zeros(4), np.zeros(4), none, none[:, 0], none[:, 0])
-        connection.send(Frame(message.seq, 1, "equilibrium", *args))
+        snapshot = (message.snapshot or b"") + b"%d" % message.seq
+        connection.send(Frame(message.seq, 1, "equilibrium", *args, snapshot=snapshot))
 
 
 def verify(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:

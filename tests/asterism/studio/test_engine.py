@@ -159,11 +159,42 @@ def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
     engine.send(Flip(2))
     flipped = engine.frame(2)
     assert np.abs(flipped.positions - first.positions).max() > 1.0
-    engine.send(Edit(3, table(), snapshot=first.snapshot))
+    engine.send(Edit(3, table(), is_opened=True, snapshot=first.snapshot))
     assert engine.frame(3).positions == pytest.approx(first.positions, abs=1e-4)
     # of another mesh: the shape is found anew
-    engine.send(Edit(4, table(border={"rings": 2}), snapshot=first.snapshot))
+    engine.send(Edit(4, table(border={"rings": 2}), is_opened=True, snapshot=first.snapshot))
     assert engine.frame(4).is_minimum
+
+
+def test_the_form_of_an_opened_design_does_not_depend_on_those_opened_before(engine: EnginePipe) -> None:
+    for seq, name in enumerate(("dome", "cone", "dome"), 1):
+        engine.send(Edit(seq, table(name), is_opened=True))
+        expected = asterism.preview(asterism.Design.from_dict(table(name))).summary
+        summary = engine.summary(seq)
+        assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
+        assert [notice.text for notice in summary.warnings] == expected["warnings"]
+
+
+def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table("cone"), is_opened=True))
+    engine.frame(1)
+    engine.send(Cancel(2), Edit(2, table(), is_opened=True))
+    assert engine.problem(2).kind == "cancelled"
+    engine.send(Flip(3))
+    assert engine.problem(3).kind == "no other side"
+    engine.send(Edit(4, sites=np.array([[0, 0]]), sizes_mm=np.array([[8.0, np.nan, np.nan]])))
+    edited = asterism.Design.from_dict(table(stars={"override": [{"site": [0, 0], "length_mm": 8.0}]}))
+    height = engine.summary(4).numbers["height_mm"]
+    assert height == pytest.approx(asterism.preview(edited).height_mm, rel=1e-9)
+
+
+def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> None:
+    other = EnginePipe()
+    other.send(Edit(1, table(), is_opened=True), Flip(2))
+    flipped = other.frame(2)
+    other.close()
+    engine.send(Edit(3, table(), snapshot=flipped.snapshot))
+    assert engine.frame(3).positions == pytest.approx(flipped.positions, abs=1e-4)
 
 
 def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:

@@ -72,6 +72,21 @@ def test_an_engine_that_ends_is_replaced_and_given_the_design_again(tmp_path: Pa
     run(test)
 
 
+@pytest.mark.parametrize(("is_opened", "snapshot"), [(False, b"12"), (True, b"2")])
+def test_the_next_engine_is_given_the_form_of_the_last_one(tmp_path: Path, is_opened: bool, snapshot: bytes):
+    mark = tmp_path / "mark"
+    mark.touch()
+
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"name": "a"}, is_opened=True))
+        await links.until(lambda: bool(links.frames(1)))
+        links.link.edit(Edit(2, {"die_once": str(mark)}, is_opened=is_opened))
+        await links.until(lambda: bool(links.frames(2)))
+        assert links.frames(2)[-1].snapshot == snapshot
+
+    run(test, keeps_spare=False)
+
+
 def test_an_engine_that_hangs_is_replaced(tmp_path: Path):
     mark = tmp_path / "mark"
     mark.touch()

@@ -35,7 +35,7 @@ def test_an_engine_serves_in_a_process_and_ends_with_its_pipe() -> None:
     assert any(isinstance(answer, Ready) for answer in answers)
     frame = next(answer for answer in answers if isinstance(answer, Frame))
     # forms travel to the server and back
-    ours.send(Edit(2, snapshot=frame.snapshot))
+    ours.send(Edit(2, is_opened=True, snapshot=frame.snapshot))
     while not (isinstance(answers[-1], Frame) and answers[-1].seq == 2):
         assert ours.poll(START_S)
         answers.append(ours.recv())
@@ -93,6 +93,7 @@ class Sketcher:
             self.sizes[painted],
             self.sites[self.removed],
             is_dragging=bool(rng.random() < 0.3),
+            is_opened=snapshot is not None,
             snapshot=snapshot,
         )
 
@@ -119,6 +120,6 @@ def test_random_edits_have_a_shape_or_a_reason(seed: int) -> None:
             sketcher.snapshots.append(answer.snapshot)
     # all undone: the first form
     empty = np.empty((0, 2))
-    engine.send(Edit(50, table(), empty, np.empty((0, 3)), empty, snapshot=first.snapshot))
+    engine.send(Edit(50, table(), empty, np.empty((0, 3)), empty, is_opened=True, snapshot=first.snapshot))
     assert engine.frame(50).positions == pytest.approx(first.positions, abs=1e-3)
     engine.close()

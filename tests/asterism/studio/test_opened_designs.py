@@ -1,0 +1,50 @@
+"""Designs that do not follow from the shown one by an edit: the studio tells the engine so, with the form to go to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from asterism.studio.messages import Edit
+from asterism.studio.studio import Studio
+from tests.asterism.studio.conftest import Page
+
+
+def last_edit(studio: Studio) -> Edit:
+    edit: Edit = studio.engine.edits[-1]  # type: ignore[attr-defined]
+    return edit
+
+
+def test_only_gestures_go_on_from_the_shown_form(page: Page, studio: Studio, folder: Path) -> None:
+    page.until("document")
+    assert last_edit(studio).is_opened
+    page.send(type="sizes", gesture=1, end=False, sites=[[0, 0]], length=[6.0])
+    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
+    page.until("document", gesture=1)
+    assert not any(edit.is_opened for edit in studio.engine.edits[1:])  # type: ignore[attr-defined]
+    page.send(type="undo")
+    page.until("document", can_undo=False)
+    assert last_edit(studio).is_opened
+    text = (folder / "dome.toml").read_text().replace("to = 4.0", "to = 5.0")
+    (folder / "dome.toml").write_text(text)
+    page.until("followed")
+    page.until("document", can_undo=True)
+    assert last_edit(studio).is_opened and last_edit(studio).snapshot is None
+    page.send(type="open", gallery="cone")
+    page.until("document", name="cone")
+    assert last_edit(studio).is_opened and last_edit(studio).design["name"] == "cone"  # type: ignore[index]
+
+
+def test_undo_and_kept_designs_go_back_to_their_form(page: Page, studio: Studio) -> None:
+    page.until("document")
+    studio.shown.snapshots[studio.document.revision] = b"form"  # type: ignore[union-attr]
+    page.send(type="keep", slot="A")
+    page.send(type="remove", sites=[[0, 0]], gesture=1)
+    page.until("document", gesture=1)
+    page.send(type="undo")
+    page.until("document", can_undo=False)
+    assert last_edit(studio).snapshot == b"form"
+    page.send(type="open", gallery="cone")
+    page.until("document", name="cone")
+    page.send(type="show", slot="A")
+    page.until("document", can_undo=True)
+    assert last_edit(studio).snapshot == b"form" and last_edit(studio).is_opened
