@@ -16,6 +16,7 @@ from PIL import Image
 from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import families, printable
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.results.words import distance_error
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 
@@ -116,7 +117,7 @@ def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
     expected = summary.get("expected_rms_percent")
     if expected is None:
         return "preview, without an error estimate"
-    return f"preview, estimated error {expected:.1f} % of the diameter"
+    return f"preview, estimated error {distance_error(expected, summary.get('diameter_mm'))}"
 
 
 def _perspective(canvas: Floats, thing: Scene, centre: Floats, diameter: float) -> None:

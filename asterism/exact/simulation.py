@@ -15,6 +15,7 @@ from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.contraction import contraction
 from asterism.shape.mesh_error import mesh_error
+from asterism.shape.needle_clearance import needle_clearance
 from asterism.shape.self_intersections import self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
@@ -193,6 +194,7 @@ def _record(
     coarser = [(level.printed, level.positions) for level in levels[:-1]]
     gravity = model.design.gravity.pull
     error = mesh_error(shape, coarser, folds.resolved, layout=model.layout, gravity=gravity)
+    clearance = needle_clearance(model.layout, shape)
     record = ExactRecord(
         model=ExactRecord.model_name,
         converged=equilibrium.converged,
@@ -228,6 +230,9 @@ def _record(
         wall_s_by_stage=seconds,
         height_mm=shape.height_mm,
         extent_mm=list(shape.extent_mm),
+        printed_mm=np.ptp(model.layout.outline, axis=0).tolist(),
+        above_needles_mm=clearance and clearance.above_mm,
+        below_needles_mm=clearance and clearance.below_mm,
         contraction=contraction(model.layout, shape),
         backend=equilibrium.backend,
         version=__version__,

@@ -11,6 +11,7 @@ from asterism.previews.warnings import preview_warnings
 from asterism.process.version import __version__
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.contraction import contraction
+from asterism.shape.needle_clearance import needle_clearance
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.tube import roll_radius
@@ -33,6 +34,7 @@ def summary(
     equilibrium, layout, law, values = state.equilibrium, state.layout, state.law, state.values
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
     surface = shape.positions, shape.triangles
+    clearance = needle_clearance(layout, shape)
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
     numbers = {
         "model": PreviewRecord.model_name,
@@ -85,6 +87,10 @@ def summary(
         "wall_s_by_stage": seconds,
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
+        "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
+        "above_needles_mm": clearance and clearance.above_mm,
+        "below_needles_mm": clearance and clearance.below_mm,
+        "diameter_mm": estimate.diameter_mm,
         "contraction": contraction(layout, shape),
         "self_intersections": crossings,
         "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm),

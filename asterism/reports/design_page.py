@@ -39,6 +39,9 @@ SHEET = "#f3f1ea"
 # size of the area for the layout, and its lower left corner on the page
 LAYOUT_MM = np.array([112.0, 122.0])
 LAYOUT_AT = np.array([83.0, 42.0])
+# baselines of the first and of the last line of the facts; their distances, below a line and below a paragraph
+FACTS_MM = (170.0, 40.0)
+LINE_MM, HEAD_MM = 4.2, 6.4
 # the page lists the places of at most this many needles
 MAX_LISTED_NEEDLES = 12
 # longest line of the warnings, in characters
@@ -111,13 +114,16 @@ def _warnings(figure: Figure, to_page: Transform, texts: Sequence[str]) -> None:
 
 
 def _facts(figure: Figure, to_page: Transform, facts: Facts) -> None:
-    y = 170.0
+    top, bottom = FACTS_MM
+    needed = sum(LINE_MM * len(lines) for lines in facts.values()) + HEAD_MM * (len(facts) - 1)
+    squeezed = min(1.0, (top - bottom) / needed)
+    y = top
     for head, lines in facts.items():
-        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, head, 3.3, weight="bold")
+        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
         for line in lines:
-            y -= 4.2
-            _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, line, 2.7)
-        y -= 6.4
+            y -= LINE_MM * squeezed
+            _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, line, 2.7 * squeezed)
+        y -= HEAD_MM * squeezed
 
 
 def _layout(figure: Figure, to_page: Transform, job: Job) -> float:

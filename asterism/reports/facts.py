@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from asterism.print.job import Job
-from asterism.results.words import VISIBLE_SAG_MM, height_error
+from asterism.results.words import VISIBLE_SAG_MM, distance_error, height_error
 from pattern.design.design import Design
 from pattern.design.residual_curvature import ResidualCurvature
 from pattern.layout.layout import Layout
@@ -30,7 +30,7 @@ def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
         "Plastic": _plastic(job.design),
         "Stars": _stars(job.drawn_plan, job.design),
         "Shape": [source, *_as_drawn(job, summary), *_shape(summary), *_hanging(job)],
-        "Accuracy": _accuracy(summary),
+        "Computation": _accuracy(summary),
         "Print": _print(job),
     }
     return {head: lines for head, lines in facts.items() if lines}
@@ -84,6 +84,8 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"height {summary['height_mm']:.1f} mm")
     if "extent_mm" in summary:
         lines.append("extent " + " x ".join(f"{size:.1f}" for size in summary["extent_mm"]) + " mm")
+    if (above := summary.get("above_needles_mm")) is not None:
+        lines.append(f"rises {above:.1f} mm over its needles")
     if "is_minimum" in summary:
         lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT a certified equilibrium")
     return lines
@@ -100,8 +102,7 @@ def _hanging(job: Job) -> list[str]:
 def _accuracy(summary: Mapping[str, Any]) -> list[str]:
     lines = []
     if (expected := summary.get("expected_rms_percent")) is not None:
-        lines.append(f"estimated error {expected:.1f} % of the diameter")
-        lines.append("(rms, from the exact model)")
+        lines += ["estimated rms distance from the exact model:", distance_error(expected, summary.get("diameter_mm"))]
     if (height := summary.get("expected_height_percent")) is not None:
         lines.append(f"height give or take {height_error(height, summary['height_mm'])}")
     if (mesh := summary.get("mesh_error_percent")) is not None:
@@ -114,6 +115,8 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
         lines.append("no error estimate")
     if (law := summary.get("law")) is not None:
         lines.append(f"law: {law['material']}, edges of {law['edge_mm']:g} mm")
+    if lines:
+        lines += ["Errors of the computation, not of the print,", "whose distance was not measured."]
     return lines
 
 

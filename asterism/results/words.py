@@ -55,12 +55,22 @@ def box_in_words(sizes_mm: Sequence[float]) -> str:
 
 
 def height_error(percent: float, height_mm: float) -> str:
-    """An error of a height in percent of it; in mm if the error is larger than the height.
+    """An error of a height in mm, and in percent unless it is larger than the height.
 
     >>> height_error(11.3, 7.0), height_error(150.0, 2.0)
-    ('11 %', '3.0 mm')
+    ('0.8 mm (11 %)', '3.0 mm')
     """
-    return f"{percent:.0f} %" if percent <= 100.0 else f"{percent / 100.0 * height_mm:.1f} mm"
+    return f"{percent / 100.0 * height_mm:.1f} mm" + (f" ({percent:.0f} %)" if percent <= 100.0 else "")
+
+
+def distance_error(percent: float, diameter_mm: float | None) -> str:
+    """An rms distance in percent of the diameter, and in mm if the diameter is known.
+
+    >>> distance_error(0.81, 152.34), distance_error(0.81, None)
+    ('0.8 % of the diameter of 152.3 mm: 1.2 mm', '0.8 % of the diameter')
+    """
+    text = f"{percent:.1f} % of the diameter"
+    return text if diameter_mm is None else f"{text} of {diameter_mm:.1f} mm: {percent / 100.0 * diameter_mm:.1f} mm"
 
 
 def small_percent(percent: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ShapeRecord
+from asterism.results.words import distance_error
 
 # other forms that are the lower one with a smaller probability have no row in the table
 MIN_SHOWN_PROBABILITY = 0.05
@@ -72,6 +73,11 @@ def _law(record: PreviewRecord) -> str:
     return f"{law.material}, stretch {law.stretch:g}, edges of {law.edge_mm:g} mm"
 
 
+def _expected_distance(record: PreviewRecord) -> str:
+    percent = record.expected_rms_percent
+    return "not known" if percent is None else distance_error(percent, record.get("diameter_mm"))
+
+
 class PreviewRecord(ShapeRecord):
     """The summary of a preview."""
 
@@ -79,7 +85,10 @@ class PreviewRecord(ShapeRecord):
     rows = (
         "stars",
         "height_mm",
+        "above_needles_mm",
+        "below_needles_mm",
         "extent_mm",
+        "printed_mm",
         "contraction",
         "roll_axis_deg",
         "energy_n_mm",
@@ -133,9 +142,9 @@ class PreviewRecord(ShapeRecord):
         "does; null if no estimate is available. Over many designs it is a root mean square.",
         unit="%",
         label="expected distance",
-        show="{expected_rms_percent:.1f} % of the diameter",
-        if_null="not known",
+        show=_expected_distance,
     )
+    diameter_mm: float = key("Largest distance of two points of the sheet.", unit="mm")
     expected_height_percent: float | None = key(
         "Estimated error of the height, bumps included, in percent of it; null if no estimate is available.",
         unit="%",

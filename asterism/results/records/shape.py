@@ -5,13 +5,23 @@ from __future__ import annotations
 from typing import Any
 
 from asterism.results.record import Record, key
-from asterism.results.words import box_in_words, direction, height_error, roll
+from asterism.results.words import VISIBLE_SAG_MM, box_in_words, direction, height_error, roll
 
 
 def _height(record: ShapeRecord) -> str:
     error = record.get("expected_height_percent")
     doubt = "" if error is None else f", give or take {height_error(error, record.height_mm)}"
     return f"{record.height_mm:.2f} mm{doubt}"
+
+
+def _above(record: ShapeRecord) -> str | None:
+    above = record.above_needles_mm
+    return None if above is None else f"{above:.1f} mm over its needles"
+
+
+def _below(record: ShapeRecord) -> str | None:
+    below = record.below_needles_mm
+    return None if below is None or below <= VISIBLE_SAG_MM else f"{below:.1f} mm below its needles"
 
 
 def _rolled(record: ShapeRecord) -> str:
@@ -83,6 +93,24 @@ class ShapeRecord(Record):
         unit="mm",
         label="extent",
         show=lambda record: box_in_words(record.extent_mm),
+    )
+    printed_mm: list[float] = key(
+        "Width and depth of the printed sheet, on the stretched fabric.",
+        unit="mm",
+        label="printed",
+        show=lambda record: box_in_words(record.printed_mm),
+    )
+    above_needles_mm: float | None = key(
+        "Height of the highest point over the highest support; null for a free sheet.",
+        unit="mm",
+        label="rises",
+        show=_above,
+    )
+    below_needles_mm: float | None = key(
+        "Depth of the lowest point below the lowest support; null for a free sheet.",
+        unit="mm",
+        label="hangs",
+        show=_below,
     )
     contraction: float | None = key(
         "Mean distance of neighbouring star centres over the printed distance; null for a single star.",

@@ -7,7 +7,7 @@ from typing import Any
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
 from asterism.results.records.preview import PreviewRecord
-from asterism.results.words import height_error, times
+from asterism.results.words import distance_error, height_error, times
 
 
 def _same_form(record: VerificationRecord) -> str:
@@ -18,7 +18,7 @@ def _same_form(record: VerificationRecord) -> str:
 
 def _expected(record: VerificationRecord) -> str:
     rms, height = record.expected_rms_percent, record.expected_height_percent
-    distance = "not known" if rms is None else f"{rms:.1f} %"
+    distance = "not known" if rms is None else distance_error(rms, record.get("diameter_mm"))
     return f"{distance}, height {'not known' if height is None else height_error(height, record.heights_mm[1])}"
 
 

@@ -118,6 +118,10 @@ def test_the_caption_says_what_is_known() -> None:
     ("said", "words"),
     [
         ({"expected_rms_percent": 1.234}, "preview, estimated error 1.2 % of the diameter"),
+        (
+            {"expected_rms_percent": 2.0, "diameter_mm": 150.0},
+            "preview, estimated error 2.0 % of the diameter of 150.0 mm: 3.0 mm",
+        ),
         ({"expected_rms_percent": None}, "preview, without an error estimate"),
         ({"expected_rms_percent": 1.234, "converged": False}, "preview, not certified"),
     ],

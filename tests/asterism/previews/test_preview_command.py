@@ -41,12 +41,15 @@ def test_writes_the_files_of_a_simulation(
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["is_minimum"] and summary["law"]["material"] == "plain"
     assert "equilibrium          stable" in done.out
-    expected = f"expected distance    {summary['expected_rms_percent']:.1f} % of the diameter"
+    across, percent = summary["diameter_mm"], summary["expected_rms_percent"]
+    off = 0.01 * percent * across
+    expected = f"expected distance    {percent:.1f} % of the diameter of {across:.1f} mm: {off:.1f} mm"
     assert expected in done.out
     record = PreviewRecord.from_json(summary)
     assert (record | {"expected_rms_percent": None}).table()["expected distance"] == "not known"
-    height, off = summary["height_mm"], summary["expected_height_percent"]
-    assert f"  height               {height:.2f} mm, give or take {off:.0f} %\n" in done.out
+    height, percent = summary["height_mm"], summary["expected_height_percent"]
+    off = 0.01 * percent * height
+    assert f"  height               {height:.2f} mm, give or take {off:.1f} mm ({percent:.0f} %)\n" in done.out
     assert (record | {"expected_height_percent": None}).table()["height"] == f"{height:.2f} mm"
 
 

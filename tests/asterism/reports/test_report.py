@@ -61,6 +61,8 @@ def test_parameters_picture_layout_needles_and_material(design: Path, capsys, mo
         "sheet 104.0 x 70.0 mm",
         "by the preview",
         "height give or take ",
+        "not of the print",
+        "mm over its needles",
         "g, ",
         "Layout 1:1",
         "Needles: 4",
