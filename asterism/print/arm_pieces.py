@@ -49,7 +49,7 @@ def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
     result: list[ArmPiece] = []
     along = plan.arm_tip - plan.centres[plan.arm_star]
     for arm, (star, length) in enumerate(zip(plan.arm_star, plan.arm_length, strict=True)):
-        heights, ends = _height_steps(plan.arm_thickness[arm], rounding)
+        heights, ends = height_steps(plan.arm_thickness[arm], rounding)
         widths = np.interp(ends, [0.0, 1.0], plan.arm_width[arm])
         for k, height in enumerate(heights):
             begin, end = ends[k] * length, ends[k + 1] * length
@@ -57,7 +57,7 @@ def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
     return result
 
 
-def _height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats]:
+def height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats]:
     """Heights along an arm, each with its begin and end as fractions of the arm's length."""
     first, last = (float(h) for h in thickness)
     if first == last:

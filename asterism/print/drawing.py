@@ -27,6 +27,7 @@ class DrawingLayer:
     width_mm : width of lines.
     dash_mm : lengths of dashes and gaps; empty for full lines.
     filled : closed lines are filled with the colour.
+    is_printed_width : `width_mm` is that of a printed line; formats whose lines have no width by themselves store it.
     meaning : text in the legend; empty for no entry.
     """
 
@@ -35,6 +36,7 @@ class DrawingLayer:
     width_mm: float = 0.25
     dash_mm: tuple[float, ...] = ()
     filled: bool = False
+    is_printed_width: bool = False
     meaning: str = ""
 
 

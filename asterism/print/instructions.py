@@ -81,8 +81,8 @@ def _offset(job: Job) -> Chapter:
             f"Plate {plate:.2f} mm + {fabric} {job.fabric_mm:.2f} mm = {job.z_offset_mm:.2f} mm. Measure both "
             "as they lie on the bed; if they differ, export again with --plate and --fabric. A nozzle too high does "
             "not bind the plastic to the fabric, a nozzle too low tears it.",
-            "The stars stand at z = 0 in the files. Leave the slicer's own z offset at 0, whose sign and meaning "
-            "differ from slicer to slicer, and add start.gcode to the end of the printer's start code:",
+            f"The {job.printed_word} stand at z = 0 in the files. Leave the slicer's own z offset at 0, whose sign and "
+            "meaning differ from slicer to slicer, and add start.gcode to the end of the printer's start code:",
         ),
         tuple(job.start_code.splitlines()),
     )
@@ -95,7 +95,7 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
     r = job.rounding
     lines = [
         "Load print.3mf, or the STL files if your slicer prefers them, in millimetres, at 100 %. Scaling in the slicer "
-        "would thicken the arms: change the design instead. Do not turn it.",
+        f"would thicken the {'arms' if job.arms else 'rods'}: change the design instead. Do not turn it.",
         f"It belongs with the middle of its box at x = {middle[0]:.2f}, y = {middle[1]:.2f} mm and is "
         f"{high[0] - low[0]:.2f} x {high[1] - low[1]:.2f} x {high[2]:.2f} mm large. If the slicer moved it, type "
         "that in.",
@@ -111,8 +111,8 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
         places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star.at_mm for star in tiny[:_MAX_LISTED_PLACES]))
         more = f"; and {len(tiny) - _MAX_LISTED_PLACES} more" if len(tiny) > _MAX_LISTED_PLACES else ""
         lines.append(
-            f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the design's origin), or "
-            "lengthen or remove them."
+            f"Tiny {job.printed_word} may jump off the fabric. Watch those at {places}{more} (mm from the design's "
+            "origin), or lengthen or remove them."
         )
     return Chapter("4. Slice", tuple(lines))
 
@@ -129,11 +129,12 @@ def _print(job: Job, cost: PrintCostRecord) -> Chapter:
 
 def _finish(job: Job) -> Chapter:
     line = "along the inner edge of the printed line" if job.border is not None else "along the cut line of layout.pdf"
+    line = "along the outer edge of the printed rim" if job.plan.rim else line
     lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
     if edge := needles_near_edge(job.plan, job.needles):
         lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {needle_names(edge)}, on the line.")
     if arms := job.needles_in_plastic:
-        lines.append(f"The plastic is in the way of {needle_names(arms)}: drill a hole through the arm there first.")
+        lines.append(f"The plastic is in the way of {needle_names(arms)}: drill a hole through it there first.")
     known = [needle for needle in job.needles if needle.place is not None]
     if known:
         lines.append(

@@ -11,21 +11,23 @@ import numpy as np
 import shapely
 
 from asterism.print.arm_pieces import ArmPiece, arm_pieces
-from asterism.print.arm_regions import border_terrace, star_terraces
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
-from asterism.print.needles import Needle, needles, needles_through_arms
+from asterism.print.needles import MAX_CHORD_MM, Needle, needles, needles_through_arms
 from asterism.print.plastic_profile import PlasticProfile
+from asterism.print.plastic_regions import border_terrace, cutting_lines, plastic_terraces
 from asterism.print.print_cost import print_cost
 from asterism.print.printer import Printer
+from asterism.print.rod_pieces import RodPiece, rod_pieces
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
 
 # sides of check squares, the preferred first
 CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)
@@ -42,8 +44,11 @@ class Job:
     drawn, design : the design as drawn, and with the printer's rounding.
     drawn_plan, plan : their layouts, in printed coordinates.
     arms : pieces of all arms, relative to the centres of the stars of `plan`.
+    rods : pieces of all drawn rods, in printed coordinates.
     placement : motion from printed coordinates to those of the sheets.
-    stars, border : terraces of plastic in sheet coordinates; no border if it is switched off or does not fit.
+    pattern, border : terraces of plastic in sheet coordinates: stars and drawn rods, and the line to cut along; no
+        border if it is switched off or does not fit.
+    cut : closed lines (n, 2) to cut along, in printed coordinates: the outline first.
     fabric_mm : thickness of the fabric under the nozzle: of the stretched fabric if given, else of the released fabric.
     fabric_given : the thickness of the stretched fabric is given.
     needles : needles, in printed coordinates.
@@ -60,9 +65,11 @@ class Job:
     drawn_plan: Layout
     plan: Layout
     arms: tuple[ArmPiece, ...]
+    rods: tuple[RodPiece, ...]
     placement: BedPlacement
-    stars: tuple[Terrace, ...]
+    pattern: tuple[Terrace, ...]
     border: Terrace | None
+    cut: tuple[Floats, ...]
     fabric_mm: float
     fabric_given: bool
     needles: tuple[Needle, ...]
@@ -95,13 +102,23 @@ class Job:
 
     @cached_property
     def size_changes(self) -> dict[str, SizeChangeRecord]:
-        """Changes of the sizes of the arms by rounding: `thickness` and `width`."""
+        """Changes of the sizes of the arms and rods by rounding: `thickness` and `width`."""
         return size_changes(self.drawn_plan, self.plan)
 
     @property
     def is_rounded(self) -> bool:
-        """Whether rounding changes the size of any star."""
-        return any(size.stars_changed for size in self.size_changes.values())
+        """Whether rounding changes the size of any star or rod."""
+        return any(size.stars_changed or size.rods_changed for size in self.size_changes.values())
+
+    @property
+    def printed_word(self) -> str:
+        """What is printed: `stars`, `rods`, or `stars and rods`."""
+        return " and ".join([*(["stars"] if self.arms else []), *(["rods"] if self.rods else [])])
+
+    @property
+    def pattern_file(self) -> str:
+        """Stem of the files of the pattern: `stars` or, if there are drawn rods only, `rods`."""
+        return "stars" if self.arms else "rods"
 
     @cached_property
     def needles_in_plastic(self) -> list[int]:
@@ -137,7 +154,7 @@ class Job:
         if self.seen is None:
             return None
         needle, height = known[0]
-        base = float(self.seen.at(needle.printed[None])[0, 2] - height)
+        base = float(self.seen.at(needle.printed[None], MAX_CHORD_MM if self.plan.rim else 0.0)[0, 2] - height)
         return max(base - float(self.seen.positions[:, 2].min()), 0.0)
 
     @property
@@ -149,17 +166,17 @@ class Job:
 
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
-        """Stars and border line in the printer's coordinates, on z = 0."""
+        """Stars and drawn rods, and the border line, in the printer's coordinates, on z = 0."""
         on_bed = BedPlacement(0.0, np.asarray(self.printer.bed_centre_mm))
-        solids = [terraced_solid("stars", [on_bed.step(step) for step in self.stars])]
+        solids = [terraced_solid(self.pattern_file, [on_bed.step(step) for step in self.pattern])]
         if self.border is not None:
             solids.append(terraced_solid("border", [on_bed.step(self.border)]))
         return tuple(solids)
 
     @cached_property
     def cost(self) -> PrintCostRecord:
-        """Plastic and time for stars and border line, see `asterism.print.print_cost`."""
-        prints = [self.stars, *([(self.border,)] if self.border is not None else [])]
+        """Plastic and time for the pattern and the border line, see `asterism.print.print_cost`."""
+        prints = [self.pattern, *([(self.border,)] if self.border is not None else [])]
         return print_cost(prints, self.printer, self.rounding, self.plastic)
 
 
@@ -202,12 +219,13 @@ def prepare(
     if fabric_mm is not None and fabric_mm > released_mm:
         problem = f"must be at most {released_mm:g} mm, the thickness of the released fabric: stretching thins it"
         raise DesignError("--fabric", problem, fabric_mm)
-    drawn_plan = layout(design)
+    drawn_plan = print_layout(design)
     rounding = choose_rounding(drawn_plan, printer)
     rounded = with_rounding(design, rounding)
     plan = rounded_layout(rounded, printer)
     arms = tuple(arm_pieces(plan, rounding))
-    here = star_terraces(plan, arms)
+    rods = tuple(rod_pieces(plan, rounding))
+    here = plastic_terraces(plan, arms, rods)
     x, y = design.fabric.stretch_xy
     if x != y and turn_deg % 360:
         raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
@@ -232,9 +250,11 @@ def prepare(
         drawn_plan=drawn_plan,
         plan=plan,
         arms=arms,
+        rods=rods,
         placement=placement,
-        stars=tuple(placement.step(step) for step in here),
+        pattern=tuple(placement.step(step) for step in here),
         border=line,
+        cut=cutting_lines(plan, here),
         fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
         fabric_given=fabric_mm is not None,
         needles=needles(plan, needle_spacing_mm, shape),
@@ -244,6 +264,8 @@ def prepare(
 
 
 def _has_room(step: Terrace, printer: Printer) -> bool:
+    if step.region.is_empty:
+        return False
     low, high = np.reshape(shapely.bounds(step.region), (2, 2))
     half = room_mm(printer) / 2
     return bool((high <= half).all() and (low >= -half).all())
@@ -253,7 +275,8 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
     """Refuse a shape of another design: another outline, other stars, or other values in its summary."""
     box = np.array([plan.outline.min(axis=0), plan.outline.max(axis=0)])
     other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
-    if np.abs(box - other).max() > 1e-3:
+    # the mesh has chords of a curved outline
+    if np.abs(box - other).max() > (MAX_CHORD_MM if plan.rim else 1e-3):
         sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
         raise DesignError("--shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
     if len(shape.star_vertices) != len(plan.centres):
@@ -261,7 +284,7 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
         raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)
     if "design" in shape.summary:
         made_from = without_rounding(Design.from_dict(shape.summary["design"]))
-        for section in ("lattice", "stars", "border", "pins", "gravity"):
+        for section in ("lattice", "stars", "rods", "border", "pins", "gravity"):
             if getattr(made_from, section) != getattr(without_rounding(design), section):
                 raise DesignError("--shape", f"must be of this design, but its {section} are others")
         if made_from.fabric.stretch_xy != design.fabric.stretch_xy:

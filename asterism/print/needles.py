@@ -5,19 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
-from pattern.geometry.planar import distance_to_outline, distance_to_segment
+from pattern.geometry.planar import distance_to_outline, distance_to_segment, turning_angles
 from pattern.layout.layout import Layout
 from pattern.layout.supports import PinSet
+from pattern.rods.graph import CORNER_DEG
 
 # smallest distance of a needle from the edge of the fabric
 MIN_EDGE_DISTANCE_MM = 2.0
 # a needle at a lower height holds the sheet on the base
 BASE_TOLERANCE_MM = 0.05
+# largest distance of a mesh, which has chords, from a curved outline
+MAX_CHORD_MM = 1.0
 
 
 @dataclass(frozen=True)
@@ -59,9 +63,9 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     """
     placed: list[Needle] = []
     for pins in plan.pins:
-        along = [_along(plan.outline, edge, spacing_mm) for edge in sorted(pins.edges)]
+        along = [_along(line, spacing_mm) for line in _smooth_lines(pins, plan.outline)]
         printed = np.concatenate([pins.points, *along])
-        places = _places(pins, printed, shape)
+        places = _places(pins, printed, shape, MAX_CHORD_MM if plan.rim else 0.0)
         for k, point in enumerate(printed):
             # adjacent edges share a corner
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in placed):
@@ -75,21 +79,38 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     return tuple(placed)
 
 
-def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:
-    """Equally spaced points on an edge, with its ends."""
-    a, b = border[edge], border[(edge + 1) % len(border)]
-    pieces = max(math.ceil(float(np.linalg.norm(b - a)) / spacing_mm - 1e-9), 1)
-    return np.asarray(a + np.arange(pieces + 1)[:, None] / pieces * (b - a))
+def _smooth_lines(pins: PinSet, border: Floats) -> list[Floats]:
+    """Supported edges as polylines (n, 2) without corners, in the order of their edges."""
+    count = len(border)
+    is_corner = np.abs(turning_angles(border)) > np.radians(CORNER_DEG)
+    lines: list[tuple[int, Floats]] = []
+    for chain in pins.chains(count):
+        closed = len(chain) > 2 and chain[0] == chain[-1]
+        stops = [k for k, corner in enumerate(chain) if is_corner[corner] or (not closed and k in (0, len(chain) - 1))]
+        if closed:  # from its first corner on
+            first = stops[0] if stops else 0
+            chain = [*chain[first:-1], *chain[: first + 1]]
+            stops = [0, *(k for k in range(1, len(chain) - 1) if is_corner[chain[k]]), len(chain) - 1]
+        lines += [(chain[a], border[chain[a : b + 1]]) for a, b in pairwise(stops)]
+    return [line for _, line in sorted(lines, key=lambda each: each[0])]
 
 
-def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:
+def _along(line: Floats, spacing_mm: float) -> Floats:
+    """Equally spaced points (n, 2) on a polyline, with its ends."""
+    passed = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    pieces = max(math.ceil(passed[-1] / spacing_mm - 1e-9), 1)
+    at = np.arange(pieces + 1) / pieces * passed[-1]
+    return np.column_stack([np.interp(at, passed, line[:, axis]) for axis in (0, 1)])
+
+
+def _places(pins: PinSet, printed: Floats, shape: Shape | None, off_sheet_mm: float) -> Floats | None:
     """(n, 3) mm, places of printed points in space; z is not a number if unknown; None if x and y are unknown."""
     held = np.array(pins.fixed)
     if held.all():
         return pins.places(printed)
     if shape is None:
         return np.where(held, pins.places(printed), np.nan) if held[:2].all() else None
-    return np.where(held, pins.places(printed), shape.at(printed))
+    return np.where(held, pins.places(printed), shape.at(printed, off_sheet_mm))
 
 
 def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
@@ -101,10 +122,13 @@ def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
 
 
 def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:
-    """Numbers of the needles that meet an arm."""
+    """Numbers of the needles that meet an arm or a drawn rod."""
     if not some:
         return []
     printed = np.array([needle.printed for needle in some])[:, None]
     far = distance_to_segment(printed, plan.centres[plan.arm_star], plan.arm_tip)
     through = (far < 0.5 * plan.arm_width.max(axis=1)).any(axis=1)
+    for rod in plan.drawn.rods if plan.drawn is not None else ():
+        from_line = distance_to_segment(printed, rod.points[:-1], rod.points[1:])
+        through |= (from_line < 0.5 * np.maximum(rod.width[:-1], rod.width[1:])).any(axis=1)
     return [needle.number for needle, hit in zip(some, through, strict=True) if hit]

@@ -13,6 +13,7 @@ from asterism.shape.shape import Shape
 from homogenize.errors import LawError
 from homogenize.law.law import Law
 from pattern.design.design import Design
+from pattern.design.errors import DesignError
 
 Found = tuple[Shape | None, ShapeChangeRecord | None]
 
@@ -36,8 +37,8 @@ def printed_shape(
 
     Returns
     -------
-    The printed shape and its change, or None for each that was not computed. If the preview has no law for the fabric,
-    the change has the `model` None and the reason in `why`.
+    The printed shape and its change, or None for each that was not computed. If the preview has no law for the fabric
+    or the pattern, the change has the `model` None and the reason in `why`.
 
     Raises
     ------
@@ -55,7 +56,7 @@ def printed_shape(
 
     try:
         return _both(job, lambda plan: fast(plan, law), "preview")
-    except LawError as error:
+    except (LawError, DesignError) as error:
         if preview:
             raise
         return None, ShapeChangeRecord(model=None, why=" ".join(str(error).split()), are_minima=[])

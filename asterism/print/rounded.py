@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from asterism.print.printer import Printer
 from asterism.results.records.export import SizeChangeRecord, TinyStarRecord
@@ -10,8 +12,8 @@ from equilibrium.arrays import Floats
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
 
 # layer heights of common printers, the largest first
 _LAYERS_MM = (0.2, 0.15, 0.1, 0.05)
@@ -29,8 +31,10 @@ def without_rounding(design: Design) -> Design:
 
 
 def with_rounding(design: Design, rounding: Rounding | None) -> Design:
-    """The design with another rounding."""
-    return design.model_copy(update={"stars": design.required_stars.model_copy(update={"rounding": rounding})})
+    """The design with another rounding of its stars and drawn rods."""
+    patterns = {name: section for name in ("stars", "rods") if (section := getattr(design, name)) is not None}
+    changed = {name: section.model_copy(update={"rounding": rounding}) for name, section in patterns.items()}
+    return design.model_copy(update=changed)
 
 
 def choose_rounding(plan: Layout, printer: Printer) -> Rounding:
@@ -39,27 +43,37 @@ def choose_rounding(plan: Layout, printer: Printer) -> Rounding:
 
 
 def rounded_layout(design: Design, printer: Printer) -> Layout:
-    """The layout of a rounded design; `DesignError` if wider arms overlap."""
+    """The layout of a rounded design; `DesignError` if wider arms or rods overlap."""
     try:
-        return layout(design)
+        return print_layout(design)
     except DesignError as error:
         raise DesignError(error.field, f"{error.allowed} (sizes rounded for the {printer.name})", error.value) from None
 
 
 def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
-    """Changes of the sizes of the arms by rounding: `thickness` and `width`."""
+    """Changes of the sizes of the arms and rods by rounding: `thickness` and `width`."""
     result: dict[str, SizeChangeRecord] = {}
+    star, groups = np.repeat(after.arm_star, 2), len(after.centres)
+    rods = after.drawn.rods if after.drawn is not None else ()
+    owner = np.concatenate([star, groups + np.repeat(np.arange(len(rods)), [len(rod.points) for rod in rods])])
     for name in ("thickness", "width"):
-        old, new = getattr(before, f"arm_{name}"), getattr(after, f"arm_{name}")
-        other = np.abs(new - old) > 1e-6
-        worst = np.unravel_index(np.abs(new - old).argmax(), new.shape)
+        old, new = _sizes(before, name), _sizes(after, name)
+        changed = np.unique(owner[np.abs(new - old) > 1e-6])
+        worst = int(np.abs(new - old).argmax())
         result[name] = SizeChangeRecord(
             values_mm=[float(value) for value in np.unique(np.round(new, 6))],
-            stars_changed=len(np.unique(after.arm_star[other.any(axis=1)])),
+            stars_changed=int((changed < groups).sum()),
+            rods_changed=int((changed >= groups).sum()),
             largest_change_mm=float(np.round((new - old)[worst], 6)),
             mean_change_percent=float(100 * np.mean(np.abs(new - old) / old)),
         )
     return result
+
+
+def _sizes(plan: Layout, name: str) -> Floats:
+    """(n,) mm, `thickness` or `width` at both ends of all arms, then at the points of all drawn rods."""
+    rods = plan.drawn.rods if plan.drawn is not None else ()
+    return np.concatenate([getattr(plan, f"arm_{name}").ravel(), *(getattr(rod, name) for rod in rods)])
 
 
 def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
@@ -81,8 +95,30 @@ def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
     return best if _thickness_change(plan, best) < now / 2 else None
 
 
-def tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
-    """Stars whose longest arm is shorter than `arm_mm`."""
+def tiny_pieces(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
+    """Stars whose longest arm is shorter than `arm_mm`, and drawn rods that are shorter with all that they meet."""
+    return [*_tiny_stars(plan, arm_mm), *_tiny_islands(plan, arm_mm)]
+
+
+def _tiny_islands(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
+    if plan.drawn is None:
+        return []
+    ends = np.array([[rod.start, rod.end] for rod in plan.drawn.rods])
+    count = len(plan.drawn.nodes)
+    links = coo_array((np.ones(len(ends)), ends.T), shape=(count, count))
+    island = connected_components(links, directed=False)[1][ends[:, 0]]
+    length = np.bincount(island, [rod.length for rod in plan.drawn.rods])
+    return [
+        TinyStarRecord(
+            at_mm=[round(float(c), 2) for c in plan.drawn.nodes[ends[island == number]].reshape(-1, 2).mean(axis=0)],
+            arm_mm=round(float(length[number]), 2),
+        )
+        for number in np.unique(island)
+        if length[number] < arm_mm
+    ]
+
+
+def _tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
     longest = np.zeros(len(plan.centres))
     np.maximum.at(longest, plan.arm_star, plan.arm_length)
     return [
@@ -93,5 +129,5 @@ def tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
 
 def _thickness_change(plan: Layout, rounding: Rounding) -> float:
     """Mean relative change of the thickness."""
-    old: Floats = plan.arm_thickness
+    old = _sizes(plan, "thickness")
     return float(np.mean(np.abs(rounding.thickness(old) - old) / old))

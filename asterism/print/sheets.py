@@ -19,6 +19,7 @@ from asterism.print.layers import (
     NEEDLES,
     OPENING,
     OUTLINE_IN_SPACE,
+    RODS,
     STARS,
     TEXT,
 )
@@ -35,12 +36,12 @@ _WORDS_WIDTH_MM = 50.0
 
 
 def layout_sheet(job: Job) -> Drawing:
-    """The layout on the printer: frame, printable area, stars, cut line, needles, marks, check squares."""
+    """The layout on the printer: frame, printable area, pattern, cut lines, needles, marks, check squares."""
     frame, bed = job.printer.frame.size_mm, job.printer.bed_mm
-    items: DrawingItems = [*_areas(job.stars[0], STARS)]
+    items: DrawingItems = [*_areas(job.pattern[0], STARS if job.arms else RODS)]
     if job.border is not None:
         items += _areas(job.border, GUIDE)
-    items += [Polyline(CUT, job.placement.points(job.plan.outline), closed=True)]
+    items += [Polyline(CUT, job.placement.points(line), closed=True) for line in job.cut]
     items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
     items += _marks(frame, bed)
     items += check_squares(job)
@@ -49,12 +50,11 @@ def layout_sheet(job: Job) -> Drawing:
     field = np.max([frame, bed, job.check_after_mm], axis=0)
     items.append(Label(TEXT, np.array([-frame[0] / 4, -field[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
     x, y = job.design.fabric.stretch_xy
-    count = len(job.plan.centres)
-    sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.stars}))
+    sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.pattern}))
     paragraphs = [
         "Seen from above, the plastic on top, as it lies on the printer.",
         f"{job.printer.name}: frame {frame[0]:g} x {frame[1]:g} mm, nozzle within {bed[0]:g} x {bed[1]:g} mm.",
-        f"{count} star{'s' if count > 1 else ''}, {sizes} mm thick, of {job.plastic.name}.",
+        f"{_counted(job)}, {sizes} mm thick, of {job.plastic.name}.",
         f"Fabric stretched by {x:g}" + (f" along x and {y:g} along y." if x != y else "."),
         f"Start the nozzle {job.z_offset_mm:.2f} mm above the bed.",
     ]
@@ -62,9 +62,21 @@ def layout_sheet(job: Job) -> Drawing:
         paragraphs[-1] += " That is with the released fabric: stretched it is thinner, measure it."
     if job.placement.turn_deg:
         paragraphs.append(f"Turned by {job.placement.turn_deg:g} deg from the design.")
-    if job.border is None:
+    if job.plan.rim:
+        paragraphs.append("Cut along the outer edge of the printed rim.")
+    elif job.border is None:
         paragraphs.append("No printed border: mark the cut line by hand.")
     return sheet_page(f"{job.design.name}: layout", field, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)
+
+
+def _counted(job: Job) -> str:
+    """The number of stars, and the length of the drawn rods."""
+    count = len(job.plan.centres)
+    stars = f"{count} star{'s' if count > 1 else ''}"
+    if job.plan.drawn is None:
+        return stars
+    lines = f"{job.plan.drawn.total_length:.0f} mm of drawn lines"
+    return f"{stars} and {lines}" if job.arms else lines
 
 
 def stretch_sheet(job: Job) -> Drawing:

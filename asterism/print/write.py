@@ -8,7 +8,8 @@ from pathlib import Path
 from asterism.print import instructions, sheets
 from asterism.print.formats.registry import FormatKind, export_formats, write_all
 from asterism.print.job import Job
-from asterism.print.rounded import better_layers, tiny_stars
+from asterism.print.middle_lines import middle_lines
+from asterism.print.rounded import better_layers, tiny_pieces
 from asterism.results.files import EXPORT_SUMMARY_FILE, holds_result, staged
 from asterism.results.records.export import (
     CheckSquareRecord,
@@ -28,7 +29,10 @@ from pattern.design.design import save_design
 ROUNDED = "rounded.toml"
 # files of some exports; those of an earlier export are removed
 OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
+    "stars": ("solid", "script"),
+    "rods": ("solid", "script"),
     "border": ("solid",),
+    "middle-lines": ("drawing",),
     "needles": ("table", "drawing"),
     "shape": ("shape",),
 }
@@ -48,12 +52,12 @@ def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | No
     OutputError
         The files cannot be written there.
     """
-    tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
+    tiny = tiny_pieces(job.plan, job.plastic.tiny_arm_mm)
     with staged(directory, stale=stale_files(directory)) as folder:
         for solid in job.solids:
             write_all("solid", folder, solid.name, solid)
         write_all("print", folder, "print", job.solids, job.design.name)
-        write_all("script", folder, "stars", job)
+        write_all("script", folder, job.pattern_file, job)
         _write_sheets(job, folder)
         parts = instructions.chapters(job, job.cost, tiny)
         write_all("pages", folder, "instructions", instructions.as_pages(job, parts))
@@ -105,6 +109,8 @@ def _write_sheets(job: Job, folder: Path) -> None:
     layout, template = sheets.layout_sheet(job), sheets.needle_sheet(job)
     pages = [layout, sheets.stretch_sheet(job)]
     write_all("drawing", folder, "layout", layout)
+    if job.plan.drawn is not None:
+        write_all("drawing", folder, "middle-lines", middle_lines(job))
     if template is not None:
         pages.append(template)
         write_all("drawing", folder, "needles", template)
@@ -119,6 +125,7 @@ def _summary(job: Job, tiny: list[TinyStarRecord], change: ShapeChangeRecord | N
         printer=job.printer.model_dump(mode="json"),
         plastic=job.plastic.model_dump(mode="json"),
         stars=len(job.plan.centres),
+        rods=0 if job.plan.drawn is None else len(job.plan.drawn.rods),
         rounding=_rounding(job),
         shape=None if job.shape is None else GivenShapeRecord(is_certain=job.is_certain, warnings=job.shape_warnings),
         shape_change=change,

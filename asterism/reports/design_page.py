@@ -137,6 +137,8 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
     _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
     for arm in job.arms:
         _draw(figure, to_drawing, shapely.Polygon(arm.corners(job.plan.centres[arm.star])), facecolor=INK, linewidth=0)
+    for rod in job.rods:
+        _draw(figure, to_drawing, rod.region, facecolor=INK, linewidth=0)
     for needle in job.needles[:200]:
         spot = shapely.Point(needle.printed).buffer(1.0 * parts)
         _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)
@@ -178,8 +180,9 @@ def _numbers(place: Floats) -> str:
 
 
 def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: Any) -> None:
-    for polygon in shapely.get_parts(region):
-        outline = Outline(np.asarray(polygon.exterior.coords), closed=True)
+    for polygon in shapely.orient_polygons(shapely.get_parts(region)):
+        rings = [polygon.exterior, *polygon.interiors]  # holes run the other way round
+        outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords), closed=True) for ring in rings))
         figure.add_artist(PathPatch(outline, transform=transform, **style))
 
 

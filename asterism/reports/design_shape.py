@@ -47,6 +47,9 @@ def shape_for_report(
         else:
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
+    if design.rods is not None:
+        say("the page has no picture: drawn rods have no preview; give --results")
+        return None, "not known: drawn rods have no preview"
     try:
         with announce_compiling(say):
             shape = preview(design, law)

@@ -28,7 +28,8 @@ def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
     facts = {
         "Fabric": _fabric(job.design),
         "Plastic": _plastic(job.design),
-        "Stars": _stars(job.drawn_plan, job.design),
+        "Stars": _stars(job.drawn_plan, job.design) if job.arms else [],
+        "Rods": _rods(job.drawn_plan),
         "Shape": [source, *_as_drawn(job, summary), *_shape(summary), *_hanging(job)],
         "Computation": _accuracy(summary),
         "Print": _print(job),
@@ -64,6 +65,21 @@ def _stars(plan: Layout, design: Design) -> list[str]:
     ]
 
 
+def _rods(plan: Layout) -> list[str]:
+    """The drawn rods; empty without any."""
+    if plan.drawn is None:
+        return []
+    width, height = np.ptp(plan.outline, axis=0)
+    rods = plan.drawn.rods
+    thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
+    return [
+        f"{len(rods)} between nodes, {plan.drawn.total_length:.0f} mm in all",
+        f"joints: {len(plan.drawn.joints)}",
+        f"thickness {_range(thickness)}, width {_range(widths)} mm",
+        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+    ]
+
+
 def _sides(plan: Layout) -> list[str]:
     """The number of stars that start down or flat."""
     down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
@@ -73,7 +89,10 @@ def _sides(plan: Layout) -> list[str]:
 
 def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
     """A line if the shape belongs to the design as drawn, and the printer rounds its sizes."""
-    if not job.is_rounded or "design" not in summary or Design.from_dict(summary["design"]).stars == job.design.stars:
+    if not job.is_rounded or "design" not in summary:
+        return []
+    shown = Design.from_dict(summary["design"])
+    if (shown.stars, shown.rods) == (job.design.stars, job.design.rods):
         return []
     return ["as drawn, before rounding (see Print)"]
 
@@ -136,7 +155,7 @@ def _rounded(job: Job) -> list[str]:
     """The sizes that the printer makes, if they differ from those of the design."""
     lines = []
     for name, size in job.size_changes.items():
-        if size.stars_changed:
+        if size.stars_changed or size.rods_changed:
             lines.append(f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm after rounding")
     return lines
 

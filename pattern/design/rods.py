@@ -11,6 +11,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from pattern.design.errors import DesignError
 from pattern.design.file_lines import MM_OF_UNITS, read_lines
 from pattern.design.residual_curvature import CurvaturePerMm
+from pattern.design.rounding import Rounding
 from pattern.design.section import Flag, Line, Number, Point, Section, Text
 from pattern.design.sizing.field import SizingField
 
@@ -178,6 +179,7 @@ class Rods(Section):
     motif : lines relative to a site of `[lattice]`, which are repeated at all sites whose copies reach the sheet.
     curve_mm : largest distance of a curve from the straight pieces that stand for it.
     join_mm : ends that are nearer than this to another line are moved onto it.
+    rounding : rounds thickness and width of every line to what a printer can make.
     """
 
     thickness_mm: SizingField = 0.3
@@ -187,6 +189,7 @@ class Rods(Section):
     motif: tuple[DrawnLine, ...] = Field((), max_length=100)
     curve_mm: Number = Field(0.005, ge=0.0005, le=1)
     join_mm: Number = Field(0.1, ge=0.001, le=2)
+    rounding: Rounding | None = None
 
     @model_validator(mode="after")
     def _has_a_line(self) -> Self:

@@ -162,11 +162,11 @@ def _rod(drawn: _Drawn, points: Floats, start: int, end: int, rods: Rods) -> Rod
     width = rods.width_mm if line.width_mm is None else line.width_mm
     if isinstance(thickness, Profile) or isinstance(width, Profile):
         points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), SECTION_STEP_MM))
-    sizes = (
-        _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn.name),
-        _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn.name),
-    )
-    return Rod(points, start, end, *sizes, line.kappa_bar_per_mm, drawn.name, drawn.group)
+    thicknesses = _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn.name)
+    widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn.name)
+    if (rounding := rods.rounding) is not None:
+        thicknesses, widths = rounding.thickness(thicknesses), rounding.width(widths)
+    return Rod(points, start, end, thicknesses, widths, line.kappa_bar_per_mm, drawn.name, drawn.group)
 
 
 def _sizes(field: SizingField, points: Floats, limits: tuple[float, float], key: str, name: str) -> Floats:

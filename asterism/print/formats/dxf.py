@@ -6,6 +6,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -66,8 +67,10 @@ def _write(path: Path, drawing: Drawing) -> None:
             entry.dxf.linetype = f"{layer.name}-dashed"
     space = document.modelspace()
     for item in drawing.items:
-        on = {"layer": item.layer.name}
+        on: dict[str, Any] = {"layer": item.layer.name}
         if isinstance(item, Polyline):
+            if item.layer.is_printed_width:
+                on["const_width"] = item.layer.width_mm
             for points in (item.points, *item.holes):
                 space.add_lwpolyline(np.round(points, 6).tolist(), close=item.closed, dxfattribs=on)
         elif isinstance(item, Circle):

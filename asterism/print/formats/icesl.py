@@ -1,15 +1,16 @@
-"""IceSL: the stars as a table in Lua, in which single stars can be changed by hand."""
+"""IceSL: stars and drawn rods as tables in Lua, in which single ones can be changed by hand."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from asterism.print.formats.registry import export_format
+from asterism.print.formats.rod_table import ROD_HEADING, rod_table
 from asterism.print.formats.star_table import HEADING, number, star_table
 from asterism.print.job import Job
 from pattern.design.errors import one_line
 
-_FUNCTIONS = """
+_STAR_FUNCTIONS = """
 -- a piece of an arm as a prism
 local function strip(x, y, p)
   local a = math.rad(p[1])
@@ -44,14 +45,55 @@ for _, s in ipairs(stars) do
 end
 """
 
+_ROD_FUNCTIONS = """
+-- a straight piece of a rod as a prism
+local function straight(a, b, height)
+  local far = math.sqrt((b[1] - a[1])^2 + (b[2] - a[2])^2)
+  local nx, ny = (a[2] - b[2]) / far / 2, (b[1] - a[1]) / far / 2
+  local outline = {
+    v(a[1] - a[3] * nx, a[2] - a[3] * ny, 0), v(b[1] - b[3] * nx, b[2] - b[3] * ny, 0),
+    v(b[1] + b[3] * nx, b[2] + b[3] * ny, 0), v(a[1] + a[3] * nx, a[2] + a[3] * ny, 0),
+  }
+  return linear_extrude(v(0, 0, height), outline)
+end
+
+-- a round corner or end
+local function round(p, height)
+  local outline = {}
+  for k = 1, 32 do
+    local a = 2 * math.pi * k / 32
+    outline[k] = v(p[1] + p[3] / 2 * math.cos(a), p[2] + p[3] / 2 * math.sin(a), 0)
+  end
+  return linear_extrude(v(0, 0, height), outline)
+end
+
+for _, r in ipairs(rods) do
+  local points, last, whole = r[4], #r[4], nil
+  for k = 2, last do
+    local part = straight(points[k - 1], points[k], r[1])
+    if whole == nil then whole = part else whole = union(whole, part) end
+  end
+  for k = 1, last do
+    if (k > 1 or r[2] == 1) and (k < last or r[3] == 1) then whole = union(whole, round(points[k], r[1])) end
+  end
+  emit(whole)
+end
+"""
+
 
 @export_format("IceSL", ".lua", "script")
 def write_icesl(path: Path, job: Job) -> None:
-    """Write the stars of a job in the printer's coordinates."""
-    lines = [f"-- {one_line(job.design.name)}: stars for the {one_line(job.printer.name)}, in mm", f"-- {HEADING}", ""]
-    lines.append("stars = {")
-    for (x, y), pieces in star_table(job):
-        inner = ", ".join("{" + ", ".join(map(number, piece)) + "}" for piece in pieces)
-        lines.append(f"  {{{number(x)}, {number(y)}, {{{inner}}}}},")
-    lines.append("}")
-    path.write_text("\n".join(lines) + "\n" + _FUNCTIONS, encoding="utf-8", newline="\n")
+    """Write the stars and drawn rods of a job in the printer's coordinates."""
+    lines = [f"-- {one_line(job.design.name)}: {job.printed_word} for the {one_line(job.printer.name)}, in mm"]
+    functions = ""
+    if job.arms:
+        lines += [f"-- {HEADING}", "", "stars = {"]
+        for (x, y), pieces in star_table(job):
+            inner = ", ".join("{" + ", ".join(map(number, piece)) + "}" for piece in pieces)
+            lines.append(f"  {{{number(x)}, {number(y)}, {{{inner}}}}},")
+        lines.append("}")
+        functions += _STAR_FUNCTIONS
+    if job.rods:
+        lines += [f"-- {ROD_HEADING}", "", "rods = {", *rod_table(job, "{", "}"), "}"]
+        functions += _ROD_FUNCTIONS
+    path.write_text("\n".join(lines) + "\n" + functions, encoding="utf-8", newline="\n")

@@ -22,7 +22,7 @@ class ExportFormat:
     name : name in messages.
     suffix : end of its file names, with the point.
     kind : content of a file: one `solid`, all solids of a `print`, one `drawing`, drawings as `pages`, the needles as a
-        `table`, the stars as a `script`, or the sheet in space as a `shape`.
+        `table`, stars and rods as a `script`, or the sheet in space as a `shape`.
     write : function that writes one file.
     """
 

@@ -16,6 +16,7 @@ class SizeChangeRecord(Record):
 
     values_mm: list[float] = key("The sizes that are printed.", unit="mm")
     stars_changed: int = key("Stars with another size than in the design.")
+    rods_changed: int = key("Drawn rods between two nodes with another size than in the design.", default=0)
     largest_change_mm: float = key("The largest change of an arm's size, with its sign.", unit="mm")
     mean_change_percent: float = key("Mean of the relative changes of all arms.", unit="%")
 
@@ -46,7 +47,7 @@ class GivenShapeRecord(Record):
 class ShapeChangeRecord(Record):
     """The shape of the printed, rounded design compared with that of the design as drawn. Pairs: drawn, printed."""
 
-    model: str | None = key("`exact` or `preview`; null if the preview has no law for the fabric.")
+    model: str | None = key("`exact` or `preview`; null if there is no preview of the fabric or the pattern.")
     why: str = key("Why there is no comparison; only if `model` is null.", default=ABSENT)
     height_mm: list[float] = key("Extents of both shapes along z.", unit="mm", default=ABSENT)
     extent_mm: list[list[float]] = key("Sizes of the boxes around both shapes.", unit="mm", default=ABSENT)
@@ -62,10 +63,10 @@ class ShapeChangeRecord(Record):
 
 
 class TinyStarRecord(Record):
-    """A star so small that it may jump off the fabric."""
+    """A star, or an island of drawn rods, so small that it may jump off the fabric."""
 
     at_mm: list[float] = key("Centre in printed coordinates.", unit="mm")
-    arm_mm: float = key("Length of the longest arm.", unit="mm")
+    arm_mm: float = key("Length of the longest arm, or of all rods of the island.", unit="mm")
 
 
 class SolidRecord(Record):
@@ -93,16 +94,19 @@ class PrintCostRecord(Record):
     minutes: float = key("Printing time with heating; acceleration is not modelled.", unit="min")
 
 
-def _sizes(size: SizeChangeRecord, stars: int) -> str:
+def _sizes(size: SizeChangeRecord, stars: int, rods: int) -> str:
     values = ", ".join(f"{value:g}" for value in size.values_mm)
-    if not size.stars_changed:
+    changed = [f"{size.stars_changed} of {stars} stars"] if size.stars_changed else []
+    changed += [f"{size.rods_changed} of {rods} rods"] if size.rods_changed else []
+    if not changed:
         return f"{values} mm, as drawn"
-    return f"{values} mm; {size.stars_changed} of {stars} stars rounded, by {size.largest_change_mm:+.3f} mm at most"
+    return f"{values} mm; {' and '.join(changed)} rounded, by {size.largest_change_mm:+.3f} mm at most"
 
 
 def _rounding(record: ExportRecord) -> dict[str, str]:
     layers = record.rounding
-    rows = {"thickness": _sizes(layers.thickness, record.stars), "width": _sizes(layers.width, record.stars)}
+    sizes = {"thickness": layers.thickness, "width": layers.width}
+    rows = {name: _sizes(size, record.stars, record.rods) for name, size in sizes.items()}
     rows["layers"] = f"first {layers.first_layer_mm:g} mm, then {layers.layer_mm:g} mm"
     if better := layers.better_layers:
         options = f"--first-layer {better.first_layer_mm:g} --layer {better.layer_mm:g}"
@@ -112,7 +116,7 @@ def _rounding(record: ExportRecord) -> dict[str, str]:
 
 def _shape_change(record: ExportRecord) -> str:
     rounding, change = record.rounding, record.shape_change
-    if not (rounding.thickness.stars_changed or rounding.width.stars_changed):
+    if not any(size.stars_changed or size.rods_changed for size in (rounding.thickness, rounding.width)):
         return "none"
     if change is None:
         return "not computed"
@@ -149,13 +153,14 @@ def _check_square(record: ExportRecord) -> str:
 
 def _needles_in_plastic(record: ExportRecord) -> str | None:
     through = record.needles_in_plastic
-    return f"{needle_names(through)}: drill the arm there, or move the pin" if through else None
+    return f"{needle_names(through)}: drill the plastic there, or move the pin" if through else None
 
 
 def _hangs(record: ExportRecord) -> str | None:
     below = record.hangs_below_base_mm
     if below is None:
-        return "not known: the fabric has no law; use --simulate"
+        why = "the fabric has no law" if record.stars else "drawn rods have no preview"
+        return f"not known: {why}; use --simulate"
     if below <= VISIBLE_SAG_MM:
         return None
     return f"{sag_in_words(below, record.hangs_doubt_mm)}: set needles higher, or cut it out"
@@ -184,13 +189,18 @@ class ExportRecord(Record):
     )
     plastic: dict[str, Any] = key("The plastic's profile with all defaults.")
     stars: int = key("Number of stars.")
+    rods: int = key("Number of drawn rods between two nodes.", default=0)
     rounding: RoundingRecord = key("Layers and lines of the print.", label="rounding", show=_rounding)
     shape: GivenShapeRecord | None = key("The shape whose files are written; null without one.")
     shape_change: ShapeChangeRecord | None = key(
         "What rounding does to the shape; null if it was not computed.", label="change of shape", show=_shape_change
     )
-    tiny_stars: list[TinyStarRecord] = key("Stars that may jump off the fabric.", label="tiny stars", show=_tiny_stars)
-    solids: dict[str, SolidRecord] = key("The solids by the names of their files: `stars`, and `border` if printed.")
+    tiny_stars: list[TinyStarRecord] = key(
+        "Stars and islands of rods that may jump off the fabric.", label="tiny pieces", show=_tiny_stars
+    )
+    solids: dict[str, SolidRecord] = key(
+        "The solids by the names of their files: `stars`, or `rods` without stars, and `border` if printed."
+    )
     printed_border: bool = key("The line to cut along is printed.", label="cut line", show=_cut_line)
     turn_deg: float = key("Turn of the print on the bed, counterclockwise.", unit="deg")
     origin_on_bed_mm: list[float] = key("Place of the design's origin in the printer's coordinates.", unit="mm")
@@ -206,7 +216,7 @@ class ExportRecord(Record):
     )
     needles: int = key("Number of needles.", label="needles", show="{needles}")
     needles_in_plastic: list[int] = key(
-        "Numbers of the needles that meet an arm.", label="in plastic", show=_needles_in_plastic
+        "Numbers of the needles that meet an arm or a drawn rod.", label="in plastic", show=_needles_in_plastic
     )
     hangs_below_base_mm: float | None = key(
         "How far the sheet hangs below the base of its needles; null if the shape is not known.",

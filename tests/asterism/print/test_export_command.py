@@ -79,7 +79,7 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) 
     assert "Z13.55" in (folder / "start.gcode").read_text()
     for text in (result.out, (folder / "instructions.txt").read_text()):
         assert "3.55 mm" in text and "135.0" in text and "130.0" in text
-    assert said["tiny_stars"] == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}] and "tiny stars" in result.out
+    assert said["tiny_stars"] == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}] and "tiny pieces" in result.out
     rows = (folder / "needles.csv").read_text().splitlines()
     assert rows[0].startswith("number,printed_x_mm") and len(rows) == said["needles"] + 1
     # the rounded design prints what it says: exporting it again changes nothing

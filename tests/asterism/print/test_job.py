@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import shapely
 
-from asterism.print.arm_pieces import _height_steps
+from asterism.print.arm_pieces import height_steps
 from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.print_cost import print_cost
 from asterism.print.profiles import load_printer
-from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_stars
+from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_pieces
 from pattern import gallery
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
@@ -60,9 +60,9 @@ def test_better_layers_are_named_where_there_are_any() -> None:
     assert better_layers(plan, better) is None
 
 
-def test_tiny_stars_are_named_by_their_place() -> None:
-    assert tiny_stars(job().plan, 3.0) == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}]
-    assert tiny_stars(job().plan, 1.5) == []
+def test_tiny_pieces_are_named_by_their_place() -> None:
+    assert tiny_pieces(job().plan, 3.0) == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}]
+    assert tiny_pieces(job().plan, 1.5) == []
 
 
 @pytest.mark.parametrize("name", gallery.names())
@@ -76,7 +76,7 @@ def test_the_gallery_fits_the_papers_printer(name: str) -> None:
 def test_a_print_that_hangs_over_is_moved_onto_the_bed() -> None:
     # arms point down: the plastic is not symmetric about the origin
     one = job(printer={"bed_mm": (76.0, 83.0)})
-    low, high = np.reshape(shapely.bounds(one.stars[0].region), (2, 2))
+    low, high = np.reshape(shapely.bounds(one.pattern[0].region), (2, 2))
     assert one.placement.shift[0] == 0 and one.placement.shift[1] > 0
     assert low[1] == pytest.approx(-41.5, abs=0.002)
     assert (low >= np.array([-38.0, -41.5])).all() and (high <= np.array([38.0, 41.5])).all()
@@ -130,7 +130,7 @@ def test_nothing_is_printed_on_the_bars_of_the_frame() -> None:
     def framed(size_mm: float, bar_mm: float) -> dict[str, Any]:
         return bed | {"frame": {"size_mm": (size_mm, size_mm), "bar_mm": bar_mm}}
 
-    wide, deep = np.ptp(np.reshape(shapely.bounds(job(printer=bed).stars[0].region), (2, 2)), axis=0)
+    wide, deep = np.ptp(np.reshape(shapely.bounds(job(printer=bed).pattern[0].region), (2, 2)), axis=0)
     edge = float(np.ceil(max(wide, deep)))
     words = rf"stars = '{wide:.1f} x {deep:.1f} mm of plastic': must be within the 70\.0 x 70\.0 mm between the bars"
     with pytest.raises(DesignError, match=words):
@@ -138,7 +138,7 @@ def test_nothing_is_printed_on_the_bars_of_the_frame() -> None:
     # the plastic has room, the printed line around it has not
     tight = job(printer=framed(edge + 30.0, 15.0))
     assert tight.border is None
-    low, high = np.reshape(shapely.bounds(tight.stars[0].region), (2, 2))
+    low, high = np.reshape(shapely.bounds(tight.pattern[0].region), (2, 2))
     assert (low >= -edge / 2 - 1e-6).all() and (high <= edge / 2 + 1e-6).all()
     assert job(printer=framed(edge + 30.0, 5.0)).border is not None
 
@@ -230,8 +230,8 @@ def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], word
 
 def test_estimate_of_a_single_star_by_hand() -> None:
     one = job(design(stars={"length_mm": 8.0, "thickness_mm": 0.4}, border={"rings": 0}, pins=[]), border=False)
-    cost = print_cost([one.stars], one.printer, one.rounding, one.plastic)
-    area = one.stars[0].region.area
+    cost = print_cost([one.pattern], one.printer, one.rounding, one.plastic)
+    area = one.pattern[0].region.area
     speed = one.printer.speed
     assert cost["volume_mm3"] == pytest.approx(0.4 * area)
     assert cost["mass_g"] == pytest.approx(0.4 * area * 1.22e-3)
@@ -245,7 +245,7 @@ def test_prints_of_the_papers_size_take_about_its_twenty_minutes() -> None:
     minutes = []
     for name in ("roof", "tunnel", "u-shape", "doubly-curved"):
         one = job(gallery.load(name))
-        minutes.append(print_cost([one.stars], one.printer, one.rounding, one.plastic)["minutes"])
+        minutes.append(print_cost([one.pattern], one.printer, one.rounding, one.plastic)["minutes"])
     assert 10 < np.mean(minutes) < 30
 
 
@@ -253,7 +253,7 @@ def test_prints_of_the_papers_size_take_about_its_twenty_minutes() -> None:
 def test_arms_change_height_where_their_rounding_does(ends: tuple[float, float]) -> None:
     """Tips that the border cut off are no whole number of layers high."""
     rounding = Rounding(first_layer_mm=0.2, layer_mm=0.1, line_mm=0.4)
-    heights, at = _height_steps(np.array(ends), rounding)
+    heights, at = height_steps(np.array(ends), rounding)
     along = np.linspace(0.0, 1.0, 1001)
     along = along[np.abs(along[:, None] - at).min(axis=1) > 1e-6]
     wanted = rounding.thickness(ends[0] + along * (ends[1] - ends[0]))

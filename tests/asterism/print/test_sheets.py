@@ -138,7 +138,7 @@ def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> 
     (cut,) = outlines("cut")
     assert cut == pytest.approx(one.plan.outline, abs=SAME_MM)
     stars = sum(shapely.Polygon(outline).area for outline in outlines("stars"))
-    assert stars == pytest.approx(one.stars[0].region.area, rel=1e-6)
+    assert stars == pytest.approx(one.pattern[0].region.area, rel=1e-6)
     needles = [circle.dxf.center for circle in space.query("CIRCLE") if circle.dxf.layer == "needles"]
     assert np.array(needles)[:, :2] == pytest.approx(np.array([n.printed for n in one.needles]), abs=SAME_MM)
 

@@ -13,8 +13,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from asterism.print.arm_pieces import arm_pieces
-from asterism.print.arm_regions import border_terrace, star_terraces
 from asterism.print.formats.stl import write_stl
+from asterism.print.plastic_regions import border_terrace, plastic_terraces
 from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
 from pattern.design.design import Design
 from pattern.design.rounding import Rounding
@@ -51,7 +51,7 @@ def test_a_star_is_three_strips_that_overlap_in_the_middle() -> None:
     area = 3 * length * width - 3 * (width / 2) ** 2 / np.sqrt(3)
     mesh = checked(one.solids[0])
     # corners lie on a grid
-    assert mesh.volume == pytest.approx(area * height, abs=GRID_MM / 2 * one.stars[0].region.length * height)
+    assert mesh.volume == pytest.approx(area * height, abs=GRID_MM / 2 * one.pattern[0].region.length * height)
     assert mesh.extents == pytest.approx([2 * (length * np.cos(np.pi / 6) + width / 4), 12.52, height], abs=0.002)
     assert mesh.bounds[0, 2] == 0.0
 
@@ -81,7 +81,7 @@ def test_a_tapered_arm_is_a_staircase_of_whole_layers() -> None:
     thickness = {"profile": "radial", "from": 0.7, "to": 0.2, "over_mm": 8.0}
     stars = {"length_mm": 8.0, "thickness_mm": thickness, "vary_along_arms": True, "rounding": RULE.model_dump()}
     plan = layout(design(stars=stars, border={"rings": 0}, pins=[]))
-    steps = star_terraces(plan, arm_pieces(plan, RULE))
+    steps = plastic_terraces(plan, arm_pieces(plan, RULE))
     assert [step.height_mm for step in steps] == pytest.approx([0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
     arm = [strip for strip in arm_pieces(plan, RULE) if np.allclose(strip.direction, [0.0, -1.0])]
     # half a layer more than a step begins the next
@@ -96,7 +96,7 @@ def test_the_printed_border_stays_outside_the_sheet_and_clear_of_stars() -> None
     sheet = shapely.Polygon(plan.plan.outline)
     assert plan.border is not None
     assert plan.border.region.intersection(sheet).area < 1e-3 * plan.border.region.area
-    assert plan.border.region.distance(plan.stars[0].region) >= plan.rounding.line_mm - 0.002
+    assert plan.border.region.distance(plan.pattern[0].region) >= plan.rounding.line_mm - 0.002
     assert plan.border.region.area == pytest.approx(sheet.length * plan.rounding.line_mm, rel=0.02)
     checked(plan.solids[1])
     assert plan.solids[1].box[1, 2] == plan.rounding.first_layer_mm
@@ -167,7 +167,7 @@ def test_stars_of_many_kinds_are_watertight_in_single_precision(
     lattice = {"kind": kind, "arms": arms, "spacing_mm": 10.34, "orientation_deg": orientation}
     border = {"rectangle_mm": [90.0, 70.0]}
     one = job(design(fabric={}, lattice=lattice, stars=stars, border=border, pins=[]), turn_deg=17.3 if taper else 0.0)
-    for solid, steps in zip(one.solids, (one.stars, (one.border,)), strict=True):
+    for solid, steps in zip(one.solids, (one.pattern, (one.border,)), strict=True):
         write_stl(tmp_path / "a.stl", solid.points, solid.triangles)
         assert trimesh.load_mesh(tmp_path / "a.stl").is_watertight
         assert solid.volume_mm3 == pytest.approx(volume(steps), rel=1e-7)

@@ -8,7 +8,9 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from asterism.print.arm_pieces import ArmPiece
+from asterism.print.rod_pieces import RodPiece
 from asterism.print.solid import GRID_MM, Terrace, nested_terraces
+from equilibrium.arrays import Floats
 from pattern.design.rounding import Rounding
 from pattern.layout.layout import Layout
 
@@ -16,9 +18,9 @@ from pattern.layout.layout import Layout
 MIN_CUT_LINE_HALF_WIDTH = 0.1
 
 
-def star_terraces(plan: Layout, arms: Sequence[ArmPiece]) -> tuple[Terrace, ...]:
-    """Terraces of all stars in printed coordinates; overlapping arms are united."""
-    regions: list[tuple[float, BaseGeometry]] = []
+def plastic_terraces(plan: Layout, arms: Sequence[ArmPiece], rods: Sequence[RodPiece] = ()) -> tuple[Terrace, ...]:
+    """Terraces of all stars and drawn rods in printed coordinates; overlapping pieces are united."""
+    regions: list[tuple[float, BaseGeometry]] = [(piece.height_mm, piece.region) for piece in rods]
     for strip in arms:
         centre = plan.centres[strip.star]
         regions.append((strip.height_mm, shapely.Polygon(strip.corners(centre))))
@@ -29,12 +31,21 @@ def star_terraces(plan: Layout, arms: Sequence[ArmPiece]) -> tuple[Terrace, ...]
     return nested_terraces(regions)
 
 
-def border_terrace(plan: Layout, stars: Sequence[Terrace], rounding: Rounding) -> Terrace:
-    """A printed line to cut along: one line wide, one layer high, outside the border."""
+def cutting_lines(plan: Layout, plastic: Sequence[Terrace]) -> tuple[Floats, ...]:
+    """Closed lines (n, 2) mm to cut along, the outline first: the outer edge of a printed rim, or the border."""
+    sheet = shapely.polygons(plan.outline)
+    if not plan.rim:
+        return (plan.outline,)
+    with_rim = shapely.union_all([sheet, plastic[0].region])
+    return tuple(shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(with_rim))
+
+
+def border_terrace(plan: Layout, plastic: Sequence[Terrace], rounding: Rounding) -> Terrace:
+    """A printed line to cut along: one line wide, one layer high, outside the border; empty beside a printed rim."""
     sheet = shapely.polygons(plan.outline)
     around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
-    # plastic of stars beyond the border must not touch the line
-    clear = around.difference(stars[0].region.buffer(rounding.line_mm))
+    # plastic beyond the border must not touch the line
+    clear = around.difference(plastic[0].region.buffer(rounding.line_mm))
     # slivers cannot be printed, and would touch the other parts in a point
     thin = MIN_CUT_LINE_HALF_WIDTH * rounding.line_mm
     wide = clear.buffer(-thin, join_style="mitre").buffer(thin, join_style="mitre", mitre_limit=5)

@@ -1,0 +1,181 @@
+"""Prints of drawn rods: solids, scripts, sheets, needles, and middle lines that are read again."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+import trimesh
+
+from asterism.print.export import export
+from asterism.print.formats.openscad import write_openscad
+from asterism.print.job import Job
+from asterism.print.needles import needles_near_edge
+from pattern.design.design import Design
+from pattern.layout.load_design import load_design
+from pattern.layout.print_layout import print_layout
+from pattern.rods.graph import RodGraph
+from tests.asterism.commands import command
+from tests.asterism.print.jobs import job
+
+LEAF: dict[str, Any] = {
+    "name": "leaf",
+    "rods": {
+        "draw": [
+            {
+                "name": "rim",
+                "spline_mm": [(-40, 0), (-20, 13), (10, 17), (40, 0), (10, -17), (-20, -13)],
+                "closed": True,
+                "thickness_mm": 0.6,
+                "width_mm": 1.6,
+            },
+            {"name": "rib", "line_mm": [(-40, 0), (40, 0)], "thickness_mm": 0.4},
+            {"name": "vein", "line_mm": [(-15, 0), (0, 30)], "width_mm": 0.8},
+        ]
+    },
+    "border": {"rods": "rim"},
+}
+TAPERED: dict[str, Any] = {
+    "rods": {
+        "thickness_mm": {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 20.0},
+        "draw": [{"name": "bow", "arc_mm": {"radius": 15.0, "from_deg": 0.0, "to_deg": 90.0, "centre": (-10.0, 0.0)}}],
+    },
+    "border": {"rectangle_mm": (50.0, 50.0)},
+}
+
+
+def drawn(data: dict[str, Any] = LEAF, **options: Any) -> Job:
+    return job(Design.from_dict(data), **options)
+
+
+def test_solids_are_closed_and_as_large_as_the_lines(tmp_path: Path) -> None:
+    exported = export(Design.from_dict(LEAF), tmp_path)
+    mesh = trimesh.load_mesh(tmp_path / "rods.stl")
+    graph = exported.job.plan.graph
+    lines = sum(rod.length * rod.width[0] * rod.thickness[0] for rod in graph.rods)
+    assert mesh.is_watertight and mesh.volume == pytest.approx(lines, rel=0.05)  # lines overlap where they meet
+    assert exported.summary.solids["rods"].volume_mm3 == pytest.approx(mesh.volume, rel=1e-4)
+    assert "border" not in exported.summary.solids and not exported.summary.printed_border
+    assert "Cut along" not in (text := (tmp_path / "instructions.txt").read_text()) and "outer edge of the" in text
+
+
+def test_a_straight_line_is_a_box_of_its_size(tmp_path: Path) -> None:
+    line = {"draw": [{"line_mm": [(-10, 0), (10, 0)]}], "thickness_mm": 0.4}
+    export(Design.from_dict({"rods": line, "border": {"rectangle_mm": (40.0, 20.0)}}), tmp_path, border=False)
+    box = trimesh.load_mesh(tmp_path / "rods.stl").bounds
+    np.testing.assert_allclose(box[1] - box[0], [20.0, 1.2, 0.4], atol=1e-3)
+
+
+def test_a_rim_is_cut_along_its_outer_edge() -> None:
+    one = drawn()
+    inside, cut = shapely.Polygon(one.plan.outline), shapely.Polygon(one.cut[0])
+    assert len(one.cut) == 1 and cut.buffer(1e-3).covers(inside)
+    assert shapely.hausdorff_distance(cut.exterior, inside.exterior) == pytest.approx(0.8, abs=0.02)
+    assert cut.buffer(1e-3).covers(one.pattern[0].region)
+
+
+def test_tapered_rods_are_printed_in_layers() -> None:
+    one = drawn(TAPERED)
+    rod = one.plan.graph.rods[0]
+    assert [step.height_mm for step in one.pattern] == sorted(set(rod.thickness)) and one.is_rounded
+    assert len(one.pattern) == 2
+    volume = np.trapezoid(rod.thickness, rod.arc_lengths) * 1.2
+    assert one.solids[0].volume_mm3 == pytest.approx(volume, rel=0.01)
+    assert one.size_changes["thickness"].rods_changed == 1 and one.size_changes["thickness"].stars_changed == 0
+
+
+def test_openscad_has_the_areas_of_the_solids(tmp_path: Path) -> None:
+    one = drawn(turn_deg=30.0)
+    write_openscad(tmp_path / "rods.scad", one)
+    text = (tmp_path / "rods.scad").read_text()
+    assert "star" not in text
+    table = ast.literal_eval(re.search(r"rods = (\[.*?\n\]);", text, re.DOTALL)[1])  # type: ignore[index]
+    strips = []
+    for _, start, end, points in table:
+        line = np.array(points)
+        strips.append(shapely.LineString(line[:, :2]).buffer(line[0, 2] / 2, cap_style="flat", quad_segs=8))
+        strips += [shapely.Point(line[k, :2]).buffer(line[k, 2] / 2) for k, on in ((0, start), (-1, end)) if on]
+    low, high = one.solids[0].box[:, :2]
+    assert shapely.union_all(strips).bounds == pytest.approx([*low, *high], abs=0.005)
+    assert shapely.union_all(strips).area == pytest.approx(one.pattern[0].region.area, rel=2e-3)
+
+
+def test_lua_makes_the_same_prisms(tmp_path: Path) -> None:
+    lupa = pytest.importorskip("lupa")
+    from asterism.print.formats.icesl import write_icesl
+
+    one = drawn()
+    write_icesl(tmp_path / "rods.lua", one)
+    lua, emitted = lupa.LuaRuntime(), []
+    lua.globals().v = lambda x, y, z: (x, y, z)
+    lua.globals().linear_extrude = lambda along, outline: [
+        shapely.Polygon([outline[k][:2] for k in range(1, len(outline) + 1)])
+    ]
+    lua.globals().union = lambda one, other: one + other
+    lua.globals().emit = emitted.append
+    lua.execute((tmp_path / "rods.lua").read_text())
+    area = shapely.union_all([region for rod in emitted for region in rod]).area
+    assert len(emitted) == len(one.plan.graph.rods) and area == pytest.approx(one.pattern[0].region.area, rel=2e-3)
+
+
+def same_graph(one: RodGraph, other: RodGraph, shift: np.ndarray) -> float:
+    """mm, the largest distance of nodes and of lines of two drawings; infinite if they differ in kind."""
+    if len(one.rods) != len(other.rods) or len(one.joints) != len(other.joints):
+        return np.inf
+    lines = [shapely.LineString(rod.points) for rod in one.rods]
+    moved = [shapely.LineString(rod.points + shift) for rod in other.rods]
+    return max(min(shapely.hausdorff_distance(a, b) for b in moved) for a in lines)
+
+
+@pytest.mark.parametrize("suffix", ["svg", "dxf"])
+def test_middle_lines_are_read_again_within_a_micrometre(tmp_path: Path, suffix: str) -> None:
+    export(Design.from_dict(LEAF), tmp_path)
+    layers = {"rim": {"thickness_mm": 0.6}, "rib": {"thickness_mm": 0.4}, "vein": {"thickness_mm": 0.4}}
+    drawing = {"file": f"middle-lines.{suffix}", "width": "stroke", "layers": layers}
+    rods = {"import": [drawing], "curve_mm": 0.0005}
+    again = print_layout(Design.from_dict({"rods": rods, "border": {"rectangle_mm": (90, 50)}}, tmp_path)).graph
+    graph = load_design(tmp_path / "rounded.toml")
+    first = print_layout(graph).graph
+    corners = np.concatenate([rod.points for rod in first.rods])
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    assert same_graph(first, again, middle) < 1e-3
+    widths = [sorted({(round(rod.width[0], 3), rod.thickness[0]) for rod in one.rods}) for one in (first, again)]
+    assert widths[0] == widths[1]
+
+
+def test_needles_on_a_curved_outline_are_evenly_spaced() -> None:
+    ring = {"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]}
+    one = drawn({"rods": ring, "border": {"rods": "rim"}, "pins": [{"where": "border"}]}, needle_spacing_mm=20.0)
+    printed = np.array([needle.printed for needle in one.needles])
+    steps = np.linalg.norm(printed - np.roll(printed, -1, axis=0), axis=1)
+    assert len(printed) == 7 and np.ptp(steps) < 0.01
+    assert one.needles_in_plastic == needles_near_edge(one.plan, one.needles) == list(range(1, 8))
+
+
+def test_islands_that_may_jump_off_are_named() -> None:
+    dot = {"line_mm": [(0, 10), (2, 10)]}
+    cross = [{"line_mm": [(-10, 0), (10, 0)]}, {"line_mm": [(0, -1), (0, 1)]}]
+    from asterism.print.rounded import tiny_pieces
+
+    one = drawn({"rods": {"draw": [dot, *cross]}, "border": {"rectangle_mm": (40.0, 40.0)}})
+    assert tiny_pieces(one.plan, 3.0) == [{"at_mm": [1.0, 10.0], "arm_mm": 2.0}]
+
+
+def test_the_command_exports_a_drawing_and_says_that_no_preview_is_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bow.toml").write_text(
+        'name = "bow"\n[rods]\nthickness_mm = 0.33\n[[rods.draw]]\nline_mm = [[-10, 0], [0, 5], [10, 0]]\n'
+        "[border]\nrectangle_mm = [40, 30]\n"
+    )
+    done = command(["export", "bow.toml"], capsys, monkeypatch)
+    assert done.status == 0 and "2 of 2 rods rounded" in done.out and "use --simulate" in done.out
+    assert {"rods.stl", "border.stl", "print.3mf", "rods.scad", "middle-lines.svg", "start.gcode"} <= {
+        file.name for file in (tmp_path / "bow-print").iterdir()
+    }
