@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 # The body of an engine's process.
-ENGINE = "asterism.studio.engine:run_engine"
+ENGINE = "asterism.studio.engine_process:run_engine"
 # Seconds that a process has to end by itself before it is killed.
 END_GRACE_S = 0.5
 

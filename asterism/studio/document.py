@@ -1,15 +1,14 @@
-"""The document of the studio: a design file's table with undo, saved state and autosave."""
+"""The document of the studio: a design file's table with undo and saved state."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from asterism.results.files import write_file
 from asterism.studio import painted
+from asterism.studio.autosave import Autosave, autosave_path
 from asterism.studio.changes import check_pictures, with_changes
 from asterism.studio.design_text import edited_text
 from asterism.studio.disk_file import check_unchanged
@@ -21,7 +20,6 @@ from pattern.design.files import read_table, table_text
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
-AUTOSAVE_SUFFIX = ".autosave.toml"
 # Texts that are kept of files that were read or written, besides the first one.
 MAX_TEXTS = 20
 
@@ -37,10 +35,12 @@ class Document:
     path : the design file; it need not exist yet.
     layout : of the last table that was laid out, see `check`.
     thumbnails : small plans of the last states.
-    kept_work : the table of an autosave that a former session left; None without one, or if it cannot be read.
+    autosave : unsaved work of this session and of a former one.
     """
 
-    def __init__(self, table: Mapping[str, Any], path: Path, text: str | None = None) -> None:
+    def __init__(
+        self, table: Mapping[str, Any], path: Path, text: str | None = None, autosave: Autosave | None = None
+    ) -> None:
         self.path = path
         self._history = History(dict(table))
         self._gesture: Any = None
@@ -48,10 +48,9 @@ class Document:
         self._texts = {0: text} if text is not None else {}
         self._base_text = text  # the last text that was read or written; edits keep its comments
         self._disk_text = text  # the same of the file at `path`
-        self._has_autosave = False
         self._is_checked = False
         self.thumbnails = Thumbnails()
-        self.kept_work = self._read_autosave()
+        self.autosave = autosave or Autosave(path)
         self.layout: Layout = self.check()
 
     @classmethod
@@ -76,9 +75,7 @@ class Document:
         DesignError
             There is no autosave, or it is not a design that can be printed.
         """
-        document = cls(read_table(autosave_path(path)), path)
-        document.kept_work, document._has_autosave = None, True
-        return document
+        return cls(read_table(autosave_path(path)), path, autosave=Autosave(path, is_taken=True))
 
     @classmethod
     def copy_of(cls, source: Path, path: Path) -> Document:
@@ -117,16 +114,6 @@ class Document:
         if self._base_text is None or path.suffix.lower() != ".toml" or self.path.suffix.lower() != ".toml":
             return table_text(self.table, path)
         return edited_text(self._base_text, self.table)
-
-    @property
-    def autosave_path(self) -> Path:
-        """Where unsaved work is kept: beside the design, hidden."""
-        return autosave_path(self.path)
-
-    @property
-    def _earlier_path(self) -> Path:
-        """Where the unsaved work of a former session goes if new work needs its place."""
-        return self.autosave_path.with_suffix(".earlier.toml")
 
     def design(self) -> Design:
         """The design of this state.
@@ -250,21 +237,21 @@ class Document:
         if not over:
             check_unchanged(path, self._disk_text if path == self.path else None)
         if not over and self.is_saved and path == self.path and path.exists():
-            self._drop_autosave()
+            self.autosave.drop()
             return
         text = self.text if path.suffix.lower() == self.path.suffix.lower() else table_text(self.table, path)
         write_file(path, text)
-        self._drop_autosave()
+        self.autosave.drop()
         if path.suffix.lower() != self.path.suffix.lower():
             self._texts.clear()  # in the other format
-        self.path = path
+        self.path = self.autosave.design_path = path
         self._base_text = self._disk_text = text
         self._texts[self.revision] = text
         for old in sorted(self._texts)[1:-MAX_TEXTS]:
             del self._texts[old]
         self._saved_revision = self.revision
 
-    def autosave(self) -> None:
+    def keep_work(self) -> None:
         """Keep unsaved work beside the design file; without any, take the autosave of this session away.
 
         Raises
@@ -272,21 +259,10 @@ class Document:
         OutputError
             The file cannot be written.
         """
-        if not self.is_saved and (self.history.position or self._has_autosave):
-            if self.kept_work is not None and not self._has_autosave:
-                # neither taken nor forgotten yet
-                with suppress(FileNotFoundError):
-                    self.autosave_path.replace(self._earlier_path)
-            write_file(self.autosave_path, self._edited_text(self.autosave_path))
-            self._has_autosave = True
+        if not self.is_saved and (self.history.position or self.autosave.is_written):
+            self.autosave.write(self._edited_text(self.autosave.path))
         else:
-            self._drop_autosave()
-
-    def _drop_autosave(self) -> None:
-        """Take the autosave of this session away; that of a former one stays until it is taken or forgotten."""
-        if self._has_autosave:
-            self.autosave_path.unlink(missing_ok=True)
-            self._has_autosave = False
+            self.autosave.drop()
 
     def recover(self) -> None:
         """Show the work that a former session left.
@@ -296,24 +272,9 @@ class Document:
         DesignError
             It is not a design that can be printed.
         """
-        if self.kept_work is not None:
-            self.apply(self.kept_work, None, "recovered")
-            self.kept_work = None
-
-    def discard(self) -> None:
-        """Forget the work that a former session left."""
-        self.kept_work = None
-        self._earlier_path.unlink(missing_ok=True)
-        if not self._has_autosave:
-            self.autosave_path.unlink(missing_ok=True)
-
-    def _read_autosave(self) -> dict[str, Any] | None:
-        try:
-            table = tomllib.loads(self.autosave_path.read_text(encoding="utf-8"))
-            Design.from_dict(table, self.path.parent)
-        except (OSError, ValueError):
-            return None
-        return table
+        if (kept := self.autosave.kept_work) is not None:
+            self.apply(kept, None, "recovered")
+            self.autosave.kept_work = None
 
     def read_again(self) -> None:
         """Show the text of the design file: somebody has edited it with another program.
@@ -329,15 +290,3 @@ class Document:
         self._base_text = self._disk_text = text
         self._texts[self.revision] = text
         self._saved_revision = self.revision
-
-
-def autosave_path(path: Path) -> Path:
-    """Where unsaved work on a design file is kept: beside it, hidden.
-
-    Examples
-    --------
-    >>> autosave_path(Path("designs/dome.toml")).as_posix()
-    'designs/.dome.autosave.toml'
-    """
-    stem = path.stem if path.suffix.lower() == ".toml" else path.name
-    return path.with_name(f".{stem}{AUTOSAVE_SUFFIX}")

@@ -1,4 +1,4 @@
-"""The engine: a process with one preview, which shows edits as they come. The newest edit wins.
+"""The engine: one preview, which shows edits as they come. The newest edit wins.
 
 An edit gives the linear response at once and then the equilibrium. While the pointer is down, equilibria are left out
 if newer edits wait, but not for long. When nothing has been asked for a while, a fine mesh follows, with the estimated
@@ -9,30 +9,27 @@ from __future__ import annotations
 
 import pickle
 import sys
-import threading
 import time
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
-from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 
 from asterism.previews.session import Preview, paper_law
 from asterism.previews.solve import EDIT_START, FORM_START
-from asterism.process.compiling import clock_without_compiling, signs_while_compiling
+from asterism.previews.watch import SearchLimitError
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import Busy, Edit, FitTarget, Flip, Frame, Limits, Parts, Ready, ShowForm, StudioProblem
+from asterism.studio.messages import Busy, Edit, FitTarget, Flip, Frame, Limits, Parts, ShowForm, StudioProblem
 from asterism.studio.rest_summary import blank_summary, rest_summary
-from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
+from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
 from asterism.studio.sheet_view import SheetView, blank_messages
 from asterism.studio.target_distance import TargetComparison
 from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from homogenize.errors import ForeignLaw
-from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import BlankSheetError
 from pattern.layout.painted_stars import with_painted_stars
@@ -40,7 +37,6 @@ from pattern.layout.painted_stars import with_painted_stars
 REST_S = 0.3  # without a message, after which the fine frame follows
 EQUILIBRIUM_EVERY_S = 0.25  # while edits follow each other
 MAX_LENGTH_CHANGE_MM = 1.0  # since the last equilibrium: the linear response is off after larger changes
-WARM_UP_DESIGN = "star"
 
 
 class Engine:
@@ -92,9 +88,9 @@ class Engine:
         if isinstance(message, Edit):
             self._try(lambda: self._edit(message))
         elif isinstance(message, Flip):
-            self._try(self._flip)
+            self._try(lambda: self._search(self._flip))
         elif isinstance(message, ShowForm):
-            self._try(lambda: self._show_form(message.index))
+            self._try(lambda: self._search(lambda: self._show_form(message.index)))
         elif isinstance(message, FitTarget):
             self._try(self._fit_target)
 
@@ -202,6 +198,16 @@ class Engine:
                 raise
             return False  # the form of another mesh
         return True
+
+    def _search(self, work: Callable[[], None]) -> None:
+        """Search for another form. Without one the shown form stays, and is as good as before."""
+        try:
+            work()
+        except Cancelled:
+            self._send(StudioProblem(self._bounds.seq, "search ended", "the search was cancelled; the form stays"))
+        except SearchLimitError:
+            text = f"no other form within {self._bounds.longest_s:g} s; the form stays"
+            self._send(StudioProblem(self._bounds.seq, "search ended", text))
 
     def _flip(self) -> None:
         if self._preview is None:
@@ -322,27 +328,3 @@ class Engine:
         except ForeignLaw:
             ranges = {}
         self._send(Limits(self._bounds.seq, ranges, law.stretches))
-
-
-def run_engine(connection: Connection) -> None:
-    """The body of an engine's process: load everything, and serve until the pipe ends.
-
-    Parameters
-    ----------
-    connection : this process's end of a pipe, with the messages of `asterism.studio.messages`.
-    """
-    begun, lock = time.monotonic(), threading.Lock()
-
-    def send(message: Any) -> None:
-        with lock:
-            connection.send(message)
-
-    def compiling(text: str) -> None:
-        send(Busy(0, text))
-
-    inbox, law = Inbox(connection.recv), paper_law()
-    with signs_while_compiling(compiling, SIGN_EVERY_S), clock_without_compiling() as clock:
-        if not inbox.has_waiting:
-            list(Preview(gallery.load(WARM_UP_DESIGN), law).edit(gallery.load(WARM_UP_DESIGN)))
-        send(Ready(time.monotonic() - begun))
-        Engine(inbox, send, clock).serve()

@@ -13,10 +13,12 @@ from asterism.studio.messages import (
     Busy,
     Cancel,
     Edit,
+    Flip,
     Frame,
     Parts,
     Ready,
     ShapeSummary,
+    ShowForm,
     ShownMesh,
     Stop,
     StudioProblem,
@@ -29,6 +31,9 @@ MAX_SILENCE_S = 30.0
 MAX_LOADING_S = 300.0
 # After so many deaths on one edit the engine waits for another edit.
 MAX_DEATHS = 2
+
+# What the page calls the searches that are asked for by themselves.
+SEARCHES: dict[type, str] = {Flip: "flip", ShowForm: "form"}
 
 CANNOT_COMPUTE = "the preview cannot compute this design; change it to go on"
 
@@ -69,6 +74,7 @@ class EngineLink:
         self._last_mesh = 0
         self._mesh_offset = 0  # every engine counts its meshes from 1; pages need one number a mesh
         self._owes: int | None = None  # seq of the last edit without an answer
+        self._search: str | None = None  # the search that was asked for last, if nothing was asked for since
         self._asked = time.monotonic()
         self._spare: Child | None = None
         self.status = "starting"
@@ -88,18 +94,25 @@ class EngineLink:
     def ask(self, message: Any) -> None:
         """Send `Flip`, `ShowForm` or `FitTarget`."""
         self._ask(message)
+        self._changed()
 
     def request_parts(self, parts: Parts) -> None:
         """Request these parts in all frames, also in those of an engine that replaces this one."""
         self._parts = parts
         self._child.send(parts)
 
-    def cancel(self) -> None:
-        """Break off what the engine is doing."""
+    @property
+    def searching(self) -> str | None:
+        """The search for another form that the engine works on: `flip`, `form` or None."""
+        return self._search if self._owes is not None else None
+
+    def stop(self) -> None:
+        """Break off what the engine computes; the shown shape stays."""
         if self._owes is not None:
             self._child.send(Cancel(self._owes))
 
     def _ask(self, message: Any) -> None:
+        self._search = SEARCHES.get(type(message))
         self._owes, self._asked = message.seq, time.monotonic()
         self._set("computing" if self._child in self._loaded else "starting")
         self._child.send(message)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.studio.document import AUTOSAVE_SUFFIX, autosave_path
+from asterism.studio.autosave import AUTOSAVE_SUFFIX, autosave_path
 from pattern import gallery
 from pattern.layout.build import layout
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 from asterism.studio import requests as ask
-from asterism.studio.engine_link import EngineLink
-from asterism.studio.messages import FitTarget, Parts, TargetPose
+from asterism.studio.engine_requests import EngineRequests
+from asterism.studio.messages import Parts, TargetPose
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.target import Target
@@ -17,10 +17,9 @@ class PartsOwner(Protocol):
 
     shown: Shown
     tabs: Tabs
-    engine: EngineLink
+    engine: EngineRequests
 
     def tell_state(self) -> None: ...
-    def last_seq(self, is_new: bool = False) -> int: ...
 
 
 class FrameParts:
@@ -52,8 +51,8 @@ class FrameParts:
 
     def _request(self, smooth: bool) -> None:
         surface = None if self.target is None else self.target.surface
-        self._requested = Parts(self._studio.last_seq(), smooth, surface, self.version)
-        self._studio.engine.request_parts(self._requested)
+        self._requested = Parts(self._studio.engine.last_seq, smooth, surface, self.version)
+        self._studio.engine.link.request_parts(self._requested)
 
     def load(self, target: Target) -> None:
         """Show a target that was sent, laid on the shape if there is one."""
@@ -81,9 +80,7 @@ class FrameParts:
 
     def fit(self) -> None:
         """Have the engine lay the target on the shape."""
-        seq = self._studio.last_seq(is_new=True)
-        self._fits = seq, self.version
-        self._studio.engine.ask(FitTarget(seq))
+        self._fits = self._studio.engine.fit_target(), self.version
 
     def move(self, pose: TargetPose) -> None:
         """The engine has laid the target on the shape."""

@@ -251,7 +251,7 @@ class ShapeSummary:
 
 
 # kinds of problems that do not concern the shown shape
-ANSWERS = frozenset({"no other side", "no such form", "no target"})
+ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,8 @@ class StudioProblem:
 
     Attributes
     ----------
-    kind : `design`, `law`, `mesh`, `no minimum`, `too long`, `cancelled`, `no other side`, `output`.
+    kind : `design`, `law`, `mesh`, `no minimum`, `too long`, `cancelled`, `no other side`, `search ended`,
+        `output`.
     field, value, allowed : of a mistake in the design; empty otherwise.
     text : one line.
     """

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from asterism.studio import requests as ask
-from asterism.studio.document import Document, autosave_path
+from asterism.studio.autosave import autosave_path
+from asterism.studio.document import Document
 from asterism.studio.examples import NEW_SHEET, free_name
 from asterism.studio.local_files import file_below
 from pattern import gallery

@@ -13,7 +13,7 @@ from asterism.studio.messages import Limits, StudioProblem, mistake_parts
 from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
-from pattern.design.errors import DesignError
+from pattern.design.errors import BlankSheetError, DesignError
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from pattern.layout.layout import Layout
 
@@ -22,6 +22,8 @@ REFUSAL_KINDS: dict[type[Exception], str] = {
     FileChangedError: "file changed",
     OtherFileError: "file exists",
 }
+# Previews, exact shapes and prints need stars; the engine shows a sheet without them while the pointer is down.
+LAST_STAR = f"A sheet needs at least one star with an arm of {MIN_ARM_MM:g} mm; the design stays as it is."
 
 
 def document_data(document: Document, printer: str, limits: Limits | None) -> dict[str, Any]:
@@ -42,7 +44,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
         "history": {"position": history.position, "labels": history.labels[-50:]},
-        "kept_work": document.kept_work is not None,
+        "kept_work": document.autosave.kept_work is not None,
         "design": table,
         "plan": {
             **plan_data(layout, painted_sites),
@@ -76,6 +78,8 @@ def problem_data(error: Exception, layout: Layout | None, seq: int | None = None
     layout : of the design, for the sites of the stars.
     seq : number of the page's message that is refused.
     """
+    if isinstance(error, BlankSheetError):
+        return {"type": "problem", "kind": "no star", "seq": seq, "text": LAST_STAR}
     rows = np.empty((0, 2)) if layout is None else layout.sheet_sites
     return {
         "type": "problem",

@@ -168,7 +168,15 @@ class Verify(Request):
 
 
 class CancelRequest(Request):
+    """Break off the job."""
+
     type: Literal["cancel"]
+
+
+class StopRequest(Request):
+    """Break off what the engine computes; the shown shape stays."""
+
+    type: Literal["stop"]
 
 
 class ExportRequest(Request):
@@ -214,6 +222,7 @@ AnyRequest = Annotated[
     | TargetRequest
     | Verify
     | CancelRequest
+    | StopRequest
     | ExportRequest
     | ReportRequest
     | PrinterRequest

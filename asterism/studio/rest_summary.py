@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from asterism.previews.session import Preview
 from asterism.results.placed_warning import PlacedWarning
+from asterism.results.words import VISIBLE_SAG_MM
 from asterism.shape.shape import Shape
 from asterism.studio.messages import Form, Notice, ShapeSummary, sites_of
 
@@ -13,6 +14,8 @@ SUMMARY_KEYS = (
     "expected_rms_percent",
     "expected_height_percent",
     "height_mm",
+    "above_needles_mm",
+    "below_needles_mm",
     "extent_mm",
     "contraction",
     "roll_radius_mm",
@@ -35,9 +38,13 @@ def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
     forms = [Form(index, form.start, 100.0 * form.gap, False) for index, form in enumerate(preview.forms)]
     if forms:
         forms.insert(0, Form(SHOWN_FORM, preview.equilibrium.guess, 0.0, True))
-    return ShapeSummary(seq, {key: shape.summary[key] for key in SUMMARY_KEYS}, tuple(notices), tuple(forms))
+    numbers = {key: shape.summary[key] for key in SUMMARY_KEYS}
+    below = numbers["below_needles_mm"]
+    numbers["below_needles_mm"] = below if below is not None and below > VISIBLE_SAG_MM else None
+    return ShapeSummary(seq, numbers, tuple(notices), tuple(forms))
 
 
 def blank_summary(seq: int) -> ShapeSummary:
     """The same of a sheet without stars."""
-    return ShapeSummary(seq, {"height_mm": 0.0, "is_minimum": True, "stars": 0}, (Notice(WITHOUT_STARS),))
+    numbers = {**dict.fromkeys(SUMMARY_KEYS), "height_mm": 0.0, "is_minimum": True, "stars": 0}
+    return ShapeSummary(seq, numbers, (Notice(WITHOUT_STARS),))

@@ -48,7 +48,7 @@ class SearchBounds:
         self.begin(0)
 
     def begin(self, seq: int, yields: bool = False) -> None:
-        """Begin the work on a message; work that yields ends as soon as another message waits."""
+        """Begin the work on a message; work that yields ends when another one waits, and is not cancelled."""
         self.seq, self.longest_s, self._yields = seq, MAX_SEARCH_S, yields
         self._begun, self.last_sign = self._clock(), time.monotonic()
         self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
@@ -70,7 +70,7 @@ class SearchBounds:
         Superseded, Cancelled, SearchLimitError
             The work ends.
         """
-        if self._inbox.is_closed or self._inbox.is_cancelled(self.seq):
+        if self._inbox.is_closed or (not self._yields and self._inbox.is_cancelled(self.seq)):
             raise Cancelled
         if self._inbox.has_waiting and (self._yields or self.seconds > (MAX_STALE_S if self._was_stale else STALE_S)):
             raise Superseded

@@ -74,9 +74,11 @@ class Shown:
         self.forms = [asdict(form) for form in summary.forms]
         self.summary_revision = revision
 
-    def add_problem(self, problem: StudioProblem) -> None:
-        """An edit without a shape: the last good one stays."""
-        self.problem, self.busy = engine_problem_data(problem), None
+    def add_problem(self, problem: StudioProblem) -> dict[str, Any]:
+        """An edit without a shape: the last good one stays. Returns the problem's data."""
+        data = engine_problem_data(problem)
+        self.problem, self.busy = data, None
+        return data
 
     def show_verified(self, verified: Verified, revision: int, tabs: Iterable[Tab]) -> None:
         """Show both shapes of a verification."""

@@ -11,25 +11,12 @@ from typing import Any
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.engine_link import EngineLink
+from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.examples import design_files, gallery_entries
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_requests import JobRequests
-from asterism.studio.messages import (
-    ANSWERS,
-    Busy,
-    Edit,
-    Flip,
-    Frame,
-    Limits,
-    ShapeSummary,
-    ShowForm,
-    ShownMesh,
-    StudioProblem,
-    TargetPose,
-)
 from asterism.studio.opening import design_path, opened
-from asterism.studio.page_data import document_data, engine_problem_data, problem_data
-from asterism.studio.painted import split
+from asterism.studio.page_data import document_data, problem_data
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
 from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
@@ -39,8 +26,6 @@ from equilibrium.errors import Error
 
 MAX_QUEUED = 1000
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
-# Edits whose answers may still come.
-MAX_OPEN_EDITS = 200
 
 _log = logging.getLogger("asterism.studio")
 
@@ -66,10 +51,6 @@ class Studio:
         self._make_engine = make_engine
         self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(MAX_QUEUED)
         self._upkeep = Upkeep(self)
-        self._limits: Limits | None = None
-        self._seq = 0
-        self._revisions: dict[int, int] = {}
-        self._sent_base: dict[str, Any] | None = None
         self._left: dict[Path, Document] = {}
         self.printer = DEFAULT_PRINTER
         self.slots = Slots()
@@ -77,7 +58,7 @@ class Studio:
 
     async def start(self) -> None:
         """Start the engine and the work on requests; to be called in the event loop."""
-        self.engine = self._make_engine(self._from_engine, self.tell_state)
+        self.engine = EngineRequests(self, self._make_engine)
         self.jobs = JobRequests(self)
         if self.document is not None:
             self._show_document(self.document)
@@ -90,13 +71,13 @@ class Studio:
         await asyncio.gather(self._working, return_exceptions=True)
         await self._upkeep.stop()
         self.jobs.close()
-        self.engine.close()
+        self.engine.link.close()
 
     def unsaved_work(self) -> list[Path]:
         """Autosaves of the documents of this session that hold more than their files."""
         last = {} if self.document is None else {self.document.path: self.document}
         documents = {**self._left, **last}.values()
-        return [one.autosave_path for one in documents if not one.is_saved and one.autosave_path.exists()]
+        return [one.autosave.path for one in documents if not one.is_saved and one.autosave.path.exists()]
 
     # pages
 
@@ -115,14 +96,14 @@ class Studio:
     def tell_document(self) -> None:
         """Send the message `document` to all pages, each with the last gesture of its own that it contains."""
         if self.document is not None:
-            data = document_data(self.document, self.printer, self._limits)
+            data = document_data(self.document, self.printer, self.engine.limits)
             for tab in self.tabs:
                 tab.send({**data, "gesture": tab.gesture})
 
     def _state(self) -> dict[str, Any]:
         return {
             "type": "state",
-            "engine": self.engine.status,
+            **self.engine.data(),
             **self.shown.state(),
             "slots": self.slots.data(),
             "target": self.parts.data(),
@@ -166,7 +147,8 @@ class Studio:
                 await self._open(request)
             case ask.CancelRequest():
                 self.jobs.cancel()
-                self.engine.cancel()
+            case ask.StopRequest():
+                self.engine.link.stop()
             case ask.BumpsRequest():
                 self.parts.show_bumps(tab, request.shown)
             case ask.TargetRequest():
@@ -195,7 +177,7 @@ class Studio:
                     document.recover()
                     await self.accept()
                 else:
-                    document.discard()
+                    document.autosave.discard()
                     self.tell_document()
             case ask.Save():
                 path = design_path(self.folder, request.name) if request.name else None
@@ -207,9 +189,7 @@ class Studio:
                 await asyncio.to_thread(document.read_again)
                 await self.accept()
             case ask.FlipRequest() | ask.FormRequest():
-                seq = self.last_seq(is_new=True)
-                index = request.index if isinstance(request, ask.FormRequest) else None
-                self.engine.ask(Flip(seq) if index is None else ShowForm(seq, index))
+                self.engine.search(request)
             case ask.SlotRequest():
                 await self._slot(request, document)
             case ask.PrinterRequest():
@@ -223,7 +203,7 @@ class Studio:
         if self.document is None:
             tab.send(await asyncio.to_thread(self._gallery))
         else:
-            tab.send({**document_data(self.document, self.printer, self._limits), "gesture": None})
+            tab.send({**document_data(self.document, self.printer, self.engine.limits), "gesture": None})
             self.shown.greet(tab)
         tab.send(self._state())
 
@@ -233,8 +213,7 @@ class Studio:
             self._left[self.document.path] = self.document
         self.document = document = await asyncio.to_thread(opened, self.folder, request)
         self.shown.clear()
-        self._revisions.clear()
-        self._sent_base = None
+        self.engine.forget()
         for tab in self.tabs:
             tab.gesture = None
         self._show_document(document)
@@ -252,14 +231,14 @@ class Studio:
             tab.send(problem_data(error, document.layout, request.seq))
         tab.gesture = request.gesture
         if not request.end and gesture is not None:
-            self._send_edit(is_dragging=True)
+            self.engine.show(document, is_dragging=True)
             return
         try:
             await asyncio.to_thread(document.end_gesture)
         except Error as error:
             tab.send(problem_data(error, document.layout, request.seq))
         self.tell_document()
-        self._send_edit()
+        self.engine.show(document)
 
     @staticmethod
     def _apply(request: ask.GestureRequest, document: Document, gesture: Any) -> None:
@@ -277,7 +256,7 @@ class Studio:
         assert self.document is not None
         await asyncio.to_thread(self.document.end_gesture)
         self.tell_document()
-        self._send_edit(is_opened=True, snapshot=snapshot)
+        self.engine.show(self.document, is_opened=True, snapshot=snapshot)
 
     async def _slot(self, request: ask.SlotRequest, document: Document) -> None:
         if request.type == "show":
@@ -293,57 +272,10 @@ class Studio:
 
     # engine
 
-    def last_seq(self, is_new: bool = False) -> int:
-        """Number of the last message to the engine, or of a new one about the document as it is."""
-        if is_new:
-            self._seq += 1
-            self._revisions[self._seq] = -1 if self.document is None else self.document.revision
-        return self._seq
-
     def watch_engine(self) -> None:
         """Replace an engine that hangs."""
-        self.engine.watch()
+        self.engine.link.watch()
 
     def _show_document(self, document: Document) -> None:
         self._upkeep.begin(document)
-        self._send_edit(is_opened=True)
-
-    def _send_edit(self, is_dragging: bool = False, is_opened: bool = False, snapshot: bytes | None = None) -> None:
-        """Have the engine compute what the document shows."""
-        assert self.document is not None
-        base, sites, sizes, removed = split(self.document.table)
-        self._seq += 1
-        self._revisions = {
-            seq: revision for seq, revision in self._revisions.items() if seq > self._seq - MAX_OPEN_EDITS
-        }
-        self._revisions[self._seq] = self.document.revision
-        design = None if base == self._sent_base else base
-        self._sent_base = base
-        folder = str(self.document.path.parent)
-        self.engine.edit(Edit(self._seq, design, sites, sizes, removed, is_dragging, is_opened, snapshot, folder))
-
-    def _from_engine(self, message: Any) -> None:
-        revision = self._revisions.get(getattr(message, "seq", -1), -1)
-        match message:
-            case ShownMesh():
-                self.shown.add_mesh(message)
-            case Frame() if revision >= 0:
-                self.shown.add_frame(message, revision, self.tabs)
-                self.tell_state()
-            case ShapeSummary() if revision >= 0:
-                self.shown.add_summary(message, revision)
-                self.tell_state()
-            case TargetPose():
-                self.parts.move(message)
-            case Limits():
-                self._limits = message
-                self.tell_document()
-            case StudioProblem() if message.kind in ANSWERS:
-                self.tell({**engine_problem_data(message), "revision": revision})
-            case StudioProblem() if message.seq >= self._seq or message.kind == "engine":
-                self.shown.add_problem(message)
-                self.tell({**self.shown.problem, "revision": revision})  # type: ignore[dict-item]
-                self.tell_state()
-            case Busy():
-                self.shown.busy = message.what
-                self.tell_state()
+        self.engine.show(document, is_opened=True)

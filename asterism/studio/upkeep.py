@@ -69,7 +69,7 @@ class Upkeep:
             return
         try:
             async with self._busy:
-                await asyncio.to_thread(document.autosave)
+                await asyncio.to_thread(document.keep_work)
         except (OutputError, OSError) as error:
             self._studio.tell(problem_data(error, None))
 

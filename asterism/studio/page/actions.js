@@ -3,6 +3,7 @@
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
 import { toast } from "./panels/toasts.js";
+import { isLong } from "./store.js";
 import { openTable } from "./table.js";
 import { openHelp } from "./keys.js";
 
@@ -13,6 +14,11 @@ export function createActions(studio) {
 
   const asked = new Map(); // files that were to be saved, by the number of the message
   const send = (type, fields) => asked.set(connection.send(type, fields), fields);
+
+  /** Has the engine search; the page says so before the server does. */
+  function search(what, fields) {
+    if (connection.send(what, fields)) store.set({ state: { ...store.get("state"), searching: what } });
+  }
 
   const actions = {
     undo: () => connection.send("undo"),
@@ -27,6 +33,9 @@ export function createActions(studio) {
       connection.send("report");
     },
     cancel: () => connection.send("cancel"),
+    flip: () => search("flip"),
+    showForm: (index) => search("form", { index }),
+    stop: () => connection.send("stop"),
     openHistory: () => openHistory(studio),
     openTable: () => store.get("document") && openTable(studio),
     openHelp,
@@ -69,12 +78,11 @@ export function createActions(studio) {
       if (!keys.length && store.get("cursor")) keys = [store.get("cursor")];
       keys = keys.filter((key) => sheet.byKey.get(key)?.removed === false);
       if (!keys.length) return;
-      if (keys.length >= sheet.stars.filter((star) => !star.removed).length)
-        return toast("A sheet needs at least one star: keep one.");
       edits.once(() => edits.remove(keys));
     },
     escape() {
       if (store.get("startOpen")) store.set({ startOpen: false });
+      else if (isLong(store.get("state"))) actions.stop();
       else if (Object.keys(store.get("jobs")).length) actions.cancel();
       else store.set({ selection: new Set(), support: null, corner: null });
     },

@@ -39,6 +39,8 @@ export function bytes(value) {
 
 export const plural = (count, word, words = `${word}s`) => `${count} ${count === 1 ? word : words}`;
 
+export const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 /** A field of the design file without the numbers of its entries: `pins[0].scale` is `pins.scale`. */
 export const plainField = (field) => field.replace(/\[\d+\]/g, "");
 

@@ -20,9 +20,10 @@ const HELP = {
   ],
   Plan: [
     ["← ↑ → ↓", "Go to the next star"],
-    ["Enter", "Select it, or take it out of the selection"],
+    ["Enter", "Select the star or deselect it; set a needle there, with that tool"],
     ["+ −", "Change the size of the selected stars"],
     ["Delete", "Remove stars, a corner or a needle"],
+    ["Insert", "A corner after the selected one"],
     ["Shift+click", "Straight line with the brush; add to the selection"],
     ["Double click", "Select the ring"],
     ["Ctrl+A", "Select all stars"],

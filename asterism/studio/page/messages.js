@@ -60,7 +60,7 @@ export function listen(studio) {
         const { [message.job]: failed, ...jobs } = store.get("jobs");
         store.set({ jobs });
       }
-      if (!shown) toast(textOf(message), { isBad: true, action: placeAction(message) });
+      if (!shown) toast(textOf(message), { isBad: message.kind !== "search ended", action: placeAction(message) });
     },
     followed: (message) => toast(`${fileName(message.path)} was changed by another program; it is shown.`),
     saved: (message) => toast(`Saved as ${message.path}`, { stay: 4000 }),

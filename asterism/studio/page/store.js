@@ -38,6 +38,9 @@ export class Store {
   }
 }
 
+/** Whether the engine works long enough for the page to offer its end. */
+export const isLong = ({ searching, busy, engine }) => Boolean(searching || (busy && engine === "computing"));
+
 const REMEMBERED = [
   "brush",
   "symmetry",

@@ -1,7 +1,8 @@
 // The table of stars: everything of the plan as text and number fields.
 
-import { check, dialog, h, replace } from "./dom.js";
+import { check, dialog, h } from "./dom.js";
 import { QUANTITIES, fixed } from "./format.js";
+import { rebuild } from "./rebuild.js";
 
 const MAX_ROWS = 400;
 
@@ -44,6 +45,7 @@ export function openTable({ store, edits }) {
       type: "checkbox",
       checked: store.get("selection").has(star.key),
       "aria-label": `Select star ${star.row}`,
+      testid: `select-${star.row}`,
     });
     selected.addEventListener("change", () => {
       const selection = new Set(store.get("selection"));
@@ -51,7 +53,12 @@ export function openTable({ store, edits }) {
       else selection.delete(star.key);
       store.set({ selection });
     });
-    const printed = h("input", { type: "checkbox", checked: !star.removed, "aria-label": `Print star ${star.row}` });
+    const printed = h("input", {
+      type: "checkbox",
+      checked: !star.removed,
+      "aria-label": `Print star ${star.row}`,
+      testid: `print-${star.row}`,
+    });
     printed.addEventListener("change", () =>
       edits.once(() => (printed.checked ? edits.restore([star.key]) : edits.remove([star.key]))),
     );
@@ -69,15 +76,13 @@ export function openTable({ store, edits }) {
   }
 
   function fill() {
-    const focus = document.activeElement?.dataset?.testid;
     const all = store.get("sheet")?.stars ?? [];
     const shown = isSelectionOnly ? all.filter((star) => store.get("selection").has(star.key)) : all;
     note.textContent =
       shown.length > MAX_ROWS
         ? `The first ${MAX_ROWS} of ${shown.length} stars. Select some in the plan to see the others.`
         : `${shown.length} stars. Sizes in mm.`;
-    replace(body, shown.slice(0, MAX_ROWS).map(row));
-    if (focus) body.querySelector(`[data-testid="${focus}"]`)?.focus();
+    rebuild(body, () => shown.slice(0, MAX_ROWS).map(row));
   }
 
   const heads = ["", "Star", "Site", "x, mm", "y, mm", "Length", "Thickness", "Width", "Printed"];

@@ -28,7 +28,7 @@ class QuickEngine:
     """Stands for the link to the engine: every edit is answered with a flat square, as high as its number."""
 
     def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
-        self._receive, self.status = receive, "ready"
+        self._receive, self.status, self.searching = receive, "ready", None
         self.edits: list[Any] = []
         square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
         none = np.empty(0, dtype=np.int64)
@@ -53,7 +53,7 @@ class QuickEngine:
     def request_parts(self, parts: Any) -> None:
         self.edits.append(parts)
 
-    def cancel(self) -> None: ...
+    def stop(self) -> None: ...
     def watch(self) -> None: ...
     def close(self) -> None: ...
 

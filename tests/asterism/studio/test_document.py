@@ -12,8 +12,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from asterism.studio.autosave import autosave_path
 from asterism.studio.design_text import edited_text
-from asterism.studio.document import Document, autosave_path
+from asterism.studio.document import Document
 from asterism.studio.examples import design_files, free_name
 from equilibrium.errors import Error
 from pattern import gallery
@@ -48,7 +49,7 @@ OPERATIONS = st.one_of(
     st.tuples(st.just("paint"), st.lists(st.tuples(SITES, SIZES, SIZES), max_size=4), GESTURES),
     st.tuples(st.sampled_from(["remove", "restore", "reset"]), st.lists(SITES, max_size=4), GESTURES),
     st.tuples(st.just("change"), st.sampled_from(CHANGES), GESTURES),
-    st.tuples(st.sampled_from(["undo", "redo", "end", "autosave"])),
+    st.tuples(st.sampled_from(["undo", "redo", "end", "keep_work"])),
 )
 
 
@@ -169,9 +170,9 @@ def test_json_files_are_edited_and_autosaved(tmp_path: Path):
     original = path.read_bytes()
     document = Document.open(path)
     document.paint([(0, 0)], {"length_mm": [7.0]}, None)
-    document.autosave()
+    document.keep_work()
     again = Document.open(path)
-    assert again.kept_work == document.table
+    assert again.autosave.kept_work == document.table
     document.save()
     assert load_design(path).stars.override[0].length_mm == 7.0
     document.undo()
@@ -195,13 +196,13 @@ def test_unsaved_work_is_never_written_over(tmp_path: Path):
     path.write_bytes(gallery.path("dome").read_bytes())
     earlier = Document.open(path)
     earlier.change({"name": "earlier"})
-    earlier.autosave()
+    earlier.keep_work()
     later = Document.open(path)
     later.change({"name": "later"})
-    later.autosave()
+    later.keep_work()
     kept = [read_table(file)["name"] for file in sorted(tmp_path.glob(".dome.*"))]
     assert sorted(kept) == ["earlier", "later"]
-    later.discard()
+    later.autosave.discard()
     later.save()
     assert list(tmp_path.glob(".dome.*")) == []
 
@@ -209,15 +210,15 @@ def test_unsaved_work_is_never_written_over(tmp_path: Path):
 def test_a_sheet_that_was_never_saved_is_offered_and_keeps_its_name(tmp_path: Path):
     path = free_name(tmp_path, "dome")
     document = Document.copy_of(gallery.path("dome"), path)
-    document.autosave()
+    document.keep_work()
     assert list(tmp_path.iterdir()) == []
     document.change({"name": "drawn"})
-    document.autosave()
+    document.keep_work()
     assert design_files(tmp_path) == ["dome.toml"]
     assert free_name(tmp_path, "dome").name == "dome-2.toml"
     again = Document.unsaved(path)
-    assert again.table["name"] == "drawn" and not again.is_saved and again.kept_work is None
-    again.autosave()
+    assert again.table["name"] == "drawn" and not again.is_saved and again.autosave.kept_work is None
+    again.keep_work()
     assert autosave_path(path).exists()
     again.save()
     assert path.exists() and not autosave_path(path).exists()
@@ -228,4 +229,4 @@ def test_an_autosave_that_cannot_be_read_is_not_offered(tmp_path: Path):
     path.write_bytes(gallery.path("dome").read_bytes())
     for text in (b"\xff\xfe", b"[stars", b"name = 3\n", b""):
         autosave_path(path).write_bytes(text)
-        assert Document.open(path).kept_work is None
+        assert Document.open(path).autosave.kept_work is None

@@ -100,6 +100,17 @@ def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
     assert len(fine) == 1 and engine.answers[-2].mesh == fine[0].mesh
 
 
+def test_the_summary_says_how_far_a_sheet_hangs_below_its_needles(engine: EnginePipe) -> None:
+    middle = {"points_mm": [[-8.0, 0.0], [8.0, 0.0], [0.0, 12.0]], "scale": 0.76}
+    data = {"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": [middle]}
+    engine.send(Edit(1, data))
+    low = asterism.preview(asterism.Design.from_dict(data)).positions[:, 2].min()
+    assert engine.summary(1).numbers["below_needles_mm"] == pytest.approx(-low, rel=1e-6) and low < -0.5
+    engine.send(Edit(2, data | {"pins": []}))
+    assert engine.summary(2).numbers["below_needles_mm"] is None
+    assert engine.answers[-1].numbers["above_needles_mm"] is None
+
+
 def test_a_drag_ends_with_the_shape_of_its_last_edit(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     engine.frame(1)
@@ -151,6 +162,16 @@ def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> No
     assert engine.problem(2).kind == "cancelled"
     engine.send(Edit(3, table()))
     assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
+
+
+def test_a_cancelled_flip_leaves_the_form_and_its_summary_follows(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    before = engine.frame(1)
+    engine.send(Cancel(2), Flip(2))
+    assert engine.problem(2).kind == "search ended"
+    assert engine.summary(2).numbers["height_mm"] == pytest.approx(before.height_mm, rel=0.02)
+    engine.send(Flip(3))
+    assert engine.frame(3).height_mm < before.height_mm
 
 
 def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from asterism.studio.engine_link import MAX_DEATHS, EngineLink
-from asterism.studio.messages import Busy, Edit, Frame, ShownMesh, StudioProblem
+from asterism.studio.messages import Busy, Edit, Flip, Frame, ShownMesh, StudioProblem
 from tests.event_loop import run_coroutine
 
 QUICK = "tests.asterism.studio.quick_engines:serve"
@@ -83,6 +83,21 @@ def test_the_next_engine_is_given_the_form_of_the_last_one(tmp_path: Path, is_op
         links.link.edit(Edit(2, {"die_once": str(mark)}, is_opened=is_opened))
         await links.until(lambda: bool(links.frames(2)))
         assert links.frames(2)[-1].snapshot == snapshot
+
+    run(test, keeps_spare=False)
+
+
+def test_a_search_is_named_until_something_else_is_asked_for():
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"name": "a"}))
+        await links.until(lambda: links.link.status == "ready")
+        assert links.link.searching is None
+        links.link.ask(Flip(2))  # the quick engine does not answer it
+        assert (links.link.searching, links.link.status) == ("flip", "computing")
+        links.link.stop()
+        links.link.edit(Edit(3))
+        assert links.link.searching is None
+        await links.until(lambda: bool(links.frames(3)) and links.link.status == "ready")
 
     run(test, keeps_spare=False)
 

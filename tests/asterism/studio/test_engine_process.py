@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.engine import run_engine
+from asterism.studio.engine_process import run_engine
 from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Stop, StudioProblem
 from pattern.layout.build import layout
 from tests.asterism.studio.engine_pipe import EnginePipe

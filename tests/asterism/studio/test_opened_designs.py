@@ -10,7 +10,7 @@ from tests.asterism.studio.conftest import Page
 
 
 def last_edit(studio: Studio) -> Edit:
-    edit: Edit = studio.engine.edits[-1]  # type: ignore[attr-defined]
+    edit: Edit = studio.engine.link.edits[-1]  # type: ignore[attr-defined]
     return edit
 
 
@@ -20,7 +20,7 @@ def test_only_gestures_go_on_from_the_shown_form(page: Page, studio: Studio, fol
     page.send(type="sizes", gesture=1, end=False, sites=[[0, 0]], length=[6.0])
     page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
     page.until("document", gesture=1)
-    assert not any(edit.is_opened for edit in studio.engine.edits[1:])  # type: ignore[attr-defined]
+    assert not any(edit.is_opened for edit in studio.engine.link.edits[1:])  # type: ignore[attr-defined]
     page.send(type="undo")
     page.until("document", can_undo=False)
     assert last_edit(studio).is_opened

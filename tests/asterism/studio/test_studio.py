@@ -103,14 +103,14 @@ def test_a_file_that_changes_on_disk_is_followed(page: Page, folder: Path):
 def test_unsaved_work_of_a_former_session_is_offered(folder: Path, studio: Studio):
     document = studio.document
     document.paint([(0, 0)], {"length_mm": [5.5]}, None)
-    document.autosave()
+    document.keep_work()
     again = Studio(folder, folder / "dome.toml").document
-    assert again.kept_work is not None and again.is_saved
+    assert again.autosave.kept_work is not None and again.is_saved
     again.recover()
     assert again.table == document.table and not again.is_saved
-    again.autosave()
+    again.keep_work()
     again.save()
-    assert not again.autosave_path.exists()
+    assert not again.autosave.path.exists()
 
 
 def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):
@@ -183,3 +183,12 @@ def test_another_design_is_written_over_only_on_request(page: Page, folder: Path
     page.send(type="save")
     page.until("saved")
     assert other.read_bytes() == gallery.path("dome").read_bytes()
+
+
+def test_the_last_star_stays_and_the_page_says_why(page: Page):
+    before = page.until("document")
+    page.send(type="remove", sites=[entry["site"] for entry in before["plan"]["sites"]], gesture=1)
+    problem = page.until("problem")
+    assert problem["kind"] == "no star" and problem["text"].startswith("A sheet needs at least one star")
+    after = page.until("document")
+    assert after["design"] == before["design"] and not after["can_undo"]

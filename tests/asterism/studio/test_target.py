@@ -50,7 +50,7 @@ def test_a_target_is_kept_in_its_unit_and_pose_until_it_is_removed(client: TestC
     assert np.asarray(shown(client)).max(axis=0).tolist() == [110.0, 80.0, 88.0]
     page.send(type="target", do="fit")
     is_done(page)
-    question = studio.engine.edits[-1]  # type: ignore[attr-defined]
+    question = studio.engine.link.edits[-1]  # type: ignore[attr-defined]
     assert isinstance(question, FitTarget)
     late = TargetPose(question.seq - 1, np.eye(3), np.ones(3))
     answer = TargetPose(question.seq, np.diag([-1.0, -1.0, 1.0]), np.array([0.0, 0.0, 7.0]))
@@ -66,7 +66,7 @@ def test_a_target_is_kept_in_its_unit_and_pose_until_it_is_removed(client: TestC
 
 
 def test_the_engine_sends_the_sheet_without_bumps_while_a_page_shows_it(client: TestClient, page: Page, studio: Studio):
-    asked: list[Any] = studio.engine.edits  # type: ignore[attr-defined]
+    asked: list[Any] = studio.engine.link.edits  # type: ignore[attr-defined]
     page.send(type="bumps", shown=False)
     is_done(page)
     assert asked[-1] == Parts(asked[-1].seq, smooth=True)

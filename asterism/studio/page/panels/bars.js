@@ -66,7 +66,6 @@ export function buildViewBar(element, { store, view }) {
   });
   const distance = colour.element.querySelector('[value="distance"]');
   const target = colour.element.querySelector('[value="target"]');
-  const bumps = toggle({ store, key: "showBumps", picture: "bumps", label: "Bumps", testid: "show-bumps" });
   const update = () => {
     const hasTarget = Boolean(store.get("state").target);
     distance.disabled = !store.get("comparison");
@@ -79,26 +78,47 @@ export function buildViewBar(element, { store, view }) {
   store.on(["comparison", "state"], update);
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
-  const views = h(
-    "select",
-    { class: "short", "aria-label": "Named view", title: "Named view (1 to 7)", testid: "named-view" },
-    h("option", { value: "" }, "View"),
-    Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`)),
-  );
-  views.addEventListener("change", () => {
-    view.look(views.value);
-    views.value = "";
-  });
+  const toggles = [
+    toggle({ store, key: "orthographic", picture: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
+    toggle({ store, key: "showArms", picture: "arms", label: "Arms", testid: "show-arms" }),
+    toggle({ store, key: "showBumps", picture: "bumps", label: "Bumps", testid: "show-bumps" }),
+  ];
   element.append(
     colour.element,
     h("span", { class: "gap" }),
-    views,
-    toggle({ store, key: "orthographic", picture: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
-    toggle({ store, key: "showArms", picture: "arms", label: "Arms", testid: "show-arms" }),
-    bumps,
+    viewMenu({ store, view }),
+    h("span", { class: "roomy" }, toggles),
     button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
     button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture({ store, view }) }),
   );
+}
+
+const SHOWN_PARTS = { orthographic: "Orthographic", showArms: "Arms", showBumps: "Bumps" };
+
+/** Named views, and the parts of the picture, whose buttons a narrow bar has no room for. */
+function viewMenu({ store, view }) {
+  const parts = Object.keys(SHOWN_PARTS).map((value) => h("option", { value }));
+  const menu = h(
+    "select",
+    { class: "short", "aria-label": "View", title: "Named view (1 to 7), shown parts", testid: "named-view" },
+    h("option", { value: "" }, "View"),
+    h(
+      "optgroup",
+      { label: "Look from" },
+      Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`)),
+    ),
+    h("optgroup", { label: "Show" }, parts),
+  );
+  menu.addEventListener("change", () => {
+    if (menu.value in SHOWN_PARTS) store.set({ [menu.value]: !store.get(menu.value) });
+    else view.look(menu.value);
+    menu.value = "";
+  });
+  const update = () =>
+    parts.forEach((part) => (part.textContent = `${store.get(part.value) ? "✓ " : ""}${SHOWN_PARTS[part.value]}`));
+  store.on(Object.keys(SHOWN_PARTS), update);
+  update();
+  return menu;
 }
 
 /** One line below the view: why there is no shape yet, or why the last good one is shown. */
@@ -118,7 +138,7 @@ export function buildViewNote(element, { store, actions }) {
         h(
           "span",
           { class: "strong problem", role: "alert" },
-          h("span", {}, `${problem.text} The last good shape is shown.`),
+          h("span", {}, `${problem.text.replace(/\.?$/, ".")} The last good shape is shown.`),
           place,
         ),
       );

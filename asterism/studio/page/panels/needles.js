@@ -15,6 +15,7 @@ import {
 import { round as rounded } from "../geometry.js";
 import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
+import { rebuild } from "../rebuild.js";
 
 export function needlesPanel({ store, edits, tools }, { on }) {
   const tool = tools.needles.tool;
@@ -24,7 +25,6 @@ export function needlesPanel({ store, edits, tools }, { on }) {
 
   function update() {
     if (body.contains(document.activeElement) && document.activeElement.tagName === "INPUT" && edits.isOpen) return;
-    const focus = document.activeElement?.dataset?.testid;
     const now = sheet();
     if (!now) return;
     const parts = [section("Supports", h("span", { class: "count" }, String(now.tables.length)))];
@@ -63,8 +63,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     );
     const support = store.get("support");
     if (support && now.tables[support.table]) parts.push(...chosen(now, support));
-    body.replaceChildren(...parts);
-    if (focus) body.querySelector(`[data-testid="${focus}"]`)?.focus();
+    rebuild(body, () => parts);
   }
 
   function item(table, k) {

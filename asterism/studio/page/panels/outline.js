@@ -4,6 +4,9 @@ import { button, h, hint, section, segments } from "../dom.js";
 import { fixed } from "../format.js";
 import { regularShape } from "../plan/tools/outline.js";
 import { numberField } from "./fields.js";
+import { rebuild } from "../rebuild.js";
+
+const MAX_LISTED = 16; // corners
 
 export function outlinePanel({ store, edits, tools, actions }, { on }) {
   const tool = tools.outline.tool;
@@ -63,16 +66,14 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   });
   const title = section("Corners", h("span", { class: "count" }));
   const list = h("div", { class: "corners" });
-  let made = 0;
   function corners() {
     const { outline } = store.get("sheet") ?? { outline: [] };
     title.lastChild.textContent = String(outline.length);
-    const isShort = outline.length <= 16;
-    if (!isShort)
-      return list.replaceChildren(hint("Select a corner in the plan; its place appears here."), ...chosenRow(outline));
-    if (made === outline.length && list.contains(document.activeElement)) return;
-    made = outline.length;
-    list.replaceChildren(...outline.map((corner, k) => row(outline, k)));
+    rebuild(list, () =>
+      outline.length <= MAX_LISTED
+        ? outline.map((_, k) => row(outline, k))
+        : [hint("Select a corner in the plan; its place appears here."), chosenRow(outline)],
+    );
   }
   function chosenRow(outline) {
     const k = store.get("corner");
@@ -105,13 +106,15 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       button({
         icon: "trash",
         label: `Remove corner ${k}`,
+        testid: `remove-corner-${k}`,
         kind: "plain danger",
         disabled: outline.length <= 3,
         onclick: () => (store.set({ corner: k }), tool.removeCorner()),
       }),
     );
   }
-  on(["sheet", "corner"], corners);
+  on(["sheet"], corners);
+  on(["corner"], () => (store.get("sheet")?.outline.length ?? 0) > MAX_LISTED && corners());
   corners();
   return [
     section("Regular shape"),

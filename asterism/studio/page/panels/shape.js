@@ -1,8 +1,9 @@
 // Panel of the shape: how sure it is, warnings, other forms, verification, kept designs A, B, C.
 
 import { button, h, hint, refresh, replace, section } from "../dom.js";
-import { fixed, mm, percent, seconds, size, trust } from "../format.js";
+import { capital, fixed, mm, percent, seconds, size, trust } from "../format.js";
 import { icon } from "../icons.js";
+import { formsPart } from "./forms.js";
 import { targetPart } from "./target.js";
 
 export function shapePanel(studio, page) {
@@ -11,12 +12,11 @@ export function shapePanel(studio, page) {
   const trusted = h("div", { class: "trust", testid: "trust" });
   const figures = h("dl", { class: "figures" });
   const warnings = h("div", {});
-  const forms = h("div", {});
   const verified = h("div", { testid: "verification" });
   const slots = h("div", {});
 
   function update() {
-    const { numbers = {}, warnings: all = [], forms: others = [] } = store.get("state");
+    const { numbers = {}, warnings: all = [] } = store.get("state");
     const frame = store.get("frame");
     const expected = numbers.expected_rms_percent;
     const { words } = trust(expected);
@@ -33,6 +33,8 @@ export function shapePanel(studio, page) {
           ? `${mm(numbers.height_mm ?? frame.height_mm)}${Number.isFinite(numbers.expected_height_percent) ? ` ± ${percent(numbers.expected_height_percent, 0)}` : ""}`
           : "–",
       ],
+      ["Over the needles", Number.isFinite(numbers.above_needles_mm) ? mm(numbers.above_needles_mm) : null],
+      ["Below the needles", Number.isFinite(numbers.below_needles_mm) ? mm(numbers.below_needles_mm) : null],
       ["Size", numbers.extent_mm ? size(numbers.extent_mm) : "–"],
       ["Contraction", Number.isFinite(numbers.contraction) ? fixed(numbers.contraction, 3) : null],
       ["Radius of the roll", Number.isFinite(numbers.roll_radius_mm) ? mm(numbers.roll_radius_mm) : null],
@@ -62,56 +64,6 @@ export function shapePanel(studio, page) {
             ),
           )
         : hint("None. The preview's assumptions hold everywhere on this sheet."),
-    ]);
-    refresh(forms, [others, Boolean(frame)], () => [
-      others.length > 1
-        ? [
-            section("Forms", h("span", { class: "count" }, String(others.length))),
-            hint("The same print can take each of them. The lower the energy, the more stable the form."),
-            h(
-              "ul",
-              { class: "list" },
-              others.map((form) =>
-                h(
-                  "li",
-                  {},
-                  h(
-                    "button",
-                    {
-                      type: "button",
-                      class: "item",
-                      "aria-current": String(Boolean(form.is_shown)),
-                      testid: `form-${form.index}`,
-                      onclick: () => connection.send("form", { index: form.index }),
-                    },
-                    h("span", { class: "grow", title: form.name }, form.is_shown ? "This form" : "Another form"),
-                    h(
-                      "span",
-                      { class: "count" },
-                      form.is_shown
-                        ? "shown"
-                        : Number.isFinite(form.energy_percent)
-                          ? `energy ${form.energy_percent >= 0 ? "+" : ""}${percent(form.energy_percent)}`
-                          : "",
-                    ),
-                  ),
-                ),
-              ),
-            ),
-          ]
-        : null,
-      h(
-        "div",
-        { class: "row" },
-        button({
-          icon: "flip",
-          text: "Flip to the other side",
-          kind: "wide",
-          testid: "flip",
-          disabled: !frame,
-          onclick: () => connection.send("flip"),
-        }),
-      ),
     ]);
   }
 
@@ -258,6 +210,7 @@ export function shapePanel(studio, page) {
             ),
           )
         : hint("Keep a design as A, B or C, change it, and compare."),
+      isAny ? hint("Small numbers: difference from the design that is shown now.") : null,
       h(
         "div",
         { class: "row tight" },
@@ -286,6 +239,11 @@ export function shapePanel(studio, page) {
         ? null
         : h("div", { class: "unit-tag" }, `${off > 0 ? "+" : ""}${fixed(off, digits)}`);
     };
+    const sizeChange = (values, bases) => {
+      const off = values && bases ? [0, 1].map((k) => Math.round(values[k]) - Math.round(bases[k])) : [0, 0];
+      if (!present || !off.some(Boolean)) return null;
+      return h("div", { class: "unit-tag" }, off.map((one) => `${one > 0 ? "+" : ""}${fixed(one, 0)}`).join(" × "));
+    };
     return h(
       "tr",
       {},
@@ -300,8 +258,14 @@ export function shapePanel(studio, page) {
               .map((value) => fixed(value, 0))
               .join(" × ")
           : "–",
+        sizeChange(entry.extent_mm, present?.extent_mm),
       ),
-      h("td", {}, Number.isFinite(entry.expected_rms_percent) ? percent(entry.expected_rms_percent) : "–"),
+      h(
+        "td",
+        {},
+        Number.isFinite(entry.expected_rms_percent) ? percent(entry.expected_rms_percent) : "–",
+        change(entry.expected_rms_percent, present?.expected_rms_percent, 1),
+      ),
       h(
         "td",
         {},
@@ -323,7 +287,16 @@ export function shapePanel(studio, page) {
   update();
   verification();
   kept();
-  return [section("How sure is this?"), trusted, figures, warnings, forms, verified, slots, targetPart(studio, page)];
+  return [
+    section("How sure is this?"),
+    trusted,
+    figures,
+    warnings,
+    formsPart(studio, page),
+    verified,
+    slots,
+    targetPart(studio, page),
+  ];
 }
 
 /** What the distance means for the person who waits for it. */
@@ -335,4 +308,3 @@ function agreement({ rms_percent: rms, expected_rms_percent: expected }) {
   return `Distance ${off}: more than expected. Judge by the exact shape.`;
 }
 
-const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);

@@ -1,7 +1,8 @@
 // The line at the bottom: engine, expected error, height, size, warnings, what is under the pointer.
 
 import { h, replace } from "../dom.js";
-import { mm, percent, plural, size, trust } from "../format.js";
+import { isLong } from "../store.js";
+import { capital, mm, percent, plural, size, trust } from "../format.js";
 
 export function buildStatus(element, { store, actions }) {
   const engine = h("span", { testid: "engine", role: "status" });
@@ -61,6 +62,10 @@ export function buildStatus(element, { store, actions }) {
   under();
 }
 
+const SEARCHES = {
+  flip: "Searching for the other side, Esc cancels",
+  form: "Searching for the other form, Esc cancels",
+};
 const JOBS = { verify: "Verifying", export: "Writing files", report: "Writing the report" };
 
 function jobText(jobs) {
@@ -72,10 +77,11 @@ function jobText(jobs) {
 function engineText(store) {
   if (store.get("connection") === "lost") return ["Connection lost, trying again", "bad"];
   if (store.get("connection") === "connecting") return ["Connecting", "busy"];
-  const { engine, busy, stage } = store.get("state");
+  const { engine, busy, stage, searching } = store.get("state");
   if (!store.get("document"))
     return [engine === "starting" ? "Engine starts" : "Ready", engine === "starting" ? "busy" : ""];
-  if (busy) return [busy, "busy"];
+  if (searching) return [SEARCHES[searching], "busy"];
+  if (busy) return [isLong(store.get("state")) ? `${capital(busy)}, Esc cancels` : capital(busy), "busy"];
   if (engine === "starting") return ["Engine starts", "busy"];
   if (engine === "computing") return ["Computing", "busy"];
   if (engine === "failed") return ["Engine restarts", "bad"];

@@ -91,6 +91,7 @@ export class View {
   /** Forgets the shape and the camera's place: another design is opened. */
   reset() {
     this.#hasFit = false;
+    this.#confirm(); // the server sends no other shape before
     this.shape = null;
     this.renderer.clear();
     this.store.set({ comparison: null, shown: "preview" });
@@ -242,10 +243,14 @@ export class View {
     this.renderer.draw({ surfaces, ground: this.#ground(), camera: this.camera.frame(width / height), width, height });
     this.drawMs = performance.now() - start;
     this.frames += 1;
-    if (this.shape.header.isDrawn !== true) {
-      this.shape.header.isDrawn = true;
-      this.onFrame(this.shape.header);
-    }
+    this.#confirm();
+  }
+
+  /** Tells once that a shape is drawn, or that it will not be. */
+  #confirm() {
+    if (!this.shape || this.shape.header.isConfirmed) return;
+    this.shape.header.isConfirmed = true;
+    this.onFrame(this.shape.header);
   }
 
   #ground() {

@@ -28,6 +28,29 @@ def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
     shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
 
 
+def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.summarised()
+    shared.item("tab-shape").click()
+    height = shared.get("studio.height")
+    said = shared.get(
+        """(() => {
+            const part = (name) => document.querySelector(`[data-testid=${name}]`);
+            part("flip").focus();
+            part("flip").click();
+            return [part("flip").disabled, part("engine").textContent, document.activeElement === part("stop-search")];
+        })()"""
+    )
+    assert said == [True, "Searching for the other side, Esc cancels", True]
+    shared.page.keyboard.press("Escape")
+    shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('search was cancelled')")
+    shared.summarised()
+    assert shared.item("flip").is_enabled() and not shared.item("stop-search").is_visible()
+    assert shared.get("document.activeElement.dataset.testid") == "flip"
+    assert shared.get("studio.height") == pytest.approx(height, abs=1e-9)
+    assert not shared.get("studio.state.problem")
+
+
 @pytest.mark.slow
 def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
     height = open_shape(shared, "fig8-l-increasing")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,3 +64,36 @@ def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, 
     page.item("remove-target").click()
     page.wait("!studio.target")
     assert page.item("view-colour").input_value() == "none"
+
+
+def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_ones(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    hold = "window.requestAnimationFrame = (draw) => held.push(draw)"
+    page.get(f"void (window.held = [], window.paint = requestAnimationFrame, {hold})")
+    page.open_without_shape("gallery-star")
+    page.wait("studio.stage !== null && held.length > 0")
+    page.open_without_shape("gallery-cone")
+    page.get("(window.requestAnimationFrame = window.paint, held.forEach((draw) => draw()))")
+    page.rest()
+    drawn = page.get("studio.drawn")
+    page.item("ortho").click()
+    page.wait(f"studio.drawn > {drawn}")
+
+
+def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser: Any, address: str) -> None:
+    context = browser.new_context(viewport={"width": 1024, "height": 768}, has_touch=True, is_mobile=True)
+    page = StudioPage(context.new_page(), address)
+    page.open("gallery-dome")
+    for bar in ("plan-bar", "view-bar"):
+        tops = page.get(
+            f"[...document.querySelectorAll('#{bar} :is(select, button)')].filter((one) => one.offsetParent)"
+            ".map((one) => Math.round(one.getBoundingClientRect().bottom))"
+        )
+        assert len(tops) > 3 and max(tops) - min(tops) <= 1, bar
+    assert not page.item("show-bumps").is_visible()
+    page.item("named-view").select_option("showBumps")
+    page.wait("studio.isSmooth")
+    page.item("named-view").select_option("showBumps")
+    page.wait("!studio.isSmooth")
+    assert page.complaints == []
+    context.close()

@@ -8,6 +8,7 @@ import { label } from "../draw.js";
 
 const GRIP_PX = 12;
 const LIFT_STEP_MM = 1;
+const SAME_PLACE_MM = 0.5;
 
 export class NeedleTool {
   cursor = "crosshair";
@@ -126,7 +127,31 @@ export class NeedleTool {
     const step = { PageUp: LIFT_STEP_MM, PageDown: -LIFT_STEP_MM }[event.key];
     if (step) return this.lift(step);
     if (event.key === "Delete" || event.key === "Backspace") return this.remove();
+    if (event.key === "Enter") return this.placeAtStar();
     return false;
+  }
+
+  /** A needle at the star of the keyboard, or the needle that is there. */
+  placeAtStar() {
+    const sheet = this.store.get("sheet");
+    const star = sheet.byKey.get(this.store.get("cursor"));
+    if (!star) return false;
+    const there = this.#under({ at: star.at });
+    if (there && distance(there.at, star.at) < SAME_PLACE_MM) {
+      const point = isPoints(sheet.tables[there.table]) ? there.point : null;
+      this.store.set({ support: { table: there.table, point } });
+      return true;
+    }
+    const { tables, support } = withNeedle(sheet.tables, sheet.pins, star.at, this.#target(star.at));
+    this.edits.once(() => this.#send(tables));
+    this.store.set({ support });
+    return true;
+  }
+
+  /** Where the needle of a printed place stands at first. */
+  #target(at) {
+    const scale = usualScale(this.store.get("sheet"));
+    return [scale * at[0], scale * at[1], 0];
   }
 
   lift(step) {

@@ -87,8 +87,21 @@ export class OutlineTool {
   }
 
   key(event) {
+    const corner = this.store.get("corner");
+    if (event.key === "Insert" && corner !== null) return this.addCorner(corner);
     if (event.key !== "Delete" && event.key !== "Backspace") return false;
     this.removeCorner();
+    return true;
+  }
+
+  /** A corner in the middle of the edge after a corner. */
+  addCorner(index) {
+    const corners = this.store.get("sheet").outline.map((corner) => [...corner]);
+    const [one, next] = [corners[index], corners[(index + 1) % corners.length]];
+    if (!one) return false;
+    corners.splice(index + 1, 0, [(one[0] + next[0]) / 2, (one[1] + next[1]) / 2]);
+    this.setCorners(corners);
+    this.store.set({ corner: index + 1 });
     return true;
   }
 
