@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option, two_sizes
 from asterism.cli.common.run import Run, command
 
 
@@ -32,6 +32,12 @@ def export(
     first_layer: Annotated[float | None, typer.Option(help="Height of the first layer in mm.")] = None,
     layer: Annotated[float | None, typer.Option(help="Height of the other layers in mm.")] = None,
     plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
+    frame: Annotated[
+        str | None,
+        typer.Option(
+            help="Width and depth of the frame with its bars in mm, such as 300x250 (default: the printer's)."
+        ),
+    ] = None,
     fabric: Annotated[
         float | None,
         typer.Option(help="Thickness of the stretched fabric in mm (default: that of the released fabric)."),
@@ -76,6 +82,7 @@ def export(
             first_layer_mm=first_layer,
             layer_mm=layer,
             plate_mm=plate,
+            frame_mm=None if frame is None else two_sizes(frame, "--frame"),
             fabric_mm=fabric,
             turn_deg=turn,
             needle_spacing_mm=needle_spacing,

@@ -32,6 +32,7 @@ def preview(
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.previews.run import preview as compute
+    from asterism.print.known_printers import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
 
@@ -44,7 +45,7 @@ def preview(
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     warnings = shape.summary["warnings"]
-    run.warn(*warnings)
+    run.warn(*warnings, *size_warning(chosen))
     if warnings and side != "auto":
         run.warn(
             "asterism verify checks the form of --side auto; check this one in Python: "

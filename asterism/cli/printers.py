@@ -32,6 +32,12 @@ def printers(run: Run) -> int:
     run.lines(
         [f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({PROFILES_VARIABLE})"]
     )
+    run.lines(
+        [
+            "their start codes are not complete: they set the height of the fabric, and leave temperatures, homing, "
+            "purging and the end to your slicer"
+        ]
+    )
     run.warn(*wrong)
     return WRONG_INPUT if wrong else DONE
 

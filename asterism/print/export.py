@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.job import Job, prepare
+from asterism.print.known_printers import frame_warning
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.plastic_warning import plastic_warning
 from asterism.print.printed_shape import printed_shape
@@ -58,6 +59,7 @@ def export(
     first_layer_mm: float | None = None,
     layer_mm: float | None = None,
     plate_mm: float | None = None,
+    frame_mm: Sequence[float] | None = None,
     fabric_mm: float | None = None,
     turn_deg: float = 0.0,
     needle_spacing_mm: float = 20.0,
@@ -76,7 +78,8 @@ def export(
     preview, simulate : compute the shape of the rounded design with the preview or the exact model.
         At most one of `shape`, `preview` and `simulate` may be given.
     law : law of the preview; that of the paper's material by default.
-    first_layer_mm, layer_mm, plate_mm : heights of the layers, and thickness of the plate under the fabric,
+    first_layer_mm, layer_mm, plate_mm, frame_mm : heights of the layers, thickness of the plate under the fabric, and
+        width and depth of the frame,
         in place of the printer's.
     fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
     turn_deg : counterclockwise turn of the print on the bed.
@@ -104,7 +107,8 @@ def export(
     """
     check_shape_request(directory, shape, preview, simulate)
     machine = load_printer(printer) if isinstance(printer, str) else printer
-    machine = adjusted_printer(machine, first_layer_mm, layer_mm, plate_mm)
+    frame_is_known = frame_mm is None and "frame" in machine.model_fields_set
+    machine = adjusted_printer(machine, first_layer_mm, layer_mm, plate_mm, frame_mm)
     profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
     given = read_shape(shape) if isinstance(shape, str | Path) else shape
 
@@ -122,7 +126,7 @@ def export(
 
     # this finds most mistakes before anything is computed
     job = job_with(given)
-    warnings = list(plastic_warning(design, profile))
+    warnings = [*frame_warning(machine, frame_is_known), *plastic_warning(design, profile)]
     warnings += ["the given shape is not certified as a minimum"] if job.is_certain is False else []
     warnings += [f"the given shape: {line}" for line in job.shape_warnings]
     computed, change = printed_shape(job, preview, simulate, law, report, say)

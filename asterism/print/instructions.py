@@ -82,7 +82,8 @@ def _offset(job: Job) -> Chapter:
             "as they lie on the bed; if they differ, export again with --plate and --fabric. A nozzle too high does "
             "not bind the plastic to the fabric, a nozzle too low tears it.",
             f"The {job.printed_word} stand at z = 0 in the files. Leave the slicer's own z offset at 0, whose sign and "
-            "meaning differ from slicer to slicer, and add start.gcode to the end of the printer's start code:",
+            "meaning differ from slicer to slicer, and add start.gcode to the end of the printer's start code, which "
+            "keeps temperatures and homing. Take its purge line out, which would meet the frame.",
         ),
         tuple(job.start_code.splitlines()),
     )
@@ -210,7 +211,7 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
         lines = [(part.title, True, False, 6.4)]
         for paragraph in part.paragraphs:
             wrapped = textwrap.wrap(paragraph, _INSTRUCTION_LETTERS) or [""]
-            lines += [(line, False, False, 4.6) for line in wrapped[:-1]] + [(wrapped[-1], False, False, 6.1)]
+            lines += [(line, False, False, 4.5) for line in wrapped[:-1]] + [(wrapped[-1], False, False, 5.9)]
         lines += [(line, False, True, 4.3) for line in part.code]
         # a chapter stays on one page
         if y - sum(step for *_, step in lines) < bottom:
@@ -220,6 +221,6 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
             at = np.array([_INSTRUCTION_MARGIN_MM + (6.0 if code else 0.0), y])
             items.append(Label(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
             y -= step
-        y -= 3.4
+        y -= 2.8
     pages.append(items)
     return [Drawing(f"{name}: instruction", np.zeros(2), np.array(A4_MM), tuple(items)) for items in pages]

@@ -14,6 +14,8 @@ from pattern.design.section import Line, Number, Point, Section, Text
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # names in braces that a start code may contain
 PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
+# first line of every start code
+NOT_COMPLETE = "; not a complete start: put it after the slicer's own, which heats, homes and purges"
 # height of the nozzle above the fabric when the start code sets z
 ABOVE_FABRIC_MM = 10.0
 # smallest width of the opening between the bars of a frame
@@ -84,7 +86,8 @@ class Printer(Section):
     layer_mm : height of the other layers.
     filament_mm : diameter of the filament.
     homes : motion of the nozzle when z is homed: `away` from the bed, or down `onto` it.
-    start_code : G-code for the start on the fabric, with the `PLACEHOLDERS` in braces.
+    start_code : G-code that puts the height of the fabric to z = 0, with the `PLACEHOLDERS` in braces. Temperatures,
+        homing, purging and the end are left to the slicer.
     """
 
     name: Line = Field(min_length=1, max_length=100)
@@ -146,7 +149,7 @@ class Printer(Section):
         code = self.start_code
         for name, value in zip(PLACEHOLDERS, values, strict=True):
             code = code.replace("{" + name + "}", f"{value:.2f}")
-        code = code.strip() + "\n"
+        code = f"{NOT_COMPLETE}\n{code.strip()}\n"
         if released_mm is None:
             return code
         return f"; for {released_mm:.2f} mm of fabric, released: stretched it is thinner, measure it\n{code}"

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+from asterism.cli.common.mistake import Mistake
 
 
 class FileUnit(StrEnum):
@@ -34,6 +37,24 @@ BackendOption = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, 
 def output_option(help: str) -> Any:
     """-o, for the annotation of a parameter that is a path, or None without the option."""
     return typer.Option("-o", "--output", help=help, parser=nonempty_path)
+
+
+def two_sizes(text: str, option: str) -> tuple[float, float]:
+    """Two sizes from a text such as `300x250`; one number is both.
+
+    Raises
+    ------
+    Mistake
+        These are not one or two numbers; the message names the option.
+    """
+    words = re.split("[x×]", text.lower())
+    try:
+        sizes = [float(word) for word in words]
+    except ValueError:
+        sizes = []
+    if len(sizes) not in (1, 2):
+        raise Mistake(f"{option}: must be width x depth, such as 300x250, not {text!r}")
+    return sizes[0], sizes[-1]
 
 
 def nonempty_path(text: str) -> Path:

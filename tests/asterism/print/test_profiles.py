@@ -8,7 +8,7 @@ import pytest
 import typer
 
 from asterism.print import profiles
-from asterism.print.printer import Printer
+from asterism.print.printer import NOT_COMPLETE, Printer
 from pattern.design.errors import DesignError
 
 OWN = """
@@ -41,7 +41,9 @@ def test_every_printer_starts_on_the_fabric(name: str) -> None:
     code = printer.start_snippet(4.8)
     assert "{" not in code and code.endswith("\n")
     # whatever z the machine has, it is 10 mm above the fabric when z is set to 10
-    lines = [line.split(";")[0].split() for line in code.splitlines()]
+    remark, *rest = code.splitlines()
+    assert remark == NOT_COMPLETE and remark.startswith(";")
+    lines = [line.split(";")[0].split() for line in rest]
     assert ["G90"] in lines
     move, setting = [line for line in lines if line != ["G90"]]
     assert move[:2] == ["G1", "Z14.80"] and setting == ["G92", "Z10.00"]
