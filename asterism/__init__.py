@@ -20,9 +20,10 @@ from asterism.process.version import __version__
 if TYPE_CHECKING:
     from asterism.exact.simulation import simulate
     from asterism.fitting.fit import fit
+    from asterism.fitting.load_target import load_target
     from asterism.fitting.result import Fit
     from asterism.fitting.solve_for import solve_for
-    from asterism.fitting.target import TargetSurface, load_target
+    from asterism.fitting.target import TargetSurface
     from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare, write_comparison
@@ -67,7 +68,7 @@ _HOMES = {
     "load_design": ("pattern.layout.load_design", "load_design"),
     "load_law": ("homogenize.law.law_file", "load_law"),
     "load_material": ("homogenize.law.material", "load_material"),
-    "load_target": ("asterism.fitting.target", "load_target"),
+    "load_target": ("asterism.fitting.load_target", "load_target"),
     "new": ("pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
     "preview": ("asterism.previews.run", "preview"),

@@ -21,11 +21,21 @@ class _PlasticSideOption(StrEnum):
 @command
 def fit(
     run: Run,
-    target: Annotated[Path, typer.Argument(help="Surface of the target (.obj, .stl, .ply).")],
+    target: Annotated[
+        Path, typer.Argument(help="Target: .obj, .stl, .ply, .3dm, a grey picture, or heights as .npy or .csv.")
+    ],
     output: Annotated[Path | None, output_option("Design file (default: TARGET.toml).")] = None,
-    unit: Annotated[FileUnit, typer.Option(help="Unit of the numbers in the file.")] = FileUnit.mm,
+    unit: Annotated[
+        FileUnit | None, typer.Option(help="Unit of the numbers in the file (default: mm, or what a .3dm file names).")
+    ] = None,
     size_mm: Annotated[
         float | None, typer.Option(min=1.0, help="Scale the target: largest distance of two of its points in mm.")
+    ] = None,
+    heights_mm: Annotated[
+        tuple[float, float] | None, typer.Option(metavar="BLACK WHITE", help="Heights of black and white of a picture.")
+    ] = None,
+    extent_mm: Annotated[
+        float | None, typer.Option(help="Width of a picture, or of heights in .npy or .csv, along x.")
     ] = None,
     side: Annotated[
         _PlasticSideOption,
@@ -60,7 +70,7 @@ def fit(
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.fitting.fit import fit as compute
-    from asterism.fitting.target import load_target
+    from asterism.fitting.load_target import load_target
     from asterism.print.profiles import load_printer
     from asterism.reports.fit_files import write_fit
     from asterism.results.files import check_writable, write_file
@@ -74,7 +84,10 @@ def fit(
         raise Mistake(f"--free: conflicts with --needles {needles}")
     if needles in (1, 2):
         raise Mistake(f"--needles: {needles} needles hold no sheet; must be 0, or 3 or more")
-    surface = load_target(target, unit.value, size_mm, side.value)
+    surface = load_target(
+        target, None if unit is None else unit.value, size_mm, side.value, heights_mm, extent_mm
+    )  # fmt: skip
+    run.warn(*surface.notes)
     directory = file.with_name(f"{file.stem}-fit")
     check_writable(file.parent, file.name)
     check_writable(directory)

@@ -35,7 +35,7 @@ class Disk:
     @cached_property
     def border(self) -> Ints:
         """(B,) vertices of the border in order, with the surface on the left."""
-        starts, ends = _border_edges(self.triangles).T
+        starts, ends = border_edges(self.triangles).T
         after = dict(zip(starts.tolist(), ends.tolist(), strict=True))
         ring = [int(starts.min())]
         while (vertex := after[ring[-1]]) != ring[0]:
@@ -126,7 +126,7 @@ def _check_areas(vertices: Floats, triangles: Ints, name: str) -> None:
 
 def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> None:
     """Raise TargetError unless the border is one loop and the surface a disk."""
-    border = _border_edges(triangles)
+    border = border_edges(triangles)
     if len(border) == 0:
         raise TargetError(name, "is closed: cut it open, a target has one border")
     degree = np.bincount(border.ravel(), minlength=len(vertices))
@@ -152,13 +152,20 @@ def _equally_oriented(triangles: Ints, name: str) -> Ints:
     first, second = order[same], order[same + 1]
     # neighbours that run through their common edge in the same direction have opposite sides
     opposite = (edges[first] == edges[second]).all(axis=1)
-    graph = sp.coo_array((np.where(opposite, 2, 1), (owner[first], owner[second])), shape=(count, count)).tocsr()
-    visited, parent = breadth_first_order(graph, 0, directed=False)
-    between = (graph + graph.T).tocsr()
+    graph = sp.coo_array((np.ones(len(first)), (owner[first], owner[second])), shape=(count, count)).tocsr()
+    visited, before = breadth_first_order(graph, 0, directed=False)
+    # each triangle against the one that it was reached from, then against the first one along the chain of these
+    low, high = np.minimum(owner[first], owner[second]), np.maximum(owner[first], owner[second])
+    pair, where = np.unique(low * count + high, return_index=True)
+    child, parent = visited[1:], before[visited[1:]]
     is_reversed = np.zeros(count, dtype=bool)
-    for triangle in visited[1:]:
-        before = parent[triangle]
-        is_reversed[triangle] = is_reversed[before] ^ (between[before, triangle] == 2)
+    asked = np.minimum(child, parent) * count + np.maximum(child, parent)
+    is_reversed[child] = opposite[where[np.searchsorted(pair, asked)]]
+    above = np.zeros(count, dtype=np.int64)
+    above[child] = parent
+    while above.any():
+        is_reversed ^= is_reversed[above]
+        above = above[above]
     if (is_reversed[owner[first]] ^ is_reversed[owner[second]] ^ opposite).any():
         raise TargetError(name, "has one side only, as a Moebius strip has: a target has two sides")
     return np.where(is_reversed[:, None], triangles[:, ::-1], triangles)
@@ -169,7 +176,7 @@ def _directed_edges(triangles: Ints) -> Ints:
     return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
 
 
-def _border_edges(triangles: Ints) -> Ints:
+def border_edges(triangles: Ints) -> Ints:
     """(B, 2) edges of one triangle only, in its direction."""
     edges = _directed_edges(triangles)
     _, where, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asterism.fitting.decimation import decimated
 from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.errors import TargetError
 from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
+from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
-from asterism.measure.compare.scan import MAX_SCAN_COORDINATE, read_surface
-from asterism.measure.compare.units import MM
+from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
 from asterism.shape.diameter import diameter
 from asterism.shape.self_intersections import self_intersections
 from equilibrium.arrays import Floats, Ints
@@ -24,10 +24,6 @@ from pattern.geometry.normals import triangle_normals, vertex_normals
 
 # a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature
 MIN_TARGET_TRIANGLES = 1500
-# the factorisation of a larger target would take more than some seconds
-MAX_TARGET_VERTICES = 200_000
-# self-intersections are counted up to this number of triangles: the count takes about a second for so many
-MAX_CHECKED_TRIANGLES = 60_000
 # mm, largest distance of two points: smaller targets have no room for stars, larger ones no printer
 TARGET_SIZES_MM = (10.0, 4000.0)
 # share of the sum of absolute curvatures below which neither side is the convex one
@@ -48,6 +44,7 @@ class TargetSurface:
     name : for messages and for the name of the design.
     motion : (3, 3) rotation of that pose, times the scale if the target was scaled.
     shift_mm : (3,) a point x of the file, in mm, stands at `motion @ x + shift_mm`.
+    notes : what was made coarser, one line each.
 
     Examples
     --------
@@ -60,6 +57,7 @@ class TargetSurface:
     name: str
     motion: Floats
     shift_mm: Floats
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of_triangles(
@@ -87,9 +85,8 @@ class TargetSurface:
         """
         vertices, corners = _arrays(vertices_mm, triangles, name)
         disk = disk_of(vertices, corners, name)
-        if len(disk.vertices) > MAX_TARGET_VERTICES:
-            raise TargetError(name, f"has {len(disk.vertices)} vertices, at most {MAX_TARGET_VERTICES}: simplify it")
-        crossings = self_intersections(disk.vertices, disk.triangles) if _is_checked(disk) else 0
+        disk, note = decimated(disk, name)
+        crossings = self_intersections(disk.vertices, disk.triangles)
         if crossings:
             raise TargetError(name, f"passes through itself: {crossings} pairs of triangles cross")
         scale = 1.0 if size_mm is None else size_mm / diameter(disk.vertices)
@@ -103,10 +100,18 @@ class TargetSurface:
             disk = disk.turned_over()
         rotation, shift = _upright_pose(disk)
         posed = Disk(disk.vertices @ rotation.T + shift, disk.triangles)
-        return cls(posed, name, scale * rotation, shift)
+        return cls(posed, name, scale * rotation, shift, (note,) if note else ())
 
     @classmethod
-    def of_heights(cls, heights_mm: ArrayLike, x_mm: ArrayLike, y_mm: ArrayLike, name: str = "heights") -> Self:
+    def of_heights(
+        cls,
+        heights_mm: ArrayLike,
+        x_mm: ArrayLike,
+        y_mm: ArrayLike,
+        name: str = "heights",
+        side: PlasticSide = "auto",
+        size_mm: float | None = None,
+    ) -> Self:
         """A target of heights over a rectangular grid.
 
         Parameters
@@ -114,6 +119,7 @@ class TargetSurface:
         heights_mm : (m, n) heights; nan where there is no surface.
         x_mm : (n,) increasing.
         y_mm : (m,) increasing.
+        side, size_mm : as for `of_triangles`; the normals point upwards.
 
         Raises
         ------
@@ -125,12 +131,7 @@ class TargetSurface:
             raise TargetError(name, f"heights of shape {heights.shape} do not fit {x.size} x and {y.size} y")
         if not ((np.diff(x) > 0).all() and (np.diff(y) > 0).all()):
             raise TargetError(name, "x and y must increase")
-        number = np.arange(heights.size).reshape(heights.shape)
-        a, b, c, d = number[:-1, :-1].ravel(), number[:-1, 1:].ravel(), number[1:, 1:].ravel(), number[1:, :-1].ravel()
-        triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-        triangles = triangles[np.isfinite(heights.ravel()[triangles]).all(axis=1)]
-        grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        return cls.of_triangles(np.column_stack([grid, np.nan_to_num(heights.ravel())]), triangles, name)
+        return cls.of_triangles(*height_mesh(heights, x, y), name, side, size_mm)
 
     @classmethod
     def of_formula(cls, formula: str, width_mm: float, depth_mm: float | None = None, name: str = "formula") -> Self:
@@ -167,30 +168,6 @@ class TargetSurface:
         return NearestOnSurface(self.disk.vertices, self.disk.triangles)
 
 
-def load_target(
-    path: str | Path, unit: str = "mm", size_mm: float | None = None, side: PlasticSide = "auto"
-) -> TargetSurface:
-    """Read a target from an OBJ, STL or PLY file.
-
-    Parameters
-    ----------
-    unit : of the numbers in the file: `mm`, `cm`, `m`, `in` or `um`.
-    size_mm : scales the target so that the largest distance of two of its points is this long.
-    side : of the plastic, see `TargetSurface.of_triangles`.
-
-    Raises
-    ------
-    ScanError
-        The file cannot be read.
-    TargetError
-        Its surface cannot be a target, or the unit is unknown.
-    """
-    if unit not in MM:
-        raise TargetError(path, f"unit = {unit!r}: must be {', '.join(MM)}")
-    vertices, triangles = read_surface(path)
-    return TargetSurface.of_triangles(vertices * MM[unit], triangles, str(path), side, size_mm)
-
-
 def _arrays(vertices: ArrayLike, triangles: ArrayLike, name: str) -> tuple[Floats, Ints]:
     points, corners = np.asarray(vertices, dtype=float), np.asarray(triangles)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
@@ -204,10 +181,6 @@ def _arrays(vertices: ArrayLike, triangles: ArrayLike, name: str) -> tuple[Float
     if not 0 <= corners.min() <= corners.max() < len(points):
         raise TargetError(name, "has triangles with corners that it does not hold")
     return points, corners.astype(np.int64)
-
-
-def _is_checked(disk: Disk) -> bool:
-    return len(disk.triangles) <= MAX_CHECKED_TRIANGLES
 
 
 def _subdivided(disk: Disk) -> Disk:

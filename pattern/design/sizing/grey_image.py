@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import warnings
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +33,28 @@ def read_grey(path: Path) -> Grey:
     ImageError
         There is no such file, it is too large, or it is not a picture.
     """
-    from PIL import Image, ImageOps, UnidentifiedImageError  # slow to import, rarely used
+    from PIL import Image, ImageOps  # slow to import, rarely used
+
+    with opened_picture(path) as picture:
+        # a photograph may be stored rotated, with a note of how
+        upright = ImageOps.exif_transpose(_eight_bits(picture)).convert("RGBA")
+        page = Image.new("RGBA", upright.size, "white")  # transparent parts show white paper
+        page.alpha_composite(upright)
+        grey = page.convert("L")
+        grey.thumbnail((MAX_PIXELS_A_SIDE, MAX_PIXELS_A_SIDE), Image.Resampling.BOX)
+        return np.asarray(grey)
+
+
+@contextmanager
+def opened_picture(path: Path) -> Iterator[Any]:
+    """The picture of pillow in a file of an allowed size; what goes wrong within the block is an `ImageError`, too.
+
+    Raises
+    ------
+    ImageError
+        There is no such file, it is too large, or it is not a picture.
+    """
+    from PIL import Image, UnidentifiedImageError
 
     try:
         if not path.is_file():
@@ -45,30 +68,29 @@ def read_grey(path: Path) -> Grey:
             with Image.open(path) as picture:
                 if picture.width * picture.height > MAX_SOURCE_PIXELS:
                     raise Image.DecompressionBombError
-                # a photograph may be stored rotated, with a note of how
-                upright = ImageOps.exif_transpose(_eight_bits(picture)).convert("RGBA")
-        page = Image.new("RGBA", upright.size, "white")  # transparent parts show white paper
-        page.alpha_composite(upright)
-        grey = page.convert("L")
-        grey.thumbnail((MAX_PIXELS_A_SIDE, MAX_PIXELS_A_SIDE), Image.Resampling.BOX)
-        return np.asarray(grey)
+                yield picture
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise ImageError("has too many pixels") from None
     except (OSError, ValueError, SyntaxError, UnidentifiedImageError):
         raise ImageError("is not a picture that can be read (PNG, JPEG, ...)") from None
 
 
+def check_pixel_format(picture: Any) -> None:
+    """Raise ImageError if the numbers of black and white are unknown."""
+    if picture.mode == "F":
+        raise ImageError("has numbers in place of grey values: save it with 8 or 16 bits a pixel")
+    if picture.mode == "I" and picture.format != "PNG":
+        raise ImageError("has 32 bits a pixel: save it with 8 or 16")
+
+
 def _eight_bits(picture: Any) -> Any:
     """A grey picture of 16 bits a pixel with 8; others as they are."""
     from PIL import Image
 
-    if picture.mode == "F":
-        raise ImageError("has numbers in place of grey values: save it with 8 or 16 bits a pixel")
+    check_pixel_format(picture)
     if not picture.mode.startswith("I"):
         return picture
     values = np.asarray(picture, dtype=float)
-    if picture.mode == "I" and picture.format != "PNG":  # the numbers of black and white are unknown
-        raise ImageError("has 32 bits a pixel: save it with 8 or 16")
     reduced = Image.fromarray(np.round(values * (255 / 65535)).astype(np.uint8))
     reduced.info = picture.info  # how it is rotated
     return reduced

@@ -13,79 +13,23 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from asterism.fitting.errors import TargetError
-from asterism.fitting.target import TargetSurface, load_target
+from asterism.fitting.load_target import load_target
+from asterism.fitting.target import TargetSurface
 from asterism.measure.compare.errors import ScanError
-from benchmarks.fit_targets import rectangle_mesh
-from equilibrium.arrays import Floats, Ints
+from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from tests.asterism.fitting.surfaces import spherical_cap
-
-Mesh = tuple[Floats, Ints]
-
-
-def sphere() -> Mesh:
-    ball = trimesh.creation.icosphere(2, 50.0)
-    return np.asarray(ball.vertices), np.asarray(ball.faces)
-
-
-def plate_with_hole(count: int) -> Mesh:
-    plane, triangles = rectangle_mesh(100.0, 60.0, 31, 19)
-    middles = plane[triangles].mean(axis=1)
-    keep = np.ones(len(triangles), dtype=bool)
-    for number in range(count):
-        keep &= np.linalg.norm(middles - [30.0 * (number - 0.5 * (count - 1)), 0.0], axis=1) > 9.0
-    return np.column_stack([plane, np.zeros(len(plane))]), triangles[keep]
-
-
-def two_pieces() -> Mesh:
-    vertices, triangles = spherical_cap(30.0, rings=5)
-    shifted = vertices + np.array([200.0, 0.0, 0.0])
-    return np.concatenate([vertices, shifted]), np.concatenate([triangles, triangles + len(vertices)])
-
-
-def moebius_strip() -> Mesh:
-    count = 60
-    angle = np.arange(count) * 2.0 * np.pi / count
-    rows = []
-    for across in (-8.0, 8.0):
-        radius = 40.0 + across * np.cos(0.5 * angle)
-        rows.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), across * np.sin(0.5 * angle)]))
-    triangles = []
-    for i in range(count):
-        a, b, c, d = i, i + count, (i + 1) % count, (i + 1) % count + count
-        if i == count - 1:
-            c, d = count, 0
-        triangles += [[a, c, b], [c, d, b]]
-    return np.concatenate(rows), np.array(triangles)
-
-
-def open_torus() -> Mesh:
-    ring = trimesh.creation.torus(40.0, 15.0, major_sections=24, minor_sections=16)
-    return np.asarray(ring.vertices), np.asarray(ring.faces)[1:]
-
-
-def fin() -> Mesh:
-    vertices, triangles = rectangle_mesh(60.0, 60.0, 7, 7)
-    flat = np.column_stack([vertices, np.zeros(len(vertices))])
-    a, b = triangles[20][:2]
-    return np.concatenate([flat, [[0.0, 0.0, 30.0]]]), np.concatenate([triangles, [[a, b, len(flat)]]])
-
-
-def bow_tie() -> Mesh:
-    corners = [[0.0, 0, 0], [-40, -30, 0], [-40, 30, 0], [40, -30, 0], [40, 30, 0]]
-    return np.array(corners), np.array([[0, 2, 1], [0, 3, 4]])
-
-
-def crossing_sheet() -> Mesh:
-    # a strip that runs in a loop and passes through itself
-    turn = np.linspace(-1.9, 1.9, 61)
-    line = np.column_stack([40.0 * np.sin(2.0 * turn), 40.0 * turn**2])
-    across = np.linspace(-20.0, 20.0, 9)
-    vertices = np.array([[x, y, z] for x, z in line for y in across])
-    number = np.arange(len(vertices)).reshape(61, 9)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
-    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-
+from tests.asterism.fitting.wrong_surfaces import (
+    Mesh,
+    bow_tie,
+    crossing_sheet,
+    fin,
+    moebius_strip,
+    open_torus,
+    plate_with_hole,
+    sphere,
+    two_pieces,
+)
 
 BROKEN: list[tuple[Callable[[], Mesh], str]] = [
     (sphere, "is closed: cut it open"),
@@ -146,7 +90,7 @@ def test_files_in_three_formats_give_the_same_target(ending: str, tmp_path: Path
 
 
 def test_files_that_are_no_target_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ScanError, match=r"must end in \.obj, \.stl, \.ply"):
+    with pytest.raises(TargetError, match=r"must end in \.obj, \.stl, \.ply, \.3dm, \.png"):
         load_target(tmp_path / "cap.step")
     with pytest.raises(ScanError, match="is not there"):
         load_target(tmp_path / "cap.obj")
@@ -187,11 +131,11 @@ def test_the_side_can_be_chosen_and_the_pose_is_stated() -> None:
 def test_height_fields() -> None:
     target = TargetSurface.of_formula("10*(1 - (r/60)**2)", 80.0, 60.0, "dome")
     assert np.ptp(target.disk.vertices[:, :2], axis=0) == pytest.approx([80.0, 60.0])
-    x = np.linspace(-40.0, 40.0, 21)
+    x = np.linspace(-40.0, 40.0, 41)
     heights = 5.0 - 0.002 * (x[None] ** 2 + x[:, None] ** 2)
     heights[np.hypot(x[None], x[:, None]) > 38.0] = np.nan
-    assert TargetSurface.of_heights(heights, x, x).diameter_mm == pytest.approx(75.9, abs=1.0)
-    with pytest.raises(TargetError, match="do not fit 21 x and 20 y"):
+    assert TargetSurface.of_heights(heights, x, x).diameter_mm == pytest.approx(76.0, abs=1.0)
+    with pytest.raises(TargetError, match="do not fit 41 x and 40 y"):
         TargetSurface.of_heights(heights, x, x[:-1])
     with pytest.raises(TargetError, match="x and y must increase"):
         TargetSurface.of_heights(heights, x[::-1], x)

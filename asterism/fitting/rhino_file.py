@@ -1,0 +1,128 @@
+"""Surfaces from 3DM files of Rhino, by `rhino3dm` (the extra `rhino`)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asterism.fitting.errors import TargetError
+from equilibrium.arrays import Floats, Ints
+
+RHINO_FORMAT = ".3dm"
+# larger files are refused
+MAX_RHINO_BYTES = 200_000_000
+# points along each parameter of a NURBS surface: at least, and for each span between knots
+MIN_SURFACE_POINTS = 60
+POINTS_A_SPAN = 8
+MAX_SURFACE_POINTS = 200
+# mm, by the names of `rhino3dm.UnitSystem`
+RHINO_UNITS_MM = {
+    "Microns": 1e-3,
+    "Millimeters": 1.0,
+    "Centimeters": 10.0,
+    "Decimeters": 100.0,
+    "Meters": 1000.0,
+    "Inches": 25.4,
+    "Feet": 304.8,
+    "Yards": 914.4,
+    "None": 1.0,
+    "Unset": 1.0,
+}
+
+
+def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
+    """The visible surfaces of a 3DM file as triangles.
+
+    Meshes are taken as they are. A surface that is not trimmed is sampled at its parameters; of a trimmed or joined one
+    the file must hold the render mesh, as files saved by Rhino do.
+
+    Parameters
+    ----------
+    mm : length of the unit of the numbers; None for the unit that the file names.
+
+    Returns
+    -------
+    Vertices (V, 3) in mm and triangles (T, 3).
+
+    Raises
+    ------
+    TargetError
+        `rhino3dm` is not installed, or the file holds no surface that can be read.
+    """
+    if not path.is_file():
+        raise TargetError(path, "is no file" if path.exists() else "is not there")
+    if path.stat().st_size > MAX_RHINO_BYTES:
+        raise TargetError(path, f"is larger than {MAX_RHINO_BYTES // 1_000_000} MB")
+    try:
+        import rhino3dm
+    except ImportError:
+        raise TargetError(path, 'reading 3DM needs rhino3dm: pip install "asterism-fabric[rhino]"') from None
+    file: Any
+    try:
+        file = rhino3dm.File3dm.Read(str(path))
+    except Exception:  # errors of the binding have no common class
+        file = None
+    if file is None:
+        raise TargetError(path, "cannot be read as 3DM: the file is damaged or cut short")
+    unit = file.Settings.ModelUnitSystem.name
+    if mm is None and unit not in RHINO_UNITS_MM:
+        raise TargetError(path, f"its unit is {unit}: save it in mm, or give the unit of its numbers")
+    meshes = [mesh for thing in file.Objects if thing.Attributes.Visible for mesh in _meshes(path, thing.Geometry)]
+    if not meshes:
+        kinds = sorted({type(thing.Geometry).__name__ for thing in file.Objects})
+        held = f"only {', '.join(kinds)}" if kinds else "nothing"
+        raise TargetError(path, f"holds no visible surface or mesh, {held}")
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
+    vertices = np.concatenate([vertices for vertices, _ in meshes])
+    triangles = np.concatenate([triangles + start for (_, triangles), start in zip(meshes, starts, strict=False)])
+    return (RHINO_UNITS_MM[unit] if mm is None else mm) * vertices, triangles
+
+
+def _meshes(path: Path, geometry: Any) -> list[tuple[Floats, Ints]]:
+    """The triangles of one object: none for curves, points and the like."""
+    import rhino3dm
+
+    if isinstance(geometry, rhino3dm.Mesh):
+        return [_triangles(geometry)]
+    if isinstance(geometry, rhino3dm.Extrusion):
+        geometry = geometry.ToBrep(False)
+    if isinstance(geometry, rhino3dm.Brep):
+        table: Any = geometry.Faces
+        faces = list(table)
+        cached = [face.GetMesh(rhino3dm.MeshType.Any) for face in faces]
+        if len(faces) == 1 and geometry.IsSurface:
+            return [_sampled(faces[0].UnderlyingSurface())]
+        if any(mesh is None or len(mesh.Vertices) == 0 for mesh in cached):
+            problem = "a trimmed or joined surface without its render mesh: save the file shaded, or mesh it in Rhino"
+            raise TargetError(path, f"holds {problem}")
+        return [_triangles(mesh) for mesh in cached]
+    if isinstance(geometry, rhino3dm.Surface):
+        return [_sampled(geometry)]
+    return []
+
+
+def _triangles(mesh: Any) -> tuple[Floats, Ints]:
+    vertices = np.array([[point.X, point.Y, point.Z] for point in mesh.Vertices], dtype=float).reshape(-1, 3)
+    corners = np.array([mesh.Faces[number] for number in range(len(mesh.Faces))], dtype=np.int64).reshape(-1, 4)
+    # a triangle repeats its third corner
+    quads = corners[corners[:, 2] != corners[:, 3]]
+    return vertices, np.concatenate([corners[:, :3], quads[:, [0, 2, 3]]])
+
+
+def _sampled(surface: Any) -> tuple[Floats, Ints]:
+    """A grid of points on a surface that is not trimmed."""
+    counts, values = [], []
+    for direction in (0, 1):
+        count = int(np.clip(POINTS_A_SPAN * surface.SpanCount(direction), MIN_SURFACE_POINTS, MAX_SURFACE_POINTS))
+        interval = surface.Domain(direction)
+        counts.append(count)
+        values.append(np.linspace(interval.T0, interval.T1, count))
+    points = [surface.PointAt(float(u), float(v)) for u in values[0] for v in values[1]]
+    number = np.arange(counts[0] * counts[1]).reshape(counts)
+    a, b, c, d = (
+        number[i : counts[0] - 1 + i, j : counts[1] - 1 + j].ravel() for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    )
+    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return np.array([[point.X, point.Y, point.Z] for point in points]), triangles

@@ -1,0 +1,160 @@
+"""Targets from files of heights and of Rhino."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from asterism.fitting.errors import TargetError
+from asterism.fitting.load_target import load_target
+from equilibrium.arrays import Floats
+from tests.asterism.fitting.broken_targets import dome
+
+WIDTH, RISE = 90.0, 12.0
+
+
+def vault(points: int) -> Floats:
+    """Heights of 0 to 1 over a square, higher at the upper left: row 0 is the upper one."""
+    x = np.linspace(-1.0, 1.0, points)
+    return np.asarray((1.0 - x[None] ** 2) * (1.0 - x[:, None] ** 2) * (1.0 - 0.2 * x[None] - 0.1 * x[:, None]) / 1.1)
+
+
+def height_at(target: Any, x: float, y: float) -> float:
+    """Height of a target, in the coordinates of its file, over a place."""
+    places = (target.disk.vertices - target.shift_mm) @ target.motion
+    return float(places[np.hypot(places[:, 0] - x, places[:, 1] - y).argmin(), 2])
+
+
+@pytest.mark.parametrize(("bits", "steps"), [(8, 255), (16, 65535)])
+def test_a_picture_gives_heights(bits: int, steps: int, tmp_path: Path) -> None:
+    levels = np.round(steps * vault(91))
+    Image.fromarray(levels.astype(np.uint8 if bits == 8 else np.uint16)).save(tmp_path / "vault.png")
+    target = load_target(tmp_path / "vault.png", heights_mm=(0.0, RISE), extent_mm=WIDTH)
+    assert target.notes == ()
+    # the upper left is at negative x and positive y
+    expected = RISE * float(vault(91)[20, 30])
+    assert height_at(target, -45.0 + 30.0, 45.0 - 20.0) == pytest.approx(expected, abs=RISE / steps)
+    lower = load_target(tmp_path / "vault.png", heights_mm=(RISE, 0.0), extent_mm=WIDTH)
+    assert height_at(lower, -15.0, 25.0) == pytest.approx(RISE - expected, abs=RISE / steps)
+
+
+def test_arrays_and_tables_give_the_same_target(tmp_path: Path) -> None:
+    heights = RISE * vault(61)
+    heights[:8, :8] = np.nan
+    np.save(tmp_path / "vault.npy", heights)
+    rows = [";".join("" if np.isnan(value) else repr(float(value)) for value in row) for row in heights]
+    (tmp_path / "vault.csv").write_text("\n".join(rows) + "\n")
+    array, table = (load_target(tmp_path / f"vault.{ending}", extent_mm=WIDTH) for ending in ("npy", "csv"))
+    assert array.disk.vertices == pytest.approx(table.disk.vertices)
+    assert (array.disk.triangles == table.disk.triangles).all()
+    in_cm = load_target(tmp_path / "vault.npy", unit="cm", extent_mm=WIDTH, size_mm=100.0)
+    assert in_cm.diameter_mm == pytest.approx(100.0, rel=1e-3)
+    side = load_target(tmp_path / "vault.npy", extent_mm=WIDTH, side="other")
+    assert height_at(side, 0.0, 0.0) == pytest.approx(height_at(array, 0.0, 0.0))
+    assert side.nearest(np.array([[0.0, 0.0, 90.0]])).distance[0] > 0.0
+
+
+def test_a_fine_picture_is_averaged_and_transparent_parts_are_left_out(tmp_path: Path) -> None:
+    levels = np.round(255 * vault(300)).astype(np.uint8)
+    x = np.linspace(-1.0, 1.0, 300)
+    opacity = np.where(np.hypot(x[None], x[:, None]) < 0.9, 255, 0).astype(np.uint8)
+    Image.fromarray(np.dstack([levels, levels, levels, opacity])).save(tmp_path / "round.png")
+    target = load_target(tmp_path / "round.png", heights_mm=(0.0, RISE), extent_mm=WIDTH)
+    assert target.notes == ("300 x 300 values are averaged over 3 x 3",)
+    places = (target.disk.vertices - target.shift_mm) @ target.motion
+    assert np.ptp(places[:, :2], axis=0) == pytest.approx(0.9 * WIDTH, abs=1.0)
+    # steps of 8 bits are averaged away
+    assert height_at(target, 0.0, 0.0) == pytest.approx(RISE / 1.1, abs=0.05)
+
+
+def nurbs_vault(rhino3dm: Any) -> Any:
+    """A surface over a square of 10 units, with its highest point in the middle."""
+    surface = rhino3dm.NurbsSurface.Create(3, False, 3, 3, 5, 5)
+    for i in range(5):
+        for j in range(5):
+            height = 1.2 * (1.0 - (0.5 * i - 1.0) ** 2) * (1.0 - (0.5 * j - 1.0) ** 2)
+            surface.Points[(i, j)] = rhino3dm.Point4d(2.5 * i, 2.5 * j, height, 1.0)
+    surface.KnotsU.CreateUniformKnots(1.0)
+    surface.KnotsV.CreateUniformKnots(1.0)
+    return surface
+
+
+def rhino_file(path: Path, unit: str = "Centimeters", **things: Any) -> Path:
+    rhino3dm = pytest.importorskip("rhino3dm")
+    file = rhino3dm.File3dm()
+    file.Settings.ModelUnitSystem = getattr(rhino3dm.UnitSystem, unit)
+    for kind, thing in things.items():
+        getattr(file.Objects, f"Add{kind}")(thing)
+    file.Write(str(path), 8)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["Surface", "Brep"])
+def test_a_nurbs_surface_is_sampled_in_the_unit_of_its_file(kind: str, tmp_path: Path) -> None:
+    rhino3dm = pytest.importorskip("rhino3dm")
+    surface = nurbs_vault(rhino3dm)
+    thing = surface if kind == "Surface" else rhino3dm.Brep.CreateFromSurface(surface)
+    path = rhino_file(tmp_path / "vault.3dm", **{kind: thing})
+    target = load_target(path)
+    assert target.diameter_mm == pytest.approx(100.0 * np.sqrt(2.0))
+    interval = surface.Domain(0)
+    middle = surface.PointAt(0.5 * (interval.T0 + interval.T1), 0.5 * (interval.T0 + interval.T1))
+    top = 10.0 * np.array([middle.X, middle.Y, middle.Z])
+    assert target.nearest((target.motion @ top + target.shift_mm)[None]).distance[0] == pytest.approx(0.0, abs=0.01)
+    assert load_target(path, unit="mm").diameter_mm == pytest.approx(10.0 * np.sqrt(2.0))
+
+
+def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
+    rhino3dm = pytest.importorskip("rhino3dm")
+    mesh = rhino3dm.Mesh()
+    vertices, triangles = dome(points=31)
+    for place in vertices.tolist():
+        mesh.Vertices.Add(*place)
+    for corners in triangles[:900].tolist():
+        mesh.Faces.AddFace(*corners)
+    for corners in triangles[900:].tolist():
+        mesh.Faces.AddFace(*corners)
+    target = load_target(rhino_file(tmp_path / "dome.3dm", "Millimeters", Mesh=mesh))
+    assert target.diameter_mm == pytest.approx(80.0 * np.sqrt(2.0), rel=1e-6)
+
+
+def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rhino3dm = pytest.importorskip("rhino3dm")
+    start, end = rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(9, 9, 9)
+    wrong = {
+        "empty.3dm": (rhino_file(tmp_path / "empty.3dm"), "holds no visible surface or mesh, nothing"),
+        "line.3dm": (
+            rhino_file(tmp_path / "line.3dm", Curve=rhino3dm.LineCurve(start, end)),
+            "no visible surface or mesh, only LineCurve",
+        ),
+        "ball.3dm": (rhino_file(tmp_path / "ball.3dm", Brep=rhino3dm.Sphere(start, 5.0).ToBrep()), "is closed"),
+        "box.3dm": (
+            rhino_file(
+                tmp_path / "box.3dm",
+                Brep=rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9))),
+            ),
+            "without its render mesh",
+        ),
+        "light.3dm": (
+            rhino_file(tmp_path / "light.3dm", "LightYears", Surface=nurbs_vault(rhino3dm)),
+            "its unit is LightYears",
+        ),
+    }
+    whole = rhino_file(tmp_path / "whole.3dm", Surface=nurbs_vault(rhino3dm)).read_bytes()
+    for name, content in (("cut.3dm", whole[: len(whole) // 3]), ("text.3dm", b"hello"), ("void.3dm", b"")):
+        (tmp_path / name).write_bytes(content)
+        wrong[name] = (tmp_path / name, "cannot be read as 3DM")
+    wrong["missing.3dm"] = (tmp_path / "missing.3dm", "is not there")
+    for path, problem in wrong.values():
+        with pytest.raises(TargetError, match=problem) as caught:
+            load_target(path)
+        assert "\n" not in str(caught.value)
+    assert load_target(wrong["light.3dm"][0], unit="cm").diameter_mm == pytest.approx(100.0 * np.sqrt(2.0))
+    monkeypatch.setitem(sys.modules, "rhino3dm", None)
+    with pytest.raises(TargetError, match=r'needs rhino3dm: pip install "asterism-fabric\[rhino\]"'):
+        load_target(tmp_path / "whole.3dm")
