@@ -212,7 +212,7 @@ def _record(
         stars_down=number[equilibrium.sides < 0].tolist(),
         stars_off_branch=number[stars_off_branch(model, equilibrium)].tolist(),
         roll_axis_deg=axis,
-        roll_radius_mm=None if axis is None else roll_radius(shape, model.layout.lattice_vectors),
+        roll_radius_mm=None if axis is None else roll_radius(shape, model.layout),
         vertices=model.n_vertices,
         triangles=len(model.mesh.triangles),
         dofs=len(model.free),

@@ -50,7 +50,7 @@ def summary(
         "stars": len(layout.centres),
         "roll_axis_deg": axis,
         "equivalent_axes_deg": equivalent_axes_deg(state, axis),
-        "roll_radius_mm": None if axis is None else roll_radius(shape, layout.lattice_vectors),
+        "roll_radius_mm": None if axis is None else roll_radius(shape, layout),
         "side": state.side,
         "start": equilibrium.guess,
         "starts": [

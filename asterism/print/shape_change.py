@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
@@ -9,7 +11,7 @@ from pattern.design.design import Design
 from pattern.layout.free_motions import free_motions
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples
-from pattern.layout.symmetric_distance import symmetric_distances
+from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from pattern.layout.symmetries import symmetries
 
 
@@ -22,11 +24,17 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     design, plan : the design and layout before or after rounding; both have the same stars.
     model : model of both shapes: `exact` or `preview`.
     """
-    before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
     supports = support_samples(plan)
-    free = free_motions(supports, drawn.at(supports.printed), design.gravity.pull)
-    apart = symmetric_distances(before, after, symmetries(design, plan), free)
-    distance = float(apart.min()) if len(before) > 2 else 0.0
+    chord = plan.spacing_mm if plan.rim else 0.0
+    free = free_motions(supports, drawn.at(supports.printed, chord), design.gravity.pull)
+    same = symmetries(design, plan)
+    if plan.drawn is None:
+        before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
+        distance = float(symmetric_distances(before, after, same, free).min()) if len(before) > 2 else 0.0
+    else:
+        at = plan.points_on_rods
+        before, after_at = drawn.at(at, chord), partial(printed.at, off_sheet_mm=chord)
+        distance = float(distances_of_images(at, before, after_at, same, free).min())
     return ShapeChangeRecord(
         model=model,
         height_mm=[drawn.height_mm, printed.height_mm],

@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import leastsq
+from scipy.spatial import cKDTree
 
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from pattern.geometry.normals import vertex_normals
+from pattern.layout.layout import Layout
 
 # a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane
 MAX_TUBE_RESIDUAL_FACTOR = 0.9
 
 
-def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:
-    """Radius in mm of the cylinder that fits the cell means at the star centres; None as for `tube_radius`."""
+def roll_radius(shape: Shape, layout: Layout) -> float | None:
+    """Radius in mm of the cylinder that fits the cell means at the star centres; None as for `tube_radius`.
+
+    Of a drawing, at the vertices that are nearest to the `sample_points` of its layout.
+    """
     stars = shape.star_vertices
-    middles = CellMean(shape.printed, shape.weights, lattice_vectors, stars)(shape.positions)
+    if layout.drawn is not None:
+        stars = np.unique(cKDTree(shape.printed).query(layout.sample_points)[1])
+    middles = CellMean(shape.printed, shape.weights, layout.lattice_vectors, stars)(shape.positions)
     return tube_radius(middles, vertex_normals(shape.positions, shape.triangles)[stars])
 
 

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from scipy.spatial import cKDTree
+
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.star_bumps import star_normals
 from discrete.model.state import State
+from pattern.geometry.normals import vertex_normals
 from pattern.layout.roll_axis import roll_axis_from_normals
 
 
 def roll_axis_deg(model: DiscreteModel, state: State) -> float | None:
     """Axis of a rolled sheet in printed coordinates, 0 to 180 deg from the x axis; None for other shapes."""
-    return roll_axis_from_normals(model.layout, star_normals(model, state))
+    if model.layout.drawn is None:
+        return roll_axis_from_normals(model.layout, star_normals(model, state))
+    _, vertex = cKDTree(model.mesh.points).query(model.layout.sample_points)
+    return roll_axis_from_normals(model.layout, vertex_normals(state.positions, model.mesh.triangles)[vertex])

@@ -17,13 +17,13 @@ from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.arrays import Array
 from equilibrium.newton.regularisation import Method
 from pattern.design.errors import DesignError
+from pattern.geometry.point_location import locate
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.support_samples import support_samples
-from pattern.layout.symmetric_distance import symmetric_distances
+from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
-COMPARED_POINTS_A_ROD = 9  # points of a drawn rod at which two forms are compared
 MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start
 
 
@@ -47,13 +47,16 @@ class ExactForm:
     levels: tuple[MeshLevel, ...] = ()
 
     @property
-    def places(self) -> Array:
-        """(S, 3) mm, places at which forms are compared: the centres of the stars, or points along drawn rods."""
-        positions, mesh = self.equilibrium.state.positions, self.model.mesh
-        if self.model.layout.drawn is None:
-            return positions[mesh.star_vertices]
-        # at equal vertex numbers of even meshes, so that forms on two meshes can be compared
-        return np.concatenate([_along(positions[path]) for path in mesh.rods])
+    def star_places(self) -> Array:
+        """(S, 3) mm, places of the star centres."""
+        return self.equilibrium.state.positions[self.model.mesh.star_vertices]
+
+    def places(self, printed: Array) -> Array:
+        """(n, 3) mm, places of printed points (n, 2), linear in each triangle."""
+        mesh = self.model.mesh
+        # on the chords of a curved outline
+        triangle, weights = locate(mesh.points, mesh.triangles, printed, self.model.spacing)
+        return np.asarray(np.einsum("nk,nki->ni", weights, self.equilibrium.state.positions[mesh.triangles[triangle]]))
 
     @property
     def free_motions(self) -> FreeMotions:
@@ -159,12 +162,6 @@ def find_minima(
     return Minima(_best_first(distinct_forms(certified, design_symmetries)), coarse, refined, lost, design_symmetries)
 
 
-def _along(path: Array) -> Array:
-    """(k, 3) mm, points at equal parts of a path (n, 3)."""
-    at = np.linspace(0.0, len(path) - 1.0, COMPARED_POINTS_A_ROD)
-    return np.column_stack([np.interp(at, np.arange(len(path)), path[:, axis]) for axis in range(3)])
-
-
 def distinct_forms(forms: list[ExactForm], design_symmetries: list[Symmetry]) -> list[ExactForm]:
     """The distinct forms: of those nearer than SAME_FORM_PERCENT with the same stars up, the best with all starts."""
     groups: list[list[ExactForm]] = []
@@ -186,10 +183,10 @@ def _form_distance(first: ExactForm, second: ExactForm, design_symmetries: list[
     """Distance in % of the diameter, and whether it is to a symmetric image with the same stars up."""
     diameter = first.model.layout.diameter_mm
     if first.model.layout.drawn is not None:
-        images = [replace(image, star=np.arange(len(first.places))) for image in design_symmetries]
-        distances = symmetric_distances(first.places, second.places, images, first.free_motions)
+        at = first.model.layout.points_on_rods
+        distances = distances_of_images(at, first.places(at), second.places, design_symmetries, first.free_motions)
         return float(100.0 * distances.min() / diameter), True
-    distances = symmetric_distances(first.places, second.places, design_symmetries, first.free_motions)
+    distances = symmetric_distances(first.star_places, second.star_places, design_symmetries, first.free_motions)
     percent = 100.0 * distances / diameter
     first_sides, second_sides = first.equilibrium.sides, second.equilibrium.sides
     same_sides = np.array([np.array_equal(first_sides, second_sides[image.star]) for image in design_symmetries])

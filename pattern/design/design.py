@@ -146,6 +146,19 @@ class Design(Section):
             raise DesignError("rods", "only asterism simulate computes drawn rods; this needs [stars]")
         return self.stars
 
+    @property
+    def required_rods(self) -> Rods:
+        """The section `[rods]`, for what is computed of drawn rods alone.
+
+        Raises
+        ------
+        DesignError
+            The pattern has no drawn rods.
+        """
+        if self.rods is None:
+            raise DesignError("rods", "must be there: this needs drawn rods")
+        return self.rods
+
     @field_validator("units")
     @classmethod
     def _millimetres(cls, units: str) -> str:

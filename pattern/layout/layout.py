@@ -9,11 +9,15 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import distance_to_segment, split_for_table
+from pattern.geometry.planar import distance_to_segment, inside, split_for_table
 from pattern.geometry.plane_lattice import PlaneLattice
 from pattern.layout.supports import PinSet, all_points
 from pattern.rods.graph import RodGraph
 from pattern.rods.star_graph import star_graph
+
+# points of a drawn rod at which shapes are compared, and most rods that are compared
+COMPARED_POINTS_A_ROD = 9
+MAX_COMPARED_RODS = 1000
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,29 @@ class Layout:
     def star_sizes_mm(self) -> Floats:
         """(S, 3) length, thickness and width of each star, as `site_sizes_mm`."""
         return self.site_sizes_mm[self.star_number]
+
+    @cached_property
+    def sample_points(self) -> Floats:
+        """(n, 2) mm: the star centres; of a drawing, the sites of its lattice on the sheet."""
+        return self.centres if self.drawn is None else self.lattice.place(self._sample_cells)
+
+    @cached_property
+    def sample_pairs(self) -> Ints:
+        """(N, 2) pairs of neighbouring `sample_points`."""
+        return self.neighbours if self.drawn is None else self.lattice.neighbours(self._sample_cells)
+
+    @cached_property
+    def _sample_cells(self) -> Ints:
+        """(n, 2) cells of the lattice of a drawing whose sites are on the sheet."""
+        cells = self.lattice.cells_within(self.outline.min(axis=0), self.outline.max(axis=0))
+        return cells[inside(self.lattice.place(cells), self.outline)]
+
+    @cached_property
+    def points_on_rods(self) -> Floats:
+        """(n, 2) mm, points at equal parts of every drawn rod, at which shapes are compared."""
+        parts = np.linspace(0.0, 1.0, COMPARED_POINTS_A_ROD)
+        rods = self.graph.rods[:: max(len(self.graph.rods) // MAX_COMPARED_RODS, 1)]
+        return np.concatenate([rod.at(rod.points, parts) for rod in rods])
 
     @property
     def spacing_mm(self) -> float:

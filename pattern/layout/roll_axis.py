@@ -22,7 +22,7 @@ def roll_axis_from_normals(layout: Layout, normal: Floats, almost: bool = False)
 
     Parameters
     ----------
-    normal : (S, 3) unit normals at the star centres.
+    normal : (S, 3) unit normals at the layout's `sample_points`: the star centres, or points of a drawing.
     almost : accept sheets that are almost rolled.
 
     Notes
@@ -30,12 +30,13 @@ def roll_axis_from_normals(layout: Layout, normal: Floats, almost: bool = False)
     At every star, a linear map W (3, 2) of the printed place is fitted to the change of the normal from star to star.
     The mean of W^T W has one large eigenvalue if the sheet bends about one axis only. A roll bends to one side.
     """
-    pairs = np.concatenate([layout.neighbours, layout.neighbours[:, ::-1]])
-    step = layout.centres[pairs[:, 1]] - layout.centres[pairs[:, 0]]
+    points, neighbours = layout.sample_points, layout.sample_pairs
+    pairs = np.concatenate([neighbours, neighbours[:, ::-1]])
+    step = points[pairs[:, 1]] - points[pairs[:, 0]]
     change = normal[pairs[:, 1]] - normal[pairs[:, 0]]
     spacing = layout.spacing_mm
     # the normal equations of all stars at once
-    count, star = len(layout.centres), pairs[:, 0]
+    count, star = len(points), pairs[:, 0]
     square, product = np.zeros((count, 2, 2)), np.zeros((count, 2, 3))
     np.add.at(square, star, step[:, :, None] * step[:, None])
     np.add.at(product, star, step[:, :, None] * change[:, None])

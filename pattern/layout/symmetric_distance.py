@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -38,6 +38,25 @@ def symmetric_distances(
     [2.16]
     """
     return np.array([_distance(first, each.in_space(second[each.star]), free) for each in symmetries])
+
+
+def distances_of_images(
+    printed: Floats,
+    first: Floats,
+    second_at: Callable[[Floats], Floats],
+    symmetries: Sequence[Symmetry],
+    free: FreeMotions = FREE_SHEET,
+) -> Floats:
+    """(n,) mm, as `symmetric_distances`, at any printed points.
+
+    Parameters
+    ----------
+    printed : (P, 2) mm, the points.
+    first : (P, 3) mm, their places in the first shape.
+    second_at : gives the places (P, 3) of printed points in the second shape.
+    """
+    images = [each.in_space(second_at(printed @ each.turn.T + each.shift)) for each in symmetries]
+    return np.array([_distance(first, image, free) for image in images])
 
 
 def _distance(points: Floats, targets: Floats, free: FreeMotions) -> float:

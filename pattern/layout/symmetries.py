@@ -5,16 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Floats, Ints
 from pattern.design.design import Design
+from pattern.design.rods import IMPORT_CURVE_MM
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
+from pattern.layout.drawn_motions import candidate_turns, maps_drawing
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import SupportSamples, support_samples
 
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6
+# two curves that are equal are apart by at most this many of the distances from their straight pieces
+CURVE_TOLERANCES = 2.5
 
 
 @dataclass(frozen=True)
@@ -56,10 +61,10 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     """All symmetries of the stars, their arms and sizes, the outline, the pins, the stretch and the weight.
 
     The identity comes first. Each maps the centre of the stars to itself, and the lattice onto itself but for a shift.
-    Of drawings only the identity is found.
+    Of a drawing, it maps the middle of the sheet to itself.
     """
     if layout.drawn is not None:
-        return [Symmetry(np.eye(2), np.zeros(2), np.empty(0, dtype=np.int64))]
+        return _of_drawing(design, layout)
     tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm
     centre = layout.centres.mean(axis=0)
     # Tips may meet. A quarter of the way back to the centre, no two arms do.
@@ -78,6 +83,23 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
         motion = Symmetry(turn, shift, star)
         shift_in_space = _support_shift(samples, motion, tolerance)
         if _keeps_arms(layout, arm_points, motion, tolerance) and shift_in_space is not None:
+            kept.append(replace(motion, shift_in_space=shift_in_space))
+    return kept
+
+
+def _of_drawing(design: Design, layout: Layout) -> list[Symmetry]:
+    """All symmetries of drawn rods; curves are as near to each other as they are to their straight pieces."""
+    curve_mm = max(design.required_rods.curve_mm, IMPORT_CURVE_MM)
+    tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
+    centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
+    samples, none = support_samples(layout), np.empty(0, dtype=np.int64)
+    kept = []
+    for turn in candidate_turns(layout.graph, centre):
+        motion = Symmetry(turn, centre - turn @ centre, none)
+        shift_in_space = _support_shift(samples, motion, tolerance)
+        if shift_in_space is None or not _keeps_directions(design, turn):
+            continue
+        if maps_drawing(layout, turn, motion.shift, tolerance):
             kept.append(replace(motion, shift_in_space=shift_in_space))
     return kept
 

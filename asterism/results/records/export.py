@@ -52,7 +52,8 @@ class ShapeChangeRecord(Record):
     height_mm: list[float] = key("Extents of both shapes along z.", unit="mm", default=ABSENT)
     extent_mm: list[list[float]] = key("Sizes of the boxes around both shapes.", unit="mm", default=ABSENT)
     star_distance_mm: float = key(
-        "Rms distance of the star centres as held, up to free motions and symmetries of the design.",
+        "Rms distance of the star centres, or of points on drawn rods, as held, up to free motions and symmetries of "
+        "the design.",
         unit="mm",
         default=ABSENT,
     )

@@ -64,8 +64,8 @@ class ShapeRecord(Record):
         show=_rolled,
     )
     roll_radius_mm: float | None = key(
-        "Radius of the circular cylinder nearest to the mean surface at the star centres; null if the sheet is not "
-        "rolled, or if a plane is nearly as close.",
+        "Radius of the circular cylinder nearest to the mean surface at the star centres, or at sites of drawn rods; "
+        "null if the sheet is not rolled, or if a plane is nearly as close.",
         unit="mm",
     )
     vertices: int = key("Vertices of the mesh that the files hold.", label="mesh", show="{vertices} vertices, {mesh}")
@@ -113,7 +113,8 @@ class ShapeRecord(Record):
         show=_below,
     )
     contraction: float | None = key(
-        "Mean distance of neighbouring star centres over the printed distance; null for a single star.",
+        "Mean distance of neighbouring star centres over the printed distance; null for a single star. Of drawn rods, "
+        "that of sites of their lattice, or of a square lattice with the mean distance of the rods.",
         label="contraction",
         show="{contraction:.4f}",
     )
