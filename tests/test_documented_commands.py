@@ -83,9 +83,9 @@ def mistakes(line: str, is_whole: bool) -> list[str]:
         if text not in options:
             wrong.append(f"{text} is no option of {name}")
         elif not options[text].is_flag and not has_value:
-            if not words:
+            if len(words) < options[text].nargs:
                 wrong.append(f"{text} has no value")
-            words[:1] = []
+            words[: options[text].nargs] = []
     if is_whole:
         wrong += [f"{p.name.upper()} is missing" for p in arguments[given:] if p.required]
     return wrong
