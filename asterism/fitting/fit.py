@@ -160,7 +160,7 @@ def fit(
         "version": __version__,
         "design": design.to_dict(),
     }
-    return Fit(design, target, shape, verification, of_result, FitRecord.from_json(summary))
+    return Fit(design, target, guess, shape, verification, of_result, FitRecord.from_json(summary))
 
 
 def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from asterism.fitting.distance import FitDistance
+from asterism.fitting.first_guess import FirstGuess
 from asterism.fitting.target import TargetSurface
 from asterism.results.records.fit import FitRecord
 from asterism.shape.shape import Shape
@@ -20,6 +21,7 @@ class Fit:
     ----------
     design : as it is written and was verified.
     target : in the pose of the fit.
+    guess : the first guess, with the map to the print and what stars can do.
     preview : fresh preview of the design.
     verification : preview and exact shapes; None if the exact model was not asked for.
     distance : of the exact shape to the target, or of the preview without one.
@@ -28,6 +30,7 @@ class Fit:
 
     design: Design
     target: TargetSurface
+    guess: FirstGuess
     preview: Shape
     verification: Verification | None
     distance: FitDistance
