@@ -1,27 +1,57 @@
-"""Designs of the paper's figures, ready to use."""
+"""Designs ready to use: those of the paper's figures, and templates to start from."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from pattern.design.design import Design
 from pattern.layout.load_design import load_design
 
 _FOLDER = Path(__file__).parent / "gallery"
+_TEMPLATES = Path(__file__).parent / "templates"
 
 
 def names() -> list[str]:
-    """Names of the designs, in alphabetical order."""
+    """Names of the designs of the paper's figures, in alphabetical order."""
     return sorted(path.stem for path in _FOLDER.glob("*.toml"))
 
 
+def template_names() -> list[str]:
+    """Names of the templates, in alphabetical order.
+
+    >>> template_names()
+    ['arch', 'canopy', 'saddle']
+    """
+    return sorted(path.stem for path in _TEMPLATES.glob("*.toml"))
+
+
 def path(name: str) -> Path:
-    """File of a design, with comments that say what the paper says and what was chosen."""
-    if name not in names():
-        raise KeyError(f"no design {name!r} in the gallery; there are {', '.join(names())}")
-    return _FOLDER / f"{name}.toml"
+    """File of a design or a template, with comments that say what the paper says and what was chosen.
+
+    Raises
+    ------
+    KeyError
+        There is no design of this name.
+    """
+    if name in names():
+        return _FOLDER / f"{name}.toml"
+    if name in template_names():
+        return _TEMPLATES / f"{name}.toml"
+    raise KeyError(f"no design {name!r} in the gallery; there are {', '.join([*template_names(), *names()])}")
 
 
 def load(name: str) -> Design:
-    """A design of the gallery."""
+    """A design of the gallery, or a template."""
     return load_design(path(name))
+
+
+def words(name: str) -> str:
+    """One sentence on a design: the first one of the comment in its file.
+
+    >>> words("arch")
+    'An arch: two opposite edges stand on the ground, and the sheet bends up between them.'
+    """
+    comment = re.match(r"(#.*\n)*", path(name).read_text(encoding="utf-8"))
+    text = " ".join(line.lstrip("# ") for line in comment[0].splitlines()) if comment else ""
+    return re.split(r"(?<=\.)\s", text)[0]

@@ -1,4 +1,4 @@
-"""`asterism new`: a design of the gallery."""
+"""`asterism new`: a template, or a design of the gallery."""
 
 from __future__ import annotations
 
@@ -17,20 +17,24 @@ def new(
     run: Run,
     name: Annotated[
         str | None,
-        typer.Argument(help="Name of the design. Without a name, the command lists all designs of the gallery."),
+        typer.Argument(help="Name of a template or a design. Without a name, the command lists all of them."),
     ] = None,
     output: Annotated[Path | None, output_option("File of the design (default: NAME.toml).")] = None,
 ) -> None:
-    """Write a design of the gallery to a file that you can change."""
+    """Write a template, or a design of the paper's figures, to a file that you can change."""
     from asterism.cli.common.mistake import Mistake
     from asterism.results.files import write_file
     from pattern import gallery
 
     if name is None:
-        run.lines(gallery.names())
+        run.lines(["templates:"])
+        run.table({name: gallery.words(name) for name in gallery.template_names()}, width=24)
+        run.lines(["figures of the paper:"])
+        run.table({name: gallery.words(name) for name in gallery.names()}, width=24)
         return
-    if name not in gallery.names():
-        raise Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(gallery.names())}")
+    known = [*gallery.template_names(), *gallery.names()]
+    if name not in known:
+        raise Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(known)}")
     path = output or Path(f"{name}.toml")
     if path.suffix != ".toml":
         raise Mistake(f"--output: {str(path)!r} must end with .toml")

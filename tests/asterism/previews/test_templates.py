@@ -1,0 +1,36 @@
+"""Every template is a good start: a certified sheet within the law, of printable sizes, with a sentence."""
+
+from __future__ import annotations
+
+import pytest
+
+from asterism.previews.run import preview
+from asterism.print.known_printers import size_warning
+from pattern import gallery
+from pattern.layout.load_design import load_design
+
+# a template's estimated error may be this part of its diameter
+MAX_ERROR_PERCENT = 4.0
+
+
+def test_there_is_a_template_for_each_common_form() -> None:
+    assert set(gallery.template_names()) == {"canopy", "arch", "saddle"}
+    assert not set(gallery.template_names()) & set(gallery.names())
+
+
+@pytest.mark.parametrize("name", [*gallery.template_names(), *gallery.names()])
+def test_one_sentence_says_what_a_design_is(name: str) -> None:
+    words = gallery.words(name)
+    assert words.endswith(".") and 10 <= len(words) <= 140 and "\n" not in words
+
+
+@pytest.mark.parametrize("name", gallery.template_names())
+def test_a_template_is_certified_and_printable(name: str) -> None:
+    design = load_design(gallery.path(name))
+    assert design.name == name and not list(size_warning(design))
+    # one or two layers of the printers that are listed
+    assert design.required_stars.thickness_mm in (0.3, 0.4)
+    summary = preview(design).summary
+    assert summary.is_minimum and summary.law_in_range and not summary.self_intersections
+    assert summary.expected_rms_percent < MAX_ERROR_PERCENT
+    assert summary.height_mm > 25.0
