@@ -140,7 +140,7 @@ def shape_figures(shape: Shape) -> list[list[str]]:
     ]
     expected = summary.get("expected_rms_percent")
     if expected is not None:
-        out.append(["Expected error", f"± {expected:.1f} % of the diameter"])
+        out.append(["Estimated error", f"± {expected:.1f} % of the diameter"])
     out.append(["Computed", shape.made_by])
     if summary.get("is_minimum") is False:
         out.append(["Certificate", "not a minimum"])

@@ -141,7 +141,7 @@ class PreviewRecord(ShapeRecord):
         "Estimated error: rms distance from the exact shape in percent of the diameter, measured as a verification "
         "does; null if no estimate is available. Over many designs it is a root mean square.",
         unit="%",
-        label="expected distance",
+        label="estimated error",
         show=_expected_distance,
     )
     diameter_mm: float = key("Largest distance of two points of the sheet.", unit="mm")

@@ -183,7 +183,7 @@ class VerificationRecord(DifferenceRecord):
     expected_rms_percent: float | None = key(
         "Estimated rms error of the preview, in percent of the diameter; null if not known.",
         unit="%",
-        label="expected",
+        label="estimated error",
         show=_expected,
     )
     expected_height_percent: float | None = key(

@@ -44,7 +44,7 @@ export const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 /** A field of the design file without the numbers of its entries: `pins[0].scale` is `pins.scale`. */
 export const plainField = (field) => field.replace(/\[\d+\]/g, "");
 
-/** How sure a preview is, in words, from its expected rms distance to the exact shape in percent of the diameter. */
+/** How sure a preview is, in words, from its estimated rms distance to the exact shape in percent of the diameter. */
 export function trust(expected) {
   if (!Number.isFinite(expected)) return { words: "Not estimated yet", level: 0 };
   if (expected < 1) return { words: "Very close to the exact shape", level: 3 };

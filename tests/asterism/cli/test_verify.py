@@ -41,7 +41,8 @@ def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
     assert 0.0 < summary["rms_percent"] < 30.0
     expected, height = (summary[f"expected_{what}_percent"] for what in ("rms", "height"))
-    assert f"  expected             {expected:.1f} %, height {height:.0f} %\n" in result.stdout
+    line = next(line for line in result.stdout.splitlines() if line.startswith("  estimated error      "))
+    assert f" {expected:.1f} % of the diameter of " in line and line.endswith(f" ({height:.0f} %)")
 
 
 def test_mistakes_are_one_line_and_leave_nothing(

@@ -43,10 +43,10 @@ def test_writes_the_files_of_a_simulation(
     assert "equilibrium          stable" in done.out
     across, percent = summary["diameter_mm"], summary["expected_rms_percent"]
     off = 0.01 * percent * across
-    expected = f"expected distance    {percent:.1f} % of the diameter of {across:.1f} mm: {off:.1f} mm"
+    expected = f"estimated error      {percent:.1f} % of the diameter of {across:.1f} mm: {off:.1f} mm"
     assert expected in done.out
     record = PreviewRecord.from_json(summary)
-    assert (record | {"expected_rms_percent": None}).table()["expected distance"] == "not known"
+    assert (record | {"expected_rms_percent": None}).table()["estimated error"] == "not known"
     height, percent = summary["height_mm"], summary["expected_height_percent"]
     off = 0.01 * percent * height
     assert f"  height               {height:.2f} mm, give or take {off:.1f} mm ({percent:.0f} %)\n" in done.out
@@ -106,7 +106,7 @@ def test_stars_outside_the_law_are_named(
     assert not any("asterism verify" in line for line in summary["warnings"])
     # nothing is known of the error there
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
-    assert "expected distance    not known" in done.out and "give or take" not in done.out
+    assert "estimated error      not known" in done.out and "give or take" not in done.out
 
 
 @pytest.mark.usefixtures("blank_pictures")

@@ -24,7 +24,7 @@ export function shapePanel(studio, page) {
       trusted,
       h("div", { class: "big" }, Number.isFinite(expected) ? `± ${percent(expected)}` : "–"),
       h("p", {}, words),
-      h("p", {}, "Expected distance to the exact shape, in percent of the diameter"),
+      h("p", {}, "Estimated error: distance to the exact shape, in percent of the diameter"),
     );
     const rows = [
       [
@@ -132,7 +132,7 @@ export function shapePanel(studio, page) {
     const [exact, preview] = s.heights_mm ?? [];
     const rows = [
       ["Distance, root mean square", mm((s.rms_percent / 100) * s.diameter_mm, 2)],
-      ["Expected was", percent(s.expected_rms_percent)],
+      ["Estimated error was", percent(s.expected_rms_percent)],
       ["Largest distance", mm((s.max_percent / 100) * s.diameter_mm, 2)],
       ["Exact height", mm(exact)],
       ["Preview's height", mm(preview)],
@@ -303,8 +303,8 @@ export function shapePanel(studio, page) {
 function agreement({ rms_percent: rms, expected_rms_percent: expected }) {
   const off = "from the preview to the exact shape, in percent of the diameter";
   if (!Number.isFinite(expected)) return `Distance ${off}.`;
-  if (rms <= expected) return `Distance ${off}: the preview is as near as expected.`;
-  if (rms <= 2 * expected) return `Distance ${off}: a little more than expected.`;
-  return `Distance ${off}: more than expected. Judge by the exact shape.`;
+  if (rms <= expected) return `Distance ${off}: within the estimated error.`;
+  if (rms <= 2 * expected) return `Distance ${off}: a little above the estimated error.`;
+  return `Distance ${off}: far above the estimated error. Judge by the exact shape.`;
 }
 

@@ -1,4 +1,4 @@
-// The line at the bottom: engine, expected error, height, size, warnings, what is under the pointer.
+// The line at the bottom: engine, estimated error, height, size, warnings, what is under the pointer.
 
 import { h, replace } from "../dom.js";
 import { isLong } from "../store.js";
@@ -30,7 +30,7 @@ export function buildStatus(element, { store, actions }) {
     for (const one of [error, extent]) one.classList.toggle("stale", isStale);
     const isDrawn = Boolean(document && frame);
     const expected = numbers.expected_rms_percent;
-    replace(error, "Expected error ", h("b", {}, Number.isFinite(expected) ? percent(expected) : "–"));
+    replace(error, "Estimated error ", h("b", {}, Number.isFinite(expected) ? percent(expected) : "–"));
     error.title = `${trust(expected).words}. Root mean square distance to the exact shape, in percent of the diameter.`;
     replace(height, "Height ", h("b", {}, isDrawn ? mm(numbers.height_mm ?? frame.height_mm) : "–"));
     replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
