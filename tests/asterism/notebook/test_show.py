@@ -98,7 +98,7 @@ def test_the_panel_tells_the_numbers_of_the_shape(preview: asterism.Preview) -> 
     shape = preview.shape()
     known = dict(shape_traits(shape)["panel"]["figures"])
     assert known["Height"] == f"{shape.height_mm:.1f} mm" and known["Computed"] == "by the preview"
-    assert known["Expected error"].startswith(f"± {shape.summary['expected_rms_percent']:.1f} %")
+    assert known["Estimated error"].startswith(f"± {shape.summary['expected_rms_percent']:.1f} %")
 
 
 def test_sliders_change_the_preview_as_an_edit_of_the_design_does(preview: asterism.Preview) -> None:
