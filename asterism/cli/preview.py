@@ -26,7 +26,7 @@ def preview(
 ) -> int:
     """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars.
 
-    Writes summary.json, shape.vtu, rods.vtu and shape.png. The exit status is 1 if no minimum was found.
+    Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
     from asterism.cli.common.results_folder import results_folder
     from asterism.laws.design_law import law_for_design

@@ -42,9 +42,9 @@ def simulate(
 ) -> int:
     """Compute the exact shape of a design, and certify that it is an equilibrium.
 
-    The flat print is released, and the preview is a second start. Writes summary.json, shape.vtu, rods.vtu and
-    shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. The exit status is 1 if no
-    minimum was found.
+    The flat print is released, and the preview is a second start. Writes summary.json, shape.vtu, rods.vtu,
+    shape.obj and shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. The exit
+    status is 1 if no minimum was found.
     """
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder

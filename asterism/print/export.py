@@ -10,6 +10,7 @@ from typing import Any
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.job import Job, prepare
 from asterism.print.known_printers import frame_warning
+from asterism.print.needles import NEEDLE_SPACING_MM
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.plastic_warning import plastic_warning
 from asterism.print.printed_shape import printed_shape
@@ -62,7 +63,7 @@ def export(
     frame_mm: Sequence[float] | None = None,
     fabric_mm: float | None = None,
     turn_deg: float = 0.0,
-    needle_spacing_mm: float = 20.0,
+    needle_spacing_mm: float = NEEDLE_SPACING_MM,
     border: bool = True,
     report: Callable[[str, Any], None] | None = None,
     say: Callable[[str], None] | None = None,

@@ -10,7 +10,7 @@ from asterism.print.formats.registry import FormatKind, export_formats, write_al
 from asterism.print.job import Job
 from asterism.print.middle_lines import middle_lines
 from asterism.print.rounded import better_layers, tiny_pieces
-from asterism.results.files import EXPORT_SUMMARY_FILE, holds_result, staged
+from asterism.results.files import EXPORT_COMPANIONS, EXPORT_SUMMARY_FILE, holds_result, staged
 from asterism.results.records.export import (
     CheckSquareRecord,
     ExportRecord,
@@ -36,8 +36,6 @@ OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "needles": ("table", "drawing"),
     "shape": ("shape",),
 }
-# optional files that may also belong to a simulation
-SHARED_FILES = r"(shape|rods)\.vtu"
 
 
 def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | None = None) -> ExportRecord:
@@ -93,8 +91,10 @@ def stale_files(directory: str | Path) -> str | None:
         for stem, kinds in OPTIONAL_FILES.items()
         for kind in kinds
         for export_format in export_formats(kind)
+        if not re.fullmatch(EXPORT_COMPANIONS, f"{stem}{export_format.suffix}")
     ]
-    return "|".join(names if holds_result(directory) else [*names, SHARED_FILES])
+    # the others may belong to that result
+    return "|".join(names if holds_result(directory) else [*names, EXPORT_COMPANIONS])
 
 
 def write_shape_files(shape: Shape, name: str, folder: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.fit_picture import draw_target_fit
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
@@ -14,7 +15,7 @@ from pattern.design.arguments import check_type
 
 
 def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
-    """Write shape.vtu and rods.vtu (laid on the target), target.obj, fit.png and summary.json.
+    """Write shape.vtu, shape.obj and rods.vtu (laid on the target), target.obj, fit.png and summary.json.
 
     The shape is the exact one, or the preview if the exact model was not asked for. Its field `target_distance_mm` is
     the signed distance to the target. The target is written in the pose of the fit.
@@ -41,6 +42,7 @@ def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
     with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
+        write_shape_obj(folder / "shape.obj", shape, fitted.summary["design"]["name"])
         (folder / "target.obj").write_text(_obj(fitted.target), encoding="ascii")
         draw_target_fit(fitted, folder / "fit.png")
         (folder / SUMMARY_FILE).write_text(fitted.summary.json_text())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.verification_page import verification_page
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_shape_vtu
@@ -12,7 +13,7 @@ from pattern.design.arguments import check_type
 
 
 def write_verification(verification: Verification, directory: str | Path) -> list[str]:
-    """Write report.html, exact.vtu, preview.vtu (laid on the exact shape) and summary.json.
+    """Write report.html, summary.json, and exact and preview (laid on the exact shape) as .vtu and .obj.
 
     The files appear together, or none of them if writing fails.
 
@@ -31,7 +32,9 @@ def write_verification(verification: Verification, directory: str | Path) -> lis
         (folder / "report.html").write_text(
             verification_page(verification), encoding="utf-8", errors="backslashreplace"
         )
-        write_shape_vtu(verification.comparison.reference, folder / "exact.vtu")
-        write_shape_vtu(verification.comparison.other, folder / "preview.vtu")
+        compared = {"exact": verification.comparison.reference, "preview": verification.comparison.other}
+        for name, shape in compared.items():
+            write_shape_vtu(shape, folder / f"{name}.vtu")
+            write_shape_obj(folder / f"{name}.obj", shape, f"{verification.summary['design']['name']}, {name}")
         (folder / SUMMARY_FILE).write_text(verification.summary.json_text())
         return sorted(file.name for file in folder.iterdir())

@@ -1,10 +1,11 @@
-"""The files of a shape: summary.json, shape.vtu, rods.vtu and shape.png, and two files for each further minimum."""
+"""The files of a shape: summary.json, shape.vtu, rods.vtu, shape.obj, shape.png, and two for each further minimum."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from asterism.draw.picture import draw_shape
+from asterism.print.formats.obj import write_shape_obj
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
@@ -27,6 +28,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
+        write_shape_obj(folder / "shape.obj", shape, shape.summary["design"]["name"])
         draw_shape(shape, shape.summary["design"]["name"], folder / "shape.png")
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")

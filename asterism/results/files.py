@@ -23,8 +23,8 @@ SUMMARY_FILE = "summary.json"
 # Names of files that belong to a summary. Those of an earlier result are removed.
 SUMMARY_COMPANIONS = "|".join(
     (
-        r"shape\.(vtu|png)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
-        r"report\.html|exact\.vtu|preview\.vtu",  # verify
+        r"shape\.(vtu|png|obj)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
+        r"report\.html|(exact|preview)\.(vtu|obj)",  # verify
         r"compare\.png",  # compare
         r"law\.png|cells\.csv",  # law show
         r"fit\.png|target\.obj",  # fit
@@ -35,7 +35,7 @@ VERIFICATION_MODEL = "verification"
 # summary of an export
 EXPORT_SUMMARY_FILE = "export.json"
 # names that exports share with other results
-EXPORT_COMPANIONS = r"(shape|rods)\.vtu"
+EXPORT_COMPANIONS = r"(shape|rods)\.vtu|shape\.obj"
 
 # system errors in words
 SYSTEM_ERRORS = {

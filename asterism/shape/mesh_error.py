@@ -9,9 +9,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from asterism.shape.diameter import diameter
+from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
-from pattern.geometry.planar import polygon_area
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples
@@ -26,9 +26,6 @@ MAX_OBSERVED_ORDER = 2.5
 MIN_EDGE_RATIO = 1.2
 # two shapes further apart than this, in % of the diameter, count as different minima
 MAX_MESH_CHANGE_PERCENT = 10.0
-# a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
-# at most 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
-OFF_SHEET_EDGES = 0.2
 
 
 @dataclass(frozen=True)
@@ -73,7 +70,7 @@ def mesh_error(
     free = FreeMotions()
     off_sheet = 0.0
     if layout is not None and layout.rim:  # the outlines of the meshes have different chords
-        off_sheet = OFF_SHEET_EDGES * np.sqrt(polygon_area(layout.outline) / len(fine.printed))
+        off_sheet = off_sheet_mm(layout, len(fine.printed))
     if layout is not None:
         supports = support_samples(layout)
         free = free_motions(supports, fine.at(supports.printed, off_sheet), gravity)

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
-from asterism.shape.mesh_error import OFF_SHEET_EDGES
+from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
-from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples
 
@@ -47,8 +44,6 @@ def needle_clearance(layout: Layout, shape: Shape) -> NeedleClearance | None:
     printed = support_samples(layout).printed
     if len(printed) == 0:
         return None
-    # the mesh cuts a round outline short
-    off_sheet = OFF_SHEET_EDGES * np.sqrt(polygon_area(layout.outline) / len(shape.printed))
-    supported, heights = shape.at(printed, off_sheet)[:, 2], shape.positions[:, 2]
+    supported, heights = shape.at(printed, off_sheet_mm(layout, len(shape.printed)))[:, 2], shape.positions[:, 2]
     above, below = heights.max() - supported.max(), supported.min() - heights.min()
     return NeedleClearance(max(float(above), 0.0), max(float(below), 0.0))

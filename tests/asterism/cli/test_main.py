@@ -66,7 +66,7 @@ def test_simulate_writes_results_and_a_table(
     assert result.status == 0, result.err
     assert "stable" in result.out and "released" in result.err
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
-    assert files == ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+    assert files == ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]
     assert "asks for" not in result.err
 

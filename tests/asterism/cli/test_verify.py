@@ -35,7 +35,7 @@ def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
     assert [result.stderr.index(text) for text in said] == sorted(result.stderr.index(text) for text in said)
     assert sorted(file.name for file in (tmp_path / "d-verified").iterdir()) == [
-        "exact.vtu", "preview.vtu", "report.html", "summary.json",
+        "exact.obj", "exact.vtu", "preview.obj", "preview.vtu", "report.html", "summary.json",
     ]  # fmt: skip
     summary = json.loads((tmp_path / "d-verified" / "summary.json").read_text())
     assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]

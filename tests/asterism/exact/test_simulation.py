@@ -80,7 +80,8 @@ def test_the_summary_design_makes_the_same_shape(shape: asterism.Shape) -> None:
 
 
 def test_files_hold_what_the_shape_says(shape: asterism.Shape, tmp_path) -> None:  # type: ignore[no-untyped-def]
-    assert write_results(shape, tmp_path / "out") == ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+    names = ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
+    assert write_results(shape, tmp_path / "out") == names
     sheet = meshio.read(tmp_path / "out" / "shape.vtu")
     np.testing.assert_allclose(sheet.points, shape.positions)
     np.testing.assert_allclose(sheet.point_data["printed_mm"][:, :2], shape.printed)

@@ -37,7 +37,8 @@ def test_writes_the_files_of_a_simulation(
 ) -> None:
     done = command(["preview", "small.toml", "-o", "out", "--law", "plain.npz"], capsys, monkeypatch)
     assert done.status == 0
-    assert {file.name for file in (folder / "out").iterdir()} == {"summary.json", "shape.vtu", "rods.vtu", "shape.png"}
+    names = {"summary.json", "shape.vtu", "rods.vtu", "shape.obj", "shape.png"}
+    assert {file.name for file in (folder / "out").iterdir()} == names
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["is_minimum"] and summary["law"]["material"] == "plain"
     assert "equilibrium          stable" in done.out

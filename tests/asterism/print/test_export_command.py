@@ -217,12 +217,12 @@ def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: P
 
 def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp_path: Path, run: Run) -> None:
     (tmp_path / "results").mkdir()
-    for name in ("summary.json", "shape.vtu", "rods.vtu"):
+    for name in ("summary.json", "shape.vtu", "rods.vtu", "shape.obj"):
         (tmp_path / "results" / name).write_text("mine")
     for words in (["--preview"], ["--simulate"], ["--shape", "others"]):
         assert "--output = 'results': holds other results" in mistake(run("export", "d.toml", "-o", "results", *words))
     assert run("export", "d.toml", "-o", "results").status == 0
-    for name in ("summary.json", "shape.vtu", "rods.vtu"):
+    for name in ("summary.json", "shape.vtu", "rods.vtu", "shape.obj"):
         assert (tmp_path / "results" / name).read_text() == "mine"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -11,8 +12,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from asterism.print.formats.obj import write_shape_obj
 from asterism.print.write import write_shape_files
 from asterism.shape.shape import Shape
+from pattern.design.design import Design
+from pattern.layout.build import layout
 from tests.asterism.sheets import sheet
 
 
@@ -38,6 +42,37 @@ def test_millimetres(dome: Shape, folder: Path, name: str) -> None:
     assert (mesh.face_normals[:, 2] > 0).all()
     same = trimesh.Trimesh(dome.positions, dome.triangles, process=False)
     assert mesh.area == pytest.approx(same.area, rel=1e-6)
+
+
+def test_obj_has_sheet_stars_and_needles_as_groups(dome: Shape, folder: Path, tmp_path: Path) -> None:
+    """Read line by line: libraries drop lines and names of groups."""
+    pins = [{"points_mm": [[-38.0, 0.0], [38.0, 0.0]]}, {"edges": [0]}]
+    sections = {"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": [80.0, 60.0]}, "pins": pins}
+    held = replace(dome, plan=layout(Design.from_dict(sections)))
+    write_shape_obj(tmp_path / "held.obj", held, "two\nlines")
+    groups: dict[str, list[list[int]]] = {}
+    vertices, group = [], ""
+    for line in (tmp_path / "held.obj").read_text().splitlines():
+        word, *rest = line.split()
+        if word == "g":
+            groups[group := rest[0]] = []
+        elif word == "v":
+            vertices.append([float(number) for number in rest])
+        elif word != "#":
+            groups[group].append([int(number) - 1 for number in rest])
+    places = np.array(vertices)
+    assert list(groups) == ["sheet", "stars", "needles"]
+    assert np.array_equal(groups["sheet"], held.triangles)
+    assert all(np.array_equal(mine, rod) for mine, rod in zip(groups["stars"], held.rods, strict=True))
+    needles = places[np.array(groups["needles"])]
+    # two points, and 80 mm of an edge with a needle every 20 mm
+    assert needles.shape == (2 + 5, 2, 3)
+    assert needles[0, 0] == pytest.approx([-26.6, 0.0, 20.0 - 38.0**2 / 200.0], abs=0.05)
+    assert np.ptp(needles[:, :, :2], axis=1) == pytest.approx(0.0)
+    assert needles[:, 1, 2] == pytest.approx(held.positions[:, 2].min() - 5.0, abs=1e-5)
+    # trimesh still reads the sheet, and a free sheet has no needles
+    assert len(trimesh.load_mesh(tmp_path / "held.obj").faces) == len(held.triangles)
+    assert "needles" not in (folder / "shape.obj").read_text()
 
 
 def test_glb_is_in_metres_with_y_upwards(dome: Shape, folder: Path) -> None:

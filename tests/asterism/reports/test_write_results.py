@@ -19,12 +19,12 @@ from asterism.shape.shape import Shape
 from tests.asterism.sheets import dome, sheet
 
 KINDS = {
-    "simulate": {"summary.json", "shape.vtu", "rods.vtu", "shape.png", "minimum-2.vtu", "minimum-2.png"},
-    "verify": {"summary.json", "report.html", "exact.vtu", "preview.vtu"},
+    "simulate": {"summary.json", "shape.vtu", "rods.vtu", "shape.obj", "shape.png", "minimum-2.vtu", "minimum-2.png"},
+    "verify": {"summary.json", "report.html", "exact.vtu", "preview.vtu", "exact.obj", "preview.obj"},
     "compare": {"summary.json", "compare.png"},
     "law show": {"summary.json", "law.png", "cells.csv"},
 }
-MINE = {"notes.txt", "my shape.vtu", "shape.vtu.bak", "shape.obj", "export.json", "minimum-2.txt"}
+MINE = {"notes.txt", "my shape.vtu", "shape.vtu.bak", "shape.stl", "export.json", "minimum-2.txt"}
 
 
 def fill(folder: Path, names: set[str]) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from asterism.results.files import OutputError, check_writable, staged, write_file
 
-NAMES = ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+NAMES = ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
 
 
 def write(directory: Path, content: str) -> None:
@@ -192,7 +192,7 @@ def test_files_of_somebody_else_with_names_of_results_are_not_written_over(name:
 
 
 def test_a_result_may_go_beside_an_export(tmp_path: Path) -> None:
-    for name in ("export.json", "shape.vtu", "rods.vtu"):
+    for name in ("export.json", "shape.vtu", "rods.vtu", "shape.obj"):
         (tmp_path / name).write_text("{}")
     check_writable(tmp_path)
     (tmp_path / "shape.png").write_text("mine")

@@ -1,0 +1,25 @@
+"""How far points of a curved outline lie off a mesh, whose edges are its chords."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.geometry.planar import polygon_area
+from pattern.layout.layout import Layout
+
+# a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
+# at most 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
+OFF_SHEET_EDGES = 0.2
+
+
+def off_sheet_mm(layout: Layout, vertices: int) -> float:
+    """Largest distance of points on the outline of a layout from a mesh with so many vertices, for `Shape.at`.
+
+    Examples
+    --------
+    >>> from pattern.gallery import load
+    >>> from pattern.layout.print_layout import print_layout
+    >>> round(off_sheet_mm(print_layout(load("dome")), 3781), 2)
+    0.35
+    """
+    return float(OFF_SHEET_EDGES * np.sqrt(polygon_area(layout.outline) / vertices))
