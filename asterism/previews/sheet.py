@@ -243,9 +243,13 @@ def sheet_of(
 
     Raises
     ------
+    DesignError
+        The sheet has holes.
     MeshError
         The outline cannot be meshed.
     """
+    if layout.holes:
+        raise DesignError("border.holes", "must be empty for a preview; asterism simulate computes sheets with holes")
     area = polygon_area(layout.outline)
     usual = np.clip(area / _equilateral(EDGE_SPACINGS * design.lattice.spacing_mm), MIN_TRIANGLES, MAX_TRIANGLES)
     edge = float(np.sqrt(area / (triangles or usual) / _equilateral(1.0)))

@@ -131,7 +131,8 @@ def _print(job: Job, cost: PrintCostRecord) -> Chapter:
 def _finish(job: Job) -> Chapter:
     line = "along the inner edge of the printed line" if job.border is not None else "along the cut line of layout.pdf"
     line = "along the outer edge of the printed rim" if job.plan.rim else line
-    lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
+    holes = f" Cut out the {len(job.plan.holes)} holes first, along the cut lines." if job.plan.holes else ""
+    lines = [f"Let the plastic cool, open the frame, cut the fabric {line}.{holes}"]
     if edge := needles_near_edge(job.plan, job.needles):
         lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {needle_names(edge)}, on the line.")
     if arms := job.needles_in_plastic:

@@ -119,7 +119,8 @@ def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
     """Numbers of the needles so near to the cut line that the fabric would tear."""
     if not some:
         return []
-    away = distance_to_outline(np.array([needle.printed for needle in some]), plan.outline)
+    printed = np.array([needle.printed for needle in some])
+    away = np.min([distance_to_outline(printed, line) for line in (plan.outline, *plan.holes)], axis=0)
     return [needle.number for needle, far in zip(some, away, strict=True) if far < MIN_EDGE_DISTANCE_MM]
 
 

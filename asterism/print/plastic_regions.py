@@ -32,17 +32,20 @@ def plastic_terraces(plan: Layout, arms: Sequence[ArmPiece], rods: Sequence[RodP
 
 
 def cutting_lines(plan: Layout, plastic: Sequence[Terrace]) -> tuple[Floats, ...]:
-    """Closed lines (n, 2) mm to cut along, the outline first: the outer edge of a printed rim, or the border."""
-    sheet = shapely.polygons(plan.outline)
-    if not plan.rim:
-        return (plan.outline,)
-    with_rim = shapely.union_all([sheet, plastic[0].region])
-    return tuple(shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(with_rim))
+    """Closed lines (n, 2) mm to cut along, the outline first: the far edges of printed rims, or border and holes."""
+    sheet = shapely.Polygon(plan.outline, plan.holes)
+    if not plan.rim and not any(plan.hole_rims):
+        return (plan.outline, *plan.holes)
+    with_rims = shapely.union_all([sheet, plastic[0].region])
+    return tuple(shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(with_rims))
 
 
 def border_terrace(plan: Layout, plastic: Sequence[Terrace], rounding: Rounding) -> Terrace:
-    """A printed line to cut along: one line wide, one layer high, outside the border; empty beside a printed rim."""
-    sheet = shapely.polygons(plan.outline)
+    """A printed line to cut along: one line wide, one layer high, outside the border and in holes.
+
+    It is left out beside printed rims.
+    """
+    sheet = shapely.Polygon(plan.outline, plan.holes)
     around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
     # plastic beyond the border must not touch the line
     clear = around.difference(plastic[0].region.buffer(rounding.line_mm))

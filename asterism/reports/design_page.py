@@ -133,7 +133,7 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
     parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
     middle = LAYOUT_AT + LAYOUT_MM / 2
     to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + to_page
-    sheet = shapely.Polygon(border)
+    sheet = shapely.Polygon(border, job.plan.holes)
     _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
     for arm in job.arms:
         _draw(figure, to_drawing, shapely.Polygon(arm.corners(job.plan.centres[arm.star])), facecolor=INK, linewidth=0)

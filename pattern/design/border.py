@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
+from pattern.design.holes import MAX_HOLES, Hole
 from pattern.design.section import Line, Number, Point, Section, Whole
 from pattern.geometry.planar import distance_to_segment
 
@@ -31,8 +32,9 @@ class Border(Section):
     rectangle_mm : width and height, centred on the origin.
     polygon_mm : corners in order, clockwise or counterclockwise.
     rods : name of a closed line of `[rods]` that is the outline: the fabric is cut along its outer edge.
-    star_margin_mm : smallest distance from a star's centre to the outline of a rectangle or polygon. By default it is
-        half the spacing, which leaves the outer stars a full cell of fabric.
+    holes : holes in the sheet; lines and arms are cut there as at the outline.
+    star_margin_mm : smallest distance from a star's centre to the outline of a rectangle or polygon, and to holes. By
+        default it is half the spacing, which leaves the outer stars a full cell of fabric.
     overhang : `cut` shortens arms that would leave the sheet, `refuse` reports them as an error.
     tip_margin_mm : fabric left between an arm's tip and the outline.
 
@@ -46,6 +48,7 @@ class Border(Section):
     rectangle_mm: Point | None = None
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
     rods: Line | None = None
+    holes: tuple[Hole, ...] = Field((), max_length=MAX_HOLES)
     star_margin_mm: Number | None = Field(None, ge=1, le=1000)
     overhang: Literal["cut", "refuse"] = "cut"
     tip_margin_mm: Number = Field(0.5, ge=0.1, le=100)
@@ -57,7 +60,7 @@ class Border(Section):
             raise DesignError("rectangle_mm", f"must be two sides from 1 to {MAX_SHEET_MM:g} mm", self.rectangle_mm)
         if self.polygon_mm is not None:
             _check_polygon(self.polygon_mm)
-        if self.rings is not None and self.star_margin_mm is not None:
+        if self.rings is not None and self.star_margin_mm is not None and not self.holes:
             raise DesignError(
                 "star_margin_mm", "goes with rectangle_mm or polygon_mm, not with rings", self.star_margin_mm
             )

@@ -68,7 +68,7 @@ def from_validation(error: ValidationError, file: str | Path | None = None) -> D
         inner = ".".join(part for part in (field, cause.field) if part)
         return DesignError(inner, cause.allowed, cause.value, file, cause.stars, cause.place_mm)
     value, allowed = context.get("value", first["input"]), _allowed(first["type"], context, first["msg"])
-    if allowed == MUST_BE_A_LIST and isinstance(value, dict) and field in ("pins", "stars.override"):
+    if allowed == MUST_BE_A_LIST and isinstance(value, dict) and field in ("pins", "stars.override", "border.holes"):
         allowed += f"; a table in it begins with [[{field}]]"
     return DesignError(field, allowed, value, file)
 

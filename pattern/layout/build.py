@@ -16,6 +16,7 @@ from pattern.design.errors import BlankSheetError, DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.pins import Pins
 from pattern.design.stars import MIN_ARM_MM
+from pattern.geometry.planar import inside
 from pattern.layout.layout import Layout
 from pattern.layout.outline import outline
 from pattern.layout.pin_conflicts import check_conflicts
@@ -27,6 +28,8 @@ from pattern.layout.supports import PinSet
 from pattern.rods.arms import check_clear, cut
 
 KEPT_OUTLINES = 8
+# largest distance of the curved edge of a hole from its straight pieces, on sheets of stars; drawings have their own
+HOLE_CURVE_MM = 0.005
 # vertices of the exact model's mesh
 MAX_VERTICES = 400_000
 # ends of arms closer than this part of the spacing are one point, but for rounding
@@ -55,6 +58,7 @@ def layout(design: Design) -> Layout:
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice, stars = design.lattice, design.required_stars
     corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
+    holes = tuple(hole.copy() for hole in _kept_holes(design.border, lattice))
     # first the stars: a sheet with too many of them also has too many vertices
     cells = _kept_cells(design.border, lattice).copy()
     _check_mesh(design.mesh.edge_mm, design.border, lattice)
@@ -72,7 +76,7 @@ def layout(design: Design) -> Layout:
     star, arm, tips = star[printed], arm[printed], tips[printed]
     thickness, width = sizes.thickness[star, arm], sizes.width[star, arm]
 
-    full, (tips, too_long) = tips, cut(centres[star], tips, corners, design.border.tip_margin_mm)
+    full, (tips, too_long) = tips, cut(centres[star], tips, corners, design.border.tip_margin_mm, holes)
     if len(too_long) and design.border.overhang == "refuse":
         x, y = centres[star[too_long[0]]]
         raise DesignError(
@@ -101,7 +105,7 @@ def layout(design: Design) -> Layout:
     if all(pin is place for pin, place in zip(pins, placed, strict=True)):
         _check_placed_pins(design.pins, design.border, lattice)
     else:
-        check_pins(pins, corners)
+        check_pins(pins, corners, holes)
     pins = tuple(replace(pin, points=pin.points.copy()) for pin in pins)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
@@ -121,6 +125,7 @@ def layout(design: Design) -> Layout:
         site_sizes_mm=sizes.at_centres,
         ignored_sites=sizes.ignored_sites,
         meeting_mm=meeting,
+        holes=holes,
     )
 
 
@@ -155,7 +160,19 @@ def _kept_outline(border: Border, lattice: Lattice) -> Floats:
 @lru_cache(maxsize=KEPT_OUTLINES)
 def _kept_cells(border: Border, lattice: Lattice) -> Ints:
     """`star_cells`, kept for edits."""
-    return star_cells(border, lattice, _kept_outline(border, lattice))
+    return star_cells(border, lattice, _kept_outline(border, lattice), _kept_holes(border, lattice))
+
+
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _kept_holes(border: Border, lattice: Lattice) -> tuple[Floats, ...]:
+    """The edges of the holes, kept for edits."""
+    if not border.holes:
+        return ()
+    from pattern.rods.hole_rings import check_holes, hole_rings  # slow to import; most designs do without it
+
+    rings = hole_rings(border, HOLE_CURVE_MM)
+    check_holes(rings, _kept_outline(border, lattice), border.tip_margin_mm)
+    return tuple(ring for _, ring in rings)
 
 
 @lru_cache(maxsize=KEPT_OUTLINES)
@@ -168,11 +185,16 @@ def _placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tu
 @lru_cache(maxsize=KEPT_OUTLINES)
 def _check_placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> None:
     """The checks of pins that are not moved onto arms."""
-    check_pins(_placed_pins(pins, border, lattice), _kept_outline(border, lattice))
+    check_pins(_placed_pins(pins, border, lattice), _kept_outline(border, lattice), _kept_holes(border, lattice))
 
 
-def check_pins(pins: tuple[PinSet, ...], corners: Floats) -> None:
-    """Refuse pins that contradict each other or pull too far, on a sheet with the outline (B, 2) mm."""
+def check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, ...] = ()) -> None:
+    """Refuse pins in holes, that contradict each other or pull too far, on a sheet with the outline (B, 2) mm."""
+    for number, pin in enumerate(pins):
+        in_hole = [point for point in pin.points if any(inside(point[None], hole)[0] for hole in holes)]
+        if in_hole:
+            problem = "must be on the sheet, not in a hole"
+            raise DesignError(f"pins[{number}]", problem, in_hole[0].round(4).tolist(), place_mm=in_hole[0])
     check_conflicts(pins, corners)
     check_reach(pins, corners)
 

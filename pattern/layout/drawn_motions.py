@@ -52,9 +52,11 @@ def candidate_turns(graph: RodGraph, centre: Floats) -> list[Floats]:
 
 
 def maps_drawing(layout: Layout, turn: Floats, shift: Floats, tolerance: float) -> bool:
-    """Whether `p -> turn p + shift` maps outline and drawn rods onto themselves within `tolerance` (mm)."""
+    """Whether `p -> turn p + shift` maps outline, holes and drawn rods onto themselves within `tolerance` (mm)."""
     graph = layout.graph
-    border = shapely.polygons(layout.outline).exterior
+    border = shapely.LinearRing(layout.outline)
+    if not maps_holes(layout, turn, shift, tolerance):
+        return False
     at = shapely.get_coordinates(shapely.segmentize(border, layout.spacing_mm))
     if (shapely.distance(border, shapely.points(at @ turn.T + shift)) > tolerance).any():
         return False
@@ -72,6 +74,17 @@ def maps_drawing(layout: Layout, turn: Floats, shift: Floats, tolerance: float) 
             here = (owner == number) & (image == other)
             if not _same_sections(rod, parts[here], graph.rods[other], along[here] / graph.rods[other].length):
                 return False
+    return True
+
+
+def maps_holes(layout: Layout, turn: Floats, shift: Floats, tolerance: float) -> bool:
+    """Whether the motion `p -> turn p + shift` maps the holes onto holes, each edge within `tolerance` (mm)."""
+    rings = [shapely.LinearRing(hole) for hole in layout.holes]
+    for ring in rings:
+        at = shapely.get_coordinates(shapely.segmentize(ring, layout.spacing_mm))
+        moved = shapely.points(at @ turn.T + shift)
+        if not any((shapely.distance(other, moved) <= tolerance).all() for other in rings):
+            return False
     return True
 
 

@@ -44,6 +44,8 @@ class Layout:
     ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
     drawn : rods of a drawing; None for stars.
     rim : drawn rods that are the outline, in their order around it, all counterclockwise.
+    holes : (n, 2) mm each, edges of the holes in the sheet.
+    hole_rims : for each hole the drawn rods that are its edge, in their order; empty for a hole without a printed rim.
     meeting_mm : ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of
         different stars.
     """
@@ -66,6 +68,8 @@ class Layout:
     meeting_mm: float = 0.0
     drawn: RodGraph | None = None
     rim: tuple[int, ...] = ()
+    holes: tuple[Floats, ...] = ()
+    hole_rims: tuple[tuple[int, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.star_branch) == 0:
@@ -110,7 +114,11 @@ class Layout:
     def _sample_cells(self) -> Ints:
         """(n, 2) cells of the lattice of a drawing whose sites are on the sheet."""
         cells = self.lattice.cells_within(self.outline.min(axis=0), self.outline.max(axis=0))
-        return cells[inside(self.lattice.place(cells), self.outline)]
+        places = self.lattice.place(cells)
+        on_sheet = inside(places, self.outline)
+        for hole in self.holes:
+            on_sheet &= ~inside(places, hole)
+        return cells[on_sheet]
 
     @cached_property
     def points_on_rods(self) -> Floats:

@@ -43,7 +43,7 @@ def print_layout(design: Design) -> Layout:
     lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
     sets = [pin_set(pin, outline, f"pins[{k}]") for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_lines(pin, outline, graph.nodes, lines) for pin in sets)
-    check_pins(pins, outline)
+    check_pins(pins, outline, drawn.holes)
     no_arms = np.empty((0, 2))
     return Layout(
         outline=outline,
@@ -58,4 +58,6 @@ def print_layout(design: Design) -> Layout:
         lattice_origin=np.asarray(design.lattice.origin_mm, dtype=float),
         drawn=graph,
         rim=drawn.rim,
+        holes=drawn.holes,
+        hole_rims=drawn.hole_rims,
     )

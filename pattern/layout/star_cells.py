@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
@@ -20,12 +22,13 @@ def star_margin_mm(border: Border, lattice: Lattice) -> float:
     return lattice.spacing_mm / 2 if border.star_margin_mm is None else border.star_margin_mm
 
 
-def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
+def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats] = ()) -> Ints:
     """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance.
 
     Parameters
     ----------
     corners : (B, 2) mm, the outline.
+    holes : (n, 2) mm each, edges of the holes.
 
     Raises
     ------
@@ -49,6 +52,11 @@ def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
         # A star exactly at the margin stays, whatever the rounding error.
         inside[inside] = shapely.distance(sheet.exterior, centres[inside]) >= margin * (1 - 1e-9)
         cells = cells[inside]
+    if holes:
+        away = shapely.distance(
+            shapely.MultiPolygon([shapely.Polygon(hole) for hole in holes]), shapely.points(sites.place(cells))
+        )
+        cells = cells[away >= star_margin_mm(border, lattice) * (1 - 1e-9)]
     if len(cells) > MAX_STARS_OF_DESIGN:
         raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars", f"{len(cells)} stars")
     x, y = sites.place(cells).T

@@ -12,7 +12,7 @@ from equilibrium.arrays import Floats, Ints
 from pattern.design.design import Design
 from pattern.design.rods import IMPORT_CURVE_MM
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
-from pattern.layout.drawn_motions import candidate_turns, maps_drawing
+from pattern.layout.drawn_motions import candidate_turns, maps_drawing, maps_holes
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import SupportSamples, support_samples
 
@@ -82,6 +82,9 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
             continue
         motion = Symmetry(turn, shift, star)
         shift_in_space = _support_shift(samples, motion, tolerance)
+        # the edges of holes may be curves
+        if not maps_holes(layout, turn, shift, tolerance + CURVE_TOLERANCES * IMPORT_CURVE_MM):
+            continue
         if _keeps_arms(layout, arm_points, motion, tolerance) and shift_in_space is not None:
             kept.append(replace(motion, shift_in_space=shift_in_space))
     return kept

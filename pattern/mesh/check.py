@@ -34,6 +34,7 @@ def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     areas = triangle_areas(mesh.points, mesh.triangles)
     # of a sheet with a rim, the outline of the mesh has chords of its curves
     total = polygon_area(mesh.points[mesh.border_vertices] if layout.rim else layout.outline)
+    total -= sum(abs(polygon_area(mesh.points[hole])) for hole in mesh.hole_vertices)
     if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:
         raise MeshError("the mesh does not fill the sheet without overlaps")
     angle = float(triangle_angles(mesh.points, mesh.triangles).min())

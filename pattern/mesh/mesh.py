@@ -22,6 +22,7 @@ class Mesh:
     border_vertices : (n,) vertices on the outline, counterclockwise.
     pin_vertices : one array a pin set of the layout. For points: in their order. For edges: every mesh vertex on them.
     kind : "aligned" or "delaunay".
+    hole_vertices : for each hole of the layout the vertices on its edge, in their order.
     """
 
     points: Float[np.ndarray, "V 2"]
@@ -31,3 +32,4 @@ class Mesh:
     border_vertices: Int[np.ndarray, " n"]
     pin_vertices: tuple[Int[np.ndarray, " _"], ...]
     kind: str
+    hole_vertices: tuple[Int[np.ndarray, " _"], ...] = ()

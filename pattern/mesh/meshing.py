@@ -25,7 +25,9 @@ def mesh_layout(
         raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
     if kind == "aligned" and layout.drawn is not None:
         raise MeshError("mesh.kind = 'aligned': drawn rods have no aligned mesh; delaunay and auto mesh every sheet")
-    if kind != "delaunay" and layout.drawn is None:
+    if kind == "aligned" and layout.holes:
+        raise MeshError("mesh.kind = 'aligned': sheets with holes have none; delaunay and auto mesh every sheet")
+    if kind != "delaunay" and layout.drawn is None and not layout.holes:
         try:
             return aligned_mesh(layout, edge_mm, graded, draft)
         except MeshError as error:

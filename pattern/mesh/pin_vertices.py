@@ -19,6 +19,8 @@ def pins_on_sheet(layout: Layout) -> Floats:
     points = layout.pin_points
     on_border = distance_to_outline(points, layout.outline) <= PIN_VERTEX_TOLERANCE_MM
     off = ~(on_border | inside(points, layout.outline))
+    for hole in layout.holes:
+        off |= inside(points, hole) & (distance_to_outline(points, hole) > PIN_VERTEX_TOLERANCE_MM)
     if off.any():
         x, y = points[np.argmax(off)]
         raise MeshError(f"the pin at ({x:g}, {y:g}) mm is not on the sheet")

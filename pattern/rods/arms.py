@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
@@ -12,16 +14,19 @@ from pattern.design.errors import DesignError
 NEARLY_MEETING_MM = 0.02
 
 
-def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[Floats, Ints]:
-    """Tips pulled back to stay `margin` (mm) inside the outline, and which arms were too long.
+def cut(
+    centres: Floats, tips: Floats, corners: Floats, margin: float, holes: Sequence[Floats] = ()
+) -> tuple[Floats, Ints]:
+    """Tips pulled back to stay `margin` (mm) inside the outline and off the holes, and which arms were too long.
 
     Parameters
     ----------
     centres, tips : (A, 2) mm, both ends of every arm.
     corners : (B, 2) mm, outline of the sheet.
+    holes : (n, 2) mm each, edges of the holes.
     """
     # mitres would cut long spikes out of the sheet at corners that point inwards
-    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
+    inner = shapely.Polygon(corners, holes).buffer(-margin, join_style="round", quad_segs=16)
     arms = shapely.linestrings(np.stack([centres, tips], axis=1))
     shapely.prepare(inner)
     # a tip exactly at the margin is inside

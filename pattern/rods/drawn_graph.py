@@ -19,6 +19,7 @@ from pattern.geometry.planar import polygon_area
 from pattern.rods.clearance import check_rods
 from pattern.rods.curves import polyline
 from pattern.rods.graph import Rod, RodGraph
+from pattern.rods.hole_rings import check_holes, hole_rings
 from pattern.rods.planar_lines import cut_lines, is_closed
 
 MAX_COPIES = 20_000
@@ -37,11 +38,15 @@ class DrawnPattern:
     graph : the rods.
     outline : (B, 2) mm, counterclockwise.
     rim : rods that are the outline, in their order around it, all counterclockwise; empty if no rod is on the outline.
+    holes : (n, 2) mm each, edges of the holes.
+    hole_rims : for each hole the rods that are its edge, in their order; empty for a hole without a printed rim.
     """
 
     graph: RodGraph
     outline: Floats
     rim: tuple[int, ...]
+    holes: tuple[Floats, ...] = ()
+    hole_rims: tuple[tuple[int, ...], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,15 +81,22 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     drawn = [
         _Drawn(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]") for k, line in enumerate(rods.on_sheet)
     ]
-    rim = None if corners is not None else _rim(drawn, border.rods or "")
+    rim = None if corners is not None else _rim(drawn, border.rods or "", "border.rods")
     if rim is not None:
         points = drawn[rim].points
         points = points if polygon_area(points[:-1]) > 0 else points[::-1].copy()
         corners = points[:-1]
         drawn[rim] = _Drawn(drawn[rim].line, points, drawn[rim].name)
     assert corners is not None
+    edges = [(f"border.holes[{k}]", hole.rods) for k, hole in enumerate(border.holes) if hole.rods is not None]
+    hole_lines = [_rim(drawn, line, f"{name}.rods") for name, line in edges]
+    holes = hole_rings(border, rods.curve_mm)
+    printed_holes = [(name, drawn[k].points[:-1]) for (name, _), k in zip(edges, hole_lines, strict=True)]
+    check_holes([*holes, *printed_holes], corners, border.tip_margin_mm)
     drawn += _copies(rods, lattice, corners)
-    kept = [part for k, each in enumerate(drawn) for part in ([each] if k == rim else _on_sheet(each, border, corners))]
+    rims = {rim, *hole_lines}
+    room = _room(border, corners, [ring for _, ring in holes], [ring for _, ring in printed_holes])
+    kept = [part for k, each in enumerate(drawn) for part in ([each] if k in rims else _on_sheet(each, border, room))]
     if not kept:
         raise DesignError("rods", "must have at least one line on the sheet")
     merge = MERGED_WIDTHS * min(float(_rod(each, each.points, 0, 0, rods).width.min()) for each in kept)
@@ -96,20 +108,28 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     on_rim = [k for k, piece in enumerate(pieces) if rim is not None and kept[piece.line] is drawn[rim]]
     if on_rim:
         corners = np.concatenate([made[k].points[:-1] for k in on_rim])
-    return DrawnPattern(graph, corners, tuple(on_rim))
+    hole_rims = [tuple(k for k, piece in enumerate(pieces) if kept[piece.line] is drawn[line]) for line in hole_lines]
+    edges_of_holes = [np.concatenate([made[k].points[:-1] for k in pieces_of]) for pieces_of in hole_rims]
+    return DrawnPattern(
+        graph,
+        corners,
+        tuple(on_rim),
+        (*(ring for _, ring in holes), *edges_of_holes),
+        (*(() for _ in holes), *hole_rims),
+    )
 
 
-def _rim(drawn: list[_Drawn], name: str) -> int:
-    """Number of the line that is the outline."""
+def _rim(drawn: list[_Drawn], name: str, field: str) -> int:
+    """Number of the line that is the outline, or the edge of a hole."""
     named = [k for k, each in enumerate(drawn) if each.line.name == name]
     if len(named) != 1:
         names = ", ".join(sorted({each.line.name for each in drawn if each.line.name})) or "no names"
-        raise DesignError("border.rods", f"must be the name or layer of one line, of {names}", name)
+        raise DesignError(field, f"must be the name or layer of one line, of {names}", name)
     points = drawn[named[0]].points
     if not is_closed(points):
-        raise DesignError("border.rods", "must be a closed line", name)
+        raise DesignError(field, "must be a closed line", name)
     if not shapely.is_valid(shapely.polygons(points)):
-        raise DesignError("border.rods", "must be a line that does not cross itself", name)
+        raise DesignError(field, "must be a line that does not cross itself", name)
     return named[0]
 
 
@@ -133,10 +153,18 @@ def _copies(rods: Rods, lattice: Lattice, corners: Floats) -> list[_Drawn]:
     ]
 
 
-def _on_sheet(drawn: _Drawn, border: Border, corners: Floats) -> list[_Drawn]:
-    """The parts of a line on the sheet: up to the margin from its outline, or up to the rim."""
+def _room(
+    border: Border, corners: Floats, holes: list[Floats], printed_holes: list[Floats]
+) -> shapely.Polygon | shapely.MultiPolygon:
+    """Where lines can be: up to the margin from the outline and from holes, or up to the rims."""
     margin = 0.0 if border.rods is not None else border.tip_margin_mm
-    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
+    room = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
+    around = [shapely.Polygon(hole).buffer(border.tip_margin_mm, quad_segs=16) for hole in holes]
+    return room.difference(shapely.union_all([*around, *map(shapely.Polygon, printed_holes)]))
+
+
+def _on_sheet(drawn: _Drawn, border: Border, inner: shapely.Polygon | shapely.MultiPolygon) -> list[_Drawn]:
+    """The parts of a line where lines can be."""
     line = shapely.LineString(drawn.points)
     if shapely.covers(inner.buffer(1e-9), line):
         return [drawn]

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -17,11 +16,11 @@ from pattern.design.errors import MeshError
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
 from pattern.layout.layout import Layout
 from pattern.mesh.check import check_edge, checked
+from pattern.mesh.free.line_points import least_pieces, place_within, points_along, points_around
 from pattern.mesh.free.triangulate import triangulate
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.outline_points import outline_points
 from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
-from pattern.rods.graph import Rod
 
 REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle
@@ -30,8 +29,6 @@ MAX_SPLITS = 3
 # drawings may have narrower places than stars, and are refused if their triangles stay flatter than this
 MAX_DRAWN_SPLITS = 6
 MIN_DRAWN_ANGLE_DEG = 20.0
-# a segment of a curved rod turns by less
-MAX_SEGMENT_TURN_RAD = np.radians(20.0)
 # in units of the edge squared: refinement leaves a mean area of 0.6 of it, that of an equilateral triangle
 MAX_AREA_EDGES_SQUARED = 0.7
 # edges along arms of a graded mesh, over those far from them; quality makes all sizes between
@@ -44,11 +41,12 @@ MERGE_DISTANCE_SPACINGS = 1e-6
 class _Frame:
     """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of each rod's segments.
 
-    Of an outline along which rods run, the rods have the points.
+    `hole_step` is that (mm) of each hole's edge. Where rods run along the outline or a hole, the rods have the points.
     """
 
     outline: Floats
     step: Floats
+    hole_step: Floats
 
 
 def delaunay_mesh(
@@ -69,12 +67,13 @@ def delaunay_mesh(
     length = np.array([rod.length for rod in layout.graph.rods])
     if (length <= tolerance).any():
         raise MeshError(f"arm {int(np.argmax(length <= tolerance))} has no length")
-    least = np.maximum(2.0, np.ceil([rod.turn / MAX_SEGMENT_TURN_RAD for rod in layout.graph.rods]))
+    least = np.array([least_pieces(rod) for rod in layout.graph.rods])
     if layout.drawn is not None:  # a short piece between two nodes is one edge
         least[length < 0.5 * edge_mm] = 1.0
     step = length / np.maximum(np.rint(length / (ARM_EDGE_FACTOR * edge_mm if graded else edge_mm)), least)
     ends = np.concatenate([layout.arm_tip, layout.centres, pins])
-    frame = _Frame(outline_points(layout.outline, edge_mm, ends, tolerance, np.zeros((0, 2))), step)
+    on_outline = outline_points(layout.outline, edge_mm, ends, tolerance, np.zeros((0, 2)))
+    frame = _Frame(on_outline, step, np.full(len(layout.holes), edge_mm))
     best, best_angle = None, -1.0
     if layout.drawn is not None and splits == MAX_SPLITS:
         splits = MAX_DRAWN_SPLITS
@@ -101,17 +100,32 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     """The mesh of a frame."""
     lines = _arms_of_stars(layout, frame.step, pins) if layout.drawn is None else _drawn_rods(layout, frame.step, pins)
     outline = np.concatenate([lines[rod][:-1] for rod in layout.rim]) if layout.rim else frame.outline
-    parts = [layout.centres, outline, *lines, pins]
+    edges = [
+        np.concatenate([lines[rod][:-1] for rod in rim]) if rim else points_around(hole, step, pins, _tolerance(layout))
+        for hole, rim, step in zip(layout.holes, _hole_rims(layout), frame.hole_step, strict=True)
+    ]
+    parts = [layout.centres, outline, *edges, *lines, pins]
     points, vertex = _merged(np.concatenate(parts), _tolerance(layout))
     chains = np.split(vertex, np.cumsum([len(part) for part in parts])[:-1])
-    stars, border, rods = chains[0], chains[1], chains[2:-1]
+    stars, border, holes, rods = chains[0], chains[1], chains[2 : 2 + len(edges)], chains[2 + len(edges) : -1]
+    around = [hole for hole, rim in zip(holes, _hole_rims(layout), strict=True) if not rim]
     off_rim = [np.column_stack([r[:-1], r[1:]]) for k, r in enumerate(rods) if k not in layout.rim]
-    segments = np.concatenate([np.column_stack([border, np.roll(border, -1)]), *off_rim])
+    segments = np.concatenate([*(np.column_stack([ring, np.roll(ring, -1)]) for ring in (border, *around)), *off_rim])
     points = np.concatenate([points, _scattered(layout, points, edge_mm, seed)])
     points, triangles = triangulate(
-        points, segments, min_angle_deg=REFINEMENT_ANGLE_DEG, max_area=MAX_AREA_EDGES_SQUARED * edge_mm**2
+        points,
+        segments,
+        min_angle_deg=REFINEMENT_ANGLE_DEG,
+        max_area=MAX_AREA_EDGES_SQUARED * edge_mm**2,
+        holes=[place_within(points[hole]) for hole in holes],
     )
-    return Mesh(points, triangles, tuple(rods), stars, border, pin_vertices(layout, points, border), "delaunay")
+    held = pin_vertices(layout, points, border)
+    return Mesh(points, triangles, tuple(rods), stars, border, held, "delaunay", tuple(holes))
+
+
+def _hole_rims(layout: Layout) -> tuple[tuple[int, ...], ...]:
+    """For each hole the rods on its edge."""
+    return layout.hole_rims or ((),) * len(layout.holes)
 
 
 def _arms_of_stars(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
@@ -121,22 +135,8 @@ def _arms_of_stars(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
 def _drawn_rods(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
     """Points (n, 2) along every drawn rod, even between its ends and the pins on it."""
     return [
-        _rod_points(rod, length, pins, _tolerance(layout)) for rod, length in zip(layout.graph.rods, step, strict=True)
+        points_along(rod, length, pins, _tolerance(layout)) for rod, length in zip(layout.graph.rods, step, strict=True)
     ]
-
-
-def _rod_points(rod: Rod, step: float, pins: Floats, tolerance: float) -> Floats:
-    line, places = shapely.LineString(rod.points), shapely.points(pins)
-    along = np.asarray(shapely.line_locate_point(line, places), dtype=float)
-    inner = (shapely.distance(line, places) <= tolerance) & (along > tolerance) & (along < rod.length - tolerance)
-    order = np.flatnonzero(inner)[np.argsort(along[inner])]
-    at = np.concatenate([[0.0], along[order], [rod.length]])
-    stops = np.concatenate([rod.points[:1], pins[order], rod.points[-1:]])
-    pieces = []
-    for k, (a, b) in enumerate(pairwise(at)):
-        parts = np.linspace(a, b, max(round((b - a) / step), 1) + 1)[1:-1] / rod.length
-        pieces += [stops[k : k + 1], rod.at(rod.points, parts)]
-    return np.concatenate([*pieces, stops[-1:]])
 
 
 def _arm_points(layout: Layout, arm: int, step: float, pins: Floats) -> Floats:
@@ -160,13 +160,16 @@ def _split(layout: Layout, frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], s
     """Halve the segments of the rods and of the stretches of border that touch poor vertices."""
     arms = np.array([poor[rod].any() for rod in mesh.rods], dtype=bool)
     step = np.where(arms & (frame.step > 2 * shortest), frame.step / 2, frame.step)
+    holes = np.array([poor[hole].any() for hole in mesh.hole_vertices], dtype=bool)
+    hole_step = np.where(holes & (frame.hole_step > 2 * shortest), frame.hole_step / 2, frame.hole_step)
+    frame = replace(frame, step=step, hole_step=hole_step)
     if layout.rim:
-        return replace(frame, step=step)
+        return frame
     start, end = frame.outline, np.roll(frame.outline, -1, axis=0)
     at = mesh.border_vertices
     halve = (poor[at] | poor[np.roll(at, -1)]) & (np.linalg.norm(end - start, axis=1) > 2 * shortest)
     outline = np.insert(frame.outline, np.flatnonzero(halve) + 1, (start + end)[halve] / 2, axis=0)
-    return replace(frame, outline=outline, step=step)
+    return replace(frame, outline=outline)
 
 
 def _merged(points: Floats, tolerance: float) -> tuple[Floats, Ints]:
@@ -186,6 +189,8 @@ def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Flo
     scattered = low + (high - low) * rng.random((max(len(layout.centres), 8), 2))
     clear = cKDTree(points).query(scattered)[0] > 1.5 * edge_mm
     clear &= inside(scattered, layout.outline) & (distance_to_outline(scattered, layout.outline) > edge_mm)
+    for hole in layout.holes:
+        clear &= ~inside(scattered, hole) & (distance_to_outline(scattered, hole) > edge_mm)
     scattered = scattered[clear]
     close = cKDTree(scattered).query_pairs(edge_mm, output_type="ndarray")
     return np.delete(scattered, np.unique(close[:, 1]), axis=0)

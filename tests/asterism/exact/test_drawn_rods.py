@@ -67,3 +67,20 @@ def test_parallel_lines_roll_contract_and_count_their_mirror_images_once() -> No
     assert summary.minima_seen == 1 and summary.minima[0].starts == 2
     assert summary.roll_axis_deg == pytest.approx(90.0, abs=6.0) and 20.0 < summary.roll_radius_mm < 80.0
     assert 0.75 < summary.contraction < 0.9  # across the lines about 0.67, along them 1
+
+
+def test_a_sheet_with_a_hole_is_certified_and_softer(design: Path) -> None:
+    text = RING + "[[border.holes]]\ncircle_mm = { centre = [0, 9], radius = 5 }\n"
+    whole = asterism.simulate(asterism.load_design(design))
+    design.write_text(text, encoding="utf-8")
+    shape = asterism.simulate(asterism.load_design(design))
+    assert shape.summary.is_minimum and shape.summary.energy_n_mm < 0.98 * whole.summary.energy_n_mm
+    with pytest.raises(ValueError, match="sheet"):
+        shape.at([[0.0, 9.0]])
+
+
+def test_previews_refuse_holes_in_one_line(tmp_path: Path, capsys, monkeypatch) -> None:
+    text = "[stars]\nlength_mm = 8.0\n[border]\nrings = 2\n[[border.holes]]\ncircle_mm = { radius = 5 }\n"
+    (tmp_path / "d.toml").write_text(text, encoding="utf-8")
+    done = command(["preview", str(tmp_path / "d.toml"), "--quiet"], capsys, monkeypatch)
+    assert done.status == 2 and "border.holes: must be empty for a preview" in done.line

@@ -179,3 +179,20 @@ def test_the_command_exports_a_drawing_and_says_that_no_preview_is_known(
     assert {"rods.stl", "border.stl", "print.3mf", "rods.scad", "middle-lines.svg", "start.gcode"} <= {
         file.name for file in (tmp_path / "bow-print").iterdir()
     }
+
+
+def test_holes_have_cut_lines_and_a_printed_line_to_cut_along() -> None:
+    window = {"name": "window", "circle_mm": {"centre": (12.0, 0.0), "radius": 5.0}}
+    holes = [{"circle_mm": {"centre": (-12.0, 0.0), "radius": 5.0}}, {"rods": "window"}]
+    lines = [window, {"line_mm": [(-20, 9), (20, 9)]}]
+    one = drawn({"rods": {"draw": lines}, "border": {"rectangle_mm": (50.0, 30.0), "holes": holes}})
+    plain, inner = (shapely.Polygon(line) for line in sorted(one.cut[1:], key=lambda line: float(line[:, 0].mean())))
+    assert len(one.cut) == 3 and plain.area == pytest.approx(25 * np.pi, rel=1e-3)
+    assert inner.area == pytest.approx(4.4**2 * np.pi, rel=5e-3)  # along the inner edge of the rim
+    assert one.border is not None and one.border.region.intersection(plain).area > 5.0
+    assert one.border.region.intersection(shapely.Polygon(window_outline())).area < 1e-6
+
+
+def window_outline() -> np.ndarray:
+    a = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    return np.column_stack([12 + 5.6 * np.cos(a), 5.6 * np.sin(a)])
