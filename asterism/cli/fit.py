@@ -65,9 +65,9 @@ def fit(
 ) -> int:
     """Find star sizes whose sheet comes near to a target surface.
 
-    Writes the design file, and a folder beside it, DESIGN-fit, with summary.json, shape.vtu, shape.obj, rods.vtu,
-    target.obj and fit.png. The exit status is 1 if the shape is further from the target than --within, or is no
-    minimum.
+    Writes the design file, and a folder beside it, DESIGN-fit, with report.html, summary.json, shape.vtu, shape.obj,
+    rods.vtu, target.obj and fit.png. The exit status is 1 if the shape is further from the target than --within, or
+    is no minimum.
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.fitting.fit import fit as compute

@@ -8,6 +8,7 @@ from pathlib import Path
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.print.formats.obj import write_shape_obj
+from asterism.reports.fit_page import fit_page
 from asterism.reports.fit_picture import draw_target_fit
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
@@ -15,7 +16,7 @@ from pattern.design.arguments import check_type
 
 
 def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
-    """Write shape.vtu, shape.obj and rods.vtu (laid on the target), target.obj, fit.png and summary.json.
+    """Write report.html, summary.json, fit.png, target.obj, and shape.vtu, shape.obj and rods.vtu laid on the target.
 
     The shape is the exact one, or the preview if the exact model was not asked for. Its field `target_distance_mm` is
     the signed distance to the target. The target is written in the pose of the fit.
@@ -45,6 +46,8 @@ def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
         write_shape_obj(folder / "shape.obj", shape, fitted.summary["design"]["name"])
         (folder / "target.obj").write_text(_obj(fitted.target), encoding="ascii")
         draw_target_fit(fitted, folder / "fit.png")
+        # a name may hold characters that are not valid text
+        (folder / "report.html").write_text(fit_page(fitted), encoding="utf-8", errors="backslashreplace")
         (folder / SUMMARY_FILE).write_text(fitted.summary.json_text())
         return sorted(file.name for file in folder.iterdir())
 

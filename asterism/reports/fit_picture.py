@@ -7,7 +7,6 @@ from typing import IO
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -16,10 +15,8 @@ from matplotlib.tri import Triangulation
 from asterism.draw.chart_axes import style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.fitting.result import Fit
-from asterism.measure.compare.comparison_picture import surface_cut
-from equilibrium.arrays import Floats, Ints
+from asterism.reports.fit_plots import TARGET_COLOUR, draw_section
 
-TARGET_COLOUR = "#c8553d"
 # size of the picture in inches, and its resolution
 FIT_PICTURE_SIZE_IN = (14.0, 8.4)
 FIT_PICTURE_DPI = 100
@@ -39,32 +36,10 @@ def draw_target_fit(fitted: Fit, path_or_file: str | Path | IO[bytes]) -> None:
     )
     figure.text(0.03, 0.915, words, fontsize=10, color=PALE, parse_math=False)
     for row, along in enumerate((0, 1)):
-        _section(figure.add_axes((0.05, 0.53 - 0.45 * row, 0.42, 0.3)), fitted, along)
+        draw_section(figure.add_axes((0.05, 0.53 - 0.45 * row, 0.42, 0.3)), fitted, along)
     _distance_map(figure, fitted)
     _length_map(figure, fitted)
     figure.savefig(path_or_file, format="png", dpi=FIT_PICTURE_DPI)
-
-
-def _section(axes: Axes, fitted: Fit, along: int) -> None:
-    """Draw the sections of target and shape along x (0) or y (1) through the middle of the target."""
-    across = 1 - along
-    disk, shape = fitted.target.disk, fitted.shape
-    level = 0.5 * float(disk.vertices[:, across].min() + disk.vertices[:, across].max())
-    parts: list[tuple[Floats, Ints, str, float]] = [
-        (disk.vertices, disk.triangles, TARGET_COLOUR, 2.4),
-        (shape.positions, shape.triangles, INK, 1.0),
-    ]
-    for positions, triangles, colour, width in parts:
-        # a plane through rows of vertices would cut along edges
-        segments = surface_cut(positions, triangles, across, level + 1e-6)[:, :, [along, 2]]
-        axes.add_collection(LineCollection(list(segments), colors=colour, linewidths=width))
-    both = np.concatenate([disk.vertices, shape.positions])[:, [along, 2]]
-    low, high = both.min(axis=0), both.max(axis=0)
-    room = 0.05 * float((high - low).max())
-    axes.set_xlim(low[0] - room, high[0] + room)
-    axes.set_ylim(low[1] - room, high[1] + room)
-    axes.set_aspect("equal")
-    style_axes(axes, f"cut along {'xy'[along]} through the middle: target red, shape black", "mm")
 
 
 def _distance_map(figure: Figure, fitted: Fit) -> None:

@@ -13,25 +13,30 @@ from asterism.draw.picture import small_png
 from equilibrium.arrays import Floats
 
 STYLE = """
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #26262b; background: #fff; max-width: 1080px; margin: 2.5rem auto;
-       padding: 0 1.5rem; }
+:root { color-scheme: light dark; --ink: #26262b; --paper: #fff; --pale: #62626a; --tile: #f4f3ef; --line: #e8e6e0;
+        --good: #2a6f3c; --bad: #a3361f; --warning: #fdf3e7; }
+@media screen and (prefers-color-scheme: dark) {
+  :root { --ink: #e6e6ea; --paper: #1b1c20; --pale: #a4a6b0; --tile: #282a30; --line: #383a42;
+          --good: #7fcf94; --bad: #f0907a; --warning: #3a2e20; }
+  figure img { border-radius: 6px; } }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 1080px;
+       margin: 2.5rem auto; padding: 0 1.5rem; }
 h1 { font-size: 1.7rem; margin: 0 0 .2rem; overflow-wrap: anywhere; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
 .lead { font-size: 1.1rem; margin: 0 0 1.2rem; }
-.small { color: #62626a; font-size: .9rem; max-width: 52rem; }
+.small { color: var(--pale); font-size: .9rem; max-width: 52rem; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); gap: .8rem; margin: 1rem 0; }
-.tile { background: #f4f3ef; border-radius: 8px; padding: .7rem .9rem; }
-.tile b { display: block; font-size: 1.5rem; font-weight: 600; } .tile span { color: #62626a; font-size: .85rem; }
+.tile { background: var(--tile); border-radius: 8px; padding: .7rem .9rem; }
+.tile b { display: block; font-size: 1.5rem; font-weight: 600; } .tile span { color: var(--pale); font-size: .85rem; }
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 1rem;
        align-items: end; }
 figure { margin: 0; break-inside: avoid; } figure img { width: 100%; height: auto; display: block; }
-figcaption { color: #62626a; font-size: .85rem; margin-top: .3rem; }
-.good { color: #2a6f3c; } .bad { color: #a3361f; }
-.warnings { background: #fdf3e7; border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem; }
+figcaption { color: var(--pale); font-size: .85rem; margin-top: .3rem; }
+.good { color: var(--good); } .bad { color: var(--bad); }
+.warnings { background: var(--warning); border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem; }
 .warnings ul { margin: .2rem 0 0; padding-left: 1.2rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: .4rem 0; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .22rem 1.2rem .22rem 0; border-bottom: 1px solid #e8e6e0; vertical-align: top; }
+th, td { text-align: left; padding: .22rem 1.2rem .22rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 td.n, th.n { text-align: right; } th { font-weight: 600; }
 td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
 @media (max-width: 600px) { th, td { padding-right: .5rem; } body { padding: 0 .8rem; } }
@@ -64,6 +69,12 @@ def tiles(values: Mapping[str, str]) -> str:
     """Large numbers (the values), each with its meaning (the key) below."""
     each = (f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in values.items())
     return '<div class="tiles">' + "".join(each) + "</div>"
+
+
+def warnings_box(title: str, lines: Sequence[str]) -> str:
+    """A box with one line each; empty without lines."""
+    each = "".join(f"<li>{escape(line)}</li>" for line in lines)
+    return f'<div class="warnings"><b>{escape(title)}</b><ul>{each}</ul></div>' if lines else ""
 
 
 def figures(pictures: Sequence[tuple[bytes, str]]) -> str:

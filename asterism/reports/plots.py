@@ -38,7 +38,7 @@ def distance_map(comparison: Comparison) -> bytes:
     axes.scatter(x, y, c=stars, cmap=DISTANCE_COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
     axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
     axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
-    return _png(figure)
+    return png_of(figure)
 
 
 def profiles(comparison: Comparison) -> bytes:
@@ -54,7 +54,7 @@ def profiles(comparison: Comparison) -> bytes:
         axes.set(aspect="equal", title=name, xlabel="mm", ylabel="mm")
         axes.grid(color="0.92")
     figure.legend(*figure.axes[0].get_legend_handles_labels(), frameon=False, loc="outside upper center", ncols=2)
-    return _png(figure)
+    return png_of(figure)
 
 
 def profile_directions(comparison: Comparison) -> dict[str, Floats]:
@@ -107,7 +107,8 @@ def _plane(curve: Floats) -> Floats:
     return np.array([first, second if second[2] >= 0.0 else -second])
 
 
-def _png(figure: Figure) -> bytes:
+def png_of(figure: Figure) -> bytes:
+    """PNG of a figure."""
     out = BytesIO()
     figure.savefig(out, format="png")
     return out.getvalue()

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from asterism.reports.html import figures, html_page, html_table, png, tiles
+from asterism.reports.html import figures, html_page, html_table, png, tiles, warnings_box
 from asterism.reports.plots import distance_map, profiles
 from asterism.reports.views import comparison_views
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
@@ -42,7 +42,7 @@ def verification_page(verification: Verification) -> str:
         f'<p class="lead">{_verdict(s)}</p>',
         tiles(_headline(s)),
         f'<p class="small">{_how(s)}</p>',
-        _warnings(s["warnings"]),
+        warnings_box("Before you trust these numbers", s["warnings"]),
         *_pictures(verification),
         "<h2>Numbers</h2>",
         html_table(["", "exact", "preview", "difference"], _numbers(s)),
@@ -53,7 +53,7 @@ def verification_page(verification: Verification) -> str:
         "<h2>Computing time</h2>",
         html_table(["without compilation of loops", "s"], _seconds(s)),
         "<h2>The design</h2>",
-        html_table(["", "as computed, with defaults"], _design(s["design"]), numbers=False),
+        html_table(["", "as computed, with defaults"], design_rows(s["design"]), numbers=False),
         "<h2>Other inputs</h2>",
         html_table(["", ""], origins(s), numbers=False),
     ]
@@ -142,11 +142,6 @@ def _mesh(error: float | None, change: float | None) -> dict[str, str]:
     if change is not None:
         return {"distance of the exact shape from that on a coarser mesh": _percent(change, 1)}
     return {"mesh error of the exact model: only one mesh was solved": "unknown"}
-
-
-def _warnings(lines: list[str]) -> str:
-    each = "".join(f"<li>{escape(line)}</li>" for line in lines)
-    return f'<div class="warnings"><b>Before you trust these numbers</b><ul>{each}</ul></div>' if lines else ""
 
 
 def _pictures(verification: Verification) -> list[str]:
@@ -244,7 +239,7 @@ def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
     return [[text, f"{s[key]:.3g}"] for key, text in names.items()]
 
 
-def _design(design: Mapping[str, Any]) -> list[list[str]]:
+def design_rows(design: Mapping[str, Any]) -> list[list[str]]:
     """One row for each entry of the design, without empty entries."""
     rows = []
     for name, value in design.items():

@@ -28,7 +28,7 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
     things = {
         "exact": exact,
         "preview": preview,
-        "overlaid": _together(bare(comparison.reference, FABRIC_SIDE), bare(comparison.other, ORANGE)),
+        "overlaid": together(bare(comparison.reference, FABRIC_SIDE), bare(comparison.other, ORANGE)),
         "distance": bare(comparison.reference, colours_of(comparison)),
     }
     frame = np.concatenate([exact.points, preview.points])
@@ -36,7 +36,7 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
     middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
     cameras = [camera(*OBLIQUE, middle, 2.6 * size), *(camera(*VIEWS[name], middle) for name in ("front", "side"))]
     return {
-        name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
+        name: [framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
         for name, thing in things.items()
     }
 
@@ -47,7 +47,8 @@ def colours_of(comparison: Comparison) -> Floats:
     return np.asarray(DISTANCE_COLOURS(comparison.distance_mm / far))[:, :3]
 
 
-def _together(one: Scene, other: Scene) -> Scene:
+def together(one: Scene, other: Scene) -> Scene:
+    """Both sheets in one scene; each has its colours."""
     assert one.colours is not None and other.colours is not None
     return Scene(
         np.concatenate([one.points, other.points]),
@@ -58,7 +59,7 @@ def _together(one: Scene, other: Scene) -> Scene:
     )
 
 
-def _framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
+def framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
     """The view of a scene, placed in a picture that encloses all points of `frame`; row 0 the lowest."""
     seen, own = view.project(frame)[:, :2], view.project(thing.points)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)

@@ -1,0 +1,147 @@
+"""Plots of a fit: signed distance and needed contraction on the print, what stars can do, and sections."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.tri import Triangulation
+
+from asterism.draw.chart_axes import add_grid, style_axes
+from asterism.draw.colours import INK, PALE
+from asterism.fitting.result import Fit
+from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
+from asterism.reports.fit_views import colour_limit
+from asterism.reports.plots import BLUE, png_of
+from equilibrium.arrays import Floats
+
+TARGET_COLOUR = "#c8553d"
+CONTRACTION_COLOURS = colormaps["viridis"]
+PLOT_DPI = 130
+
+
+def signed_distance_map(fitted: Fit) -> bytes:
+    """PNG of the signed distance over the print, mean over a cell; needles are points, a cross is at the largest."""
+    figure, axes = _print_figure(fitted)
+    shape, far = fitted.shape, colour_limit(fitted)
+    mesh = Triangulation(shape.printed[:, 0], shape.printed[:, 1], shape.triangles)
+    drawn = axes.tripcolor(
+        mesh, fitted.distance.mean_mm, cmap=SIGNED_DISTANCE_COLOURS, vmin=-far, vmax=far, shading="gouraud"
+    )
+    figure.colorbar(drawn, label="mm; red: on the plastic side of the target", shrink=0.85, extend="both")
+    _outline(axes, fitted)
+    worst = int(np.abs(fitted.distance.surface_mm).argmax())
+    axes.plot(*shape.printed[worst], "X", color=INK, markersize=9, markeredgecolor="white")
+    return png_of(figure)
+
+
+def contraction_map(fitted: Fit) -> bytes:
+    """PNG of the contraction that each place of the print needs; stars whose law does not give it are red."""
+    figure, axes = _print_figure(fitted)
+    target_map = fitted.guess.target_map
+    triangles = target_map.flat.disk.triangles
+    mesh = Triangulation(target_map.printed[:, 0], target_map.printed[:, 1], triangles)
+    needed = np.exp(target_map.log_contraction)
+    drawn = axes.tripcolor(mesh, needed, cmap=CONTRACTION_COLOURS, shading="gouraud")
+    figure.colorbar(drawn, label="length in space over printed length", shrink=0.85)
+    _outline(axes, fitted)
+    plan = fitted.shape.layout
+    assert plan is not None
+    here, low, high = star_contractions(fitted)
+    outside = (here < low) | (here > high)
+    axes.plot(*plan.centres[~outside].T, ".", color="white", markersize=4)
+    axes.plot(*plan.centres[outside].T, "o", color=TARGET_COLOUR, markersize=5, markeredgecolor="white")
+    return png_of(figure)
+
+
+def contraction_ranges(fitted: Fit) -> bytes:
+    """PNG of the contraction that each star needs, over the range that stars have at the curvature of its place."""
+    figure = Figure(figsize=(5.6, 3.6), dpi=PLOT_DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    here, low, high = star_contractions(fitted)
+    order = np.argsort(here, kind="stable")
+    rank, outside = np.arange(len(here)), ((here < low) | (here > high))[order]
+    axes.vlines(
+        rank, low[order], high[order], color="#cfd6e2", linewidth=max(1.0, 220.0 / len(here)), label="available"
+    )
+    axes.plot(rank[~outside], here[order][~outside], "o", color=BLUE, markersize=3.5, label="needed")
+    if outside.any():
+        axes.plot(rank[outside], here[order][outside], "o", color=TARGET_COLOUR, markersize=4.5, label="not available")
+    add_grid(axes)
+    style_axes(axes, f"stretch {fitted.summary.stretch:g}", "stars, in the order of the needed contraction")
+    axes.set_ylabel("length in space over printed length", fontsize=9, color=PALE)
+    figure.legend(*axes.get_legend_handles_labels(), frameon=False, loc="outside upper right", ncols=3, fontsize=8)
+    return png_of(figure)
+
+
+def star_contractions(fitted: Fit) -> tuple[Floats, Floats, Floats]:
+    """(S,) contraction that each star's place needs, and the smallest and the largest one of stars at its curvature."""
+    plan, target_map, menu = fitted.shape.layout, fitted.guess.target_map, fitted.guess.menu
+    assert plan is not None
+    needed = np.exp(target_map.interpolate(target_map.log_contraction, plan.centres))
+    bend = target_map.principal_curvatures(plan.centres).sum(axis=1)
+    contraction = menu.contraction(bend)
+    low = np.where(menu.allowed, contraction, np.inf).min(axis=(1, 2))
+    high = np.where(menu.allowed, contraction, -np.inf).max(axis=(1, 2))
+    return needed, low, high
+
+
+def sections(fitted: Fit) -> bytes:
+    """PNG of the sections of target and shape along x and y through the middle of the target."""
+    both = np.concatenate([fitted.target.disk.vertices, fitted.shape.positions])
+    width, depth, rise = np.ptp(both, axis=0)
+    flatness = rise / max(min(width, depth), 1e-9)
+    figure = Figure(figsize=(10.0, float(np.clip(1.2 + 5.0 * flatness, 1.8, 4.6))), dpi=PLOT_DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    for along, axes in enumerate(figure.subplots(1, 2)):
+        draw_section(axes, fitted, along)
+    return png_of(figure)
+
+
+def draw_section(axes: Axes, fitted: Fit, along: int) -> None:
+    """Draw the sections of target and shape along x (0) or y (1) through the middle of the target."""
+    across = 1 - along
+    disk, shape = fitted.target.disk, fitted.shape
+    level = 0.5 * float(disk.vertices[:, across].min() + disk.vertices[:, across].max())
+    parts: list[tuple[Any, Any, str, float]] = [
+        (disk.vertices, disk.triangles, TARGET_COLOUR, 2.4),
+        (shape.positions, shape.triangles, INK, 1.0),
+    ]
+    for positions, triangles, colour, width in parts:
+        # a plane through rows of vertices would cut along edges
+        segments = surface_cut(positions, triangles, across, level + 1e-6)[:, :, [along, 2]]
+        axes.add_collection(LineCollection(list(segments), colors=colour, linewidths=width))
+    both = np.concatenate([disk.vertices, shape.positions])[:, [along, 2]]
+    low, high = both.min(axis=0), both.max(axis=0)
+    room = 0.05 * float((high - low).max())
+    axes.set_xlim(low[0] - room, high[0] + room)
+    axes.set_ylim(low[1] - room, high[1] + room)
+    axes.set_aspect("equal")
+    style_axes(axes, f"cut along {'xy'[along]} through the middle: target red, shape black", "mm")
+
+
+def _print_figure(fitted: Fit) -> tuple[Figure, Axes]:
+    """A figure whose height follows the print, so that the colour bar is not much higher than the sheet."""
+    plan = fitted.shape.layout
+    assert plan is not None
+    width, height = np.ptp(plan.outline, axis=0)
+    size = (5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6)))
+    figure = Figure(figsize=size, dpi=PLOT_DPI, layout=ConstrainedLayoutEngine(w_pad=0.12))
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
+    return figure, axes
+
+
+def _outline(axes: Axes, fitted: Fit) -> None:
+    plan = fitted.shape.layout
+    assert plan is not None
+    axes.plot(*np.vstack([plan.outline, plan.outline[:1]]).T, color="0.3", linewidth=0.8)
+    axes.plot(*plan.pin_points.T, "o", color=PALE, markersize=4)

@@ -1,0 +1,150 @@
+"""The report of a fit: its numbers, its pictures, its causes, and the page in a browser."""
+
+from __future__ import annotations
+
+import re
+from base64 import b64decode
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from asterism.fitting.distance import target_distance
+from asterism.fitting.first_guess import guess_design
+from asterism.fitting.residual import FitPlaces
+from asterism.fitting.result import Fit
+from asterism.fitting.target import TargetSurface
+from asterism.previews.run import preview
+from asterism.previews.session import paper_law
+from asterism.reports.fit_page import fit_page
+from asterism.reports.fit_plots import star_contractions
+from asterism.reports.fit_remainder import remainder
+from asterism.results.records.fit import FitRecord, TargetDistanceRecord
+from pattern.layout.build import layout
+from tests.asterism.fitting.surfaces import spherical_cap
+from tests.asterism.verification.browser import lacks_browser, opened
+
+NAME = '<b>"cap"</b> & </title><script>document.title = "broken"</script>'
+
+
+def distances(mean: float, surface: float, largest: float = 2.0) -> TargetDistanceRecord:
+    return TargetDistanceRecord(
+        mean_percent=mean,
+        surface_percent=surface,
+        largest_percent=largest,
+        largest_at_mm=[0.0, 0.0, 0.0],
+        is_minimum=True,
+    )
+
+
+@pytest.fixture(scope="module")
+def fitted() -> Fit:
+    """A first guess in place of a fit, which takes longer."""
+    target = TargetSurface.of_triangles(*spherical_cap(30.0, 84.0), name=NAME)
+    guess = guess_design(target, paper_law())
+    shape, plan = preview(guess.design), layout(guess.design)
+    places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
+    away = target_distance(shape, target, places, plan.lattice_vectors)
+    record = distances(away.mean_percent, away.surface_percent, away.largest_percent)
+    reach = {name: value for name, value in vars(guess.reach).items() if name != "warnings"}
+    summary = FitRecord(
+        **{
+            "model": "fit",
+            "target": NAME,
+            "diameter_mm": target.diameter_mm,
+            "motion": target.motion.tolist(),
+            "shift_mm": target.shift_mm.tolist(),
+            "stretch": guess.menu.stretch,
+            "stars": len(plan.centres),
+            "needles": len(plan.pin_points),
+            **reach,
+            "share_at_bounds": 0.0,
+            "first_guess": record,
+            "unrounded": None,
+            "preview": record,
+            "exact": None,
+            "exact_agrees": None,
+            "reached": True,
+            "within_percent": 1.0,
+            "rounding_loss_percent": None,
+            "steps": [],
+            "restarts": 0,
+            "warnings": ["a <line> that limits"],
+            "version": "0",
+            "design": guess.design.to_dict(),
+        }
+    )
+    return Fit(guess.design, target, guess, shape, None, away, summary)
+
+
+def with_numbers(fitted: Fit, **values: Any) -> Fit:
+    return replace(fitted, summary=replace(fitted.summary, **values))
+
+
+def test_the_page_has_its_pictures_and_numbers(fitted: Fit) -> None:
+    page = fit_page(fitted)
+    assert "<script>" not in page and "a &lt;line&gt; that limits" in page
+    assert "The exact model has not checked it" in page
+    pictures = [Image.open(BytesIO(b64decode(data))) for data in re.findall(r"data:image/png;base64,([^\"]+)", page)]
+    assert len(pictures) == 10
+    assert all(np.ptp(np.asarray(picture.convert("L"))) > 60 for picture in pictures)
+    assert f"{fitted.distance.mean_percent:.2f} %" in page
+    assert page.count(f"{fitted.distance.largest_percent:.1f} %") == 1
+
+
+def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
+    values = {
+        "unrounded": distances(0.2, 0.3),
+        "preview": distances(0.25, 0.35),
+        "exact": distances(0.6, 0.7),
+        "rounding_loss_percent": 0.05,
+    }
+    rest = remainder(with_numbers(fitted, **values))
+    assert list(rest.parts) == ["stars", "rounding", "model", "bumps"]
+    assert np.sqrt(sum(size**2 for size, _ in rest.parts.values())) == pytest.approx(0.7)
+    assert rest.parts["rounding"][0] == pytest.approx(0.15)
+    page = fit_page(with_numbers(fitted, **values, exact_agrees=False))
+    assert "exact model against preview" in page and "+0.050 %" in page
+    assert "lead to different minima" in page
+    gain = remainder(with_numbers(fitted, **values | {"exact": distances(0.1, 0.2)}))
+    assert "model" not in gain.parts
+
+
+def test_places_and_limits_are_named(fitted: Fit) -> None:
+    weights, away = fitted.shape.weights, fitted.distance
+    radius = np.linalg.norm(fitted.shape.printed - fitted.shape.printed.mean(axis=0), axis=1)
+    at_rim = replace(away, mean_mm=np.where(radius > np.quantile(radius, 0.8), 1.0, 0.1))
+    rest = remainder(replace(fitted, distance=at_rim))
+    rim, inside = list(rest.places.values())[:2]
+    assert rim > 1.5 * inside
+    assert rest.advice == ("Most of the distance is at the rim. More needles hold it.",)
+    # the places together have the distance of all
+    total = 100.0 * np.sqrt(weights @ at_rim.mean_mm**2) / away.diameter_mm
+    assert inside < total < rim
+    short = remainder(with_numbers(fitted, needed_ratio=1.3, available_ratio=1.2))
+    assert "a ratio of 1.300, and stars give 1.200" in short.parts["stars"][1]
+    assert "Not reached" in fit_page(with_numbers(fitted, reached=False))
+
+
+def test_contractions_of_the_target_are_within_those_of_its_stars(fitted: Fit) -> None:
+    needed, low, high = star_contractions(fitted)
+    assert len(needed) == fitted.summary.stars
+    assert ((low < needed) & (needed < high)).mean() > 0.9
+    assert needed.max() / needed.min() <= fitted.summary.needed_ratio + 1e-9
+
+
+@pytest.mark.skipif(lacks_browser(), reason="no Chromium, Chrome or Edge on this machine")
+@pytest.mark.slow
+def test_the_page_in_a_browser(fitted: Fit, tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    page.write_text(fit_page(fitted), encoding="utf-8")
+    text = opened(page, tmp_path / "profile", "--dump-dom", "--window-size=400,900")
+    assert re.findall(r"<title>(.*?)</title>", text)[0].endswith(": target and shape")  # no script has run
+    picture = tmp_path / "page.png"
+    opened(page, tmp_path / "profile", f"--screenshot={picture}", "--window-size=1200,2600")
+    pixels = np.asarray(Image.open(picture).convert("RGB"), dtype=int)
+    assert (np.ptp(pixels, axis=2) > 60).mean() > 0.01
