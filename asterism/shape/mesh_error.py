@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from asterism.shape.diameter import diameter
 from asterism.shape.off_sheet import off_sheet_mm
@@ -127,4 +126,6 @@ def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | Non
 
     if residual(0.1) >= 0.0:
         return None
+    from scipy.optimize import brentq  # slow to import; previews do without it
+
     return float(brentq(residual, 0.1, 4.0)) if residual(4.0) > 0.0 else 4.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import leastsq
 from scipy.spatial import cKDTree
 
 from asterism.shape.cell_mean import CellMean
@@ -38,6 +37,8 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
     """
     if len(points) < 5:  # several cylinders pass through four points
         return None
+    from scipy.optimize import leastsq  # slow to import; sheets that are not rolled do without it
+
     points = points - points.mean(axis=0)
     directions = np.linalg.svd(normals, full_matrices=False)[2][::-1]
     axis, across = directions[0], directions[1:]

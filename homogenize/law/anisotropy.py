@@ -17,7 +17,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from equilibrium.arrays import Floats
 from homogenize.cell.tube_directions import is_threefold
@@ -118,6 +117,7 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
     curvature_scale, gain_scale = float(np.sqrt((curvature**2).mean())), float(np.abs(gain).mean())
     if curvature_scale == 0.0 or gain_scale == 0.0:
         return ISOTROPIC_PLATE, np.zeros(3)
+    from scipy.optimize import least_squares  # slow to import; previews of three-armed stars do without it
 
     def unpacked(x: Floats) -> tuple[Floats, Floats]:
         half = np.zeros((3, 3))

@@ -1,24 +1,20 @@
 """Interpolation on a grid: cubic along each axis, with exact first derivatives.
 
 In every box of the grid a function is the tensor product of cubic Hermite polynomials. The slopes at the nodes come
-from the data along grid lines. The rule "monotone" takes the slopes of Fritsch and Butland (1984), known as PCHIP: the
-function is monotone along every grid line on which the data are. The rule "smooth" takes the slopes of the modified
-Akima spline, which follow a smooth maximum more closely. Mixed derivatives at the nodes are slopes of slopes. The
-function and its first derivatives are continuous.
+from the data along grid lines (`homogenize.law.grid_slopes`). With the rule "monotone" the function is monotone along
+every grid line on which the data are; the rule "smooth" follows a smooth maximum more closely. Mixed derivatives at the
+nodes are slopes of slopes. The function and its first derivatives are continuous.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import Literal
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator, PchipInterpolator
 
 from equilibrium.arrays import Floats, Ints
-
-SlopeRule = Literal["monotone", "smooth"]
+from homogenize.law.grid_slopes import SlopeRule, node_slopes
 
 
 class HermiteGrid:
@@ -57,7 +53,7 @@ class HermiteGrid:
                 along = np.empty_like(known)
                 for rule in set(rules):
                     columns = np.array([other == rule for other in rules])
-                    along[..., columns] = _slopes(nodes, known[..., columns], axis, rule)
+                    along[..., columns] = node_slopes(nodes, known[..., columns], axis, rule)
                 derivatives[(*orders[:axis], 1, *orders[axis + 1 :])] = along
         entries = []
         for basis in product(range(4), repeat=count):
@@ -108,14 +104,3 @@ def _cubics(t: Floats) -> tuple[Floats, Floats]:
     values = np.stack([(1 + 2 * t) * u * u, (1 + 2 * u) * t * t, t * u * u, -u * t * t], axis=-1)
     slopes = np.stack([-6 * t * u, 6 * t * u, u * (1 - 3 * t), t * (3 * t - 2)], axis=-1)
     return values, slopes
-
-
-def _slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Floats:
-    if len(nodes) == 2:
-        step = np.diff(values, axis=axis) / (nodes[1] - nodes[0])
-        return np.concatenate([step, step], axis=axis)
-    if rule == "smooth" and len(nodes) == 3:  # the parabola through the three
-        return np.asarray(np.gradient(values, nodes, axis=axis, edge_order=2))
-    if rule == "smooth":
-        return np.asarray(Akima1DInterpolator(nodes, values, axis=axis, method="makima").derivative()(nodes))
-    return np.asarray(PchipInterpolator(nodes, values, axis=axis).derivative()(nodes))
