@@ -12,6 +12,7 @@ from asterism.cli.compare import compare
 from asterism.cli.export import export
 from asterism.cli.fit import fit
 from asterism.cli.new import new
+from asterism.cli.picture import picture
 from asterism.cli.preview import preview
 from asterism.cli.printers import printers
 from asterism.cli.report import report
@@ -21,7 +22,7 @@ from asterism.cli.verify import verify
 from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-for function in (new, studio, preview, simulate, verify, fit, export, printers, compare, report, calibrate):
+for function in (new, studio, preview, simulate, verify, fit, export, picture, printers, compare, report, calibrate):
     app.command()(function)
 app.add_typer(strips.app, name="strips")
 app.add_typer(law.app, name="law")

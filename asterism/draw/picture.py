@@ -8,13 +8,10 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from PIL import Image
 
+from asterism.draw.canvas import PICTURE_DPI, Canvas
 from asterism.draw.colours import INK, PALE
-from asterism.draw.fonts import families, printable
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.results.words import distance_error
 from asterism.shape.shape import Shape
@@ -23,14 +20,16 @@ from equilibrium.arrays import Floats
 # size of the picture, pixels
 PICTURE_WIDTH_PX = 2000
 PICTURE_HEIGHT_PX = 1120
-# resolution; it determines the size of the text
-PICTURE_DPI = 200
 # empty border of the picture
 PICTURE_MARGIN_PX = 60
 # height of the title and the caption at the top
 CAPTION_HEIGHT_PX = 150
 # the perspective view fills the left part of the picture, the two drawings to scale fill the rest
 PERSPECTIVE_WIDTH_PX = 1240
+# mean width of a letter in pixels per typographic point of its size
+LETTER_WIDTH = 1.75
+# distance of the viewer in perspective, in diameters of the sheet
+VIEWER_DISTANCE = 2.6
 # a smaller energy is rounding error, and the caption gives it as 0
 MIN_SHOWN_ENERGY_N_MM = 1e-4
 
@@ -46,30 +45,20 @@ def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -
     path_or_file : path of the PNG, or an open binary file.
     """
     shape = shape if shape.held else shape.aligned()
-    figure = Figure(
-        figsize=(PICTURE_WIDTH_PX / PICTURE_DPI, PICTURE_HEIGHT_PX / PICTURE_DPI), dpi=PICTURE_DPI, facecolor="none"
-    )
-    text_canvas: Any = FigureCanvasAgg(figure)
-    canvas = np.ones((PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, 3))
+    canvas = Canvas(PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX)
     thing = scene(shape)
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
-    _to_scale(figure, canvas, thing, (low + high) / 2)
-    # a long name is printed in smaller letters
-    _text(
-        figure,
-        PICTURE_MARGIN_PX,
-        PICTURE_HEIGHT_PX - 72,
-        title,
-        size=15 * min(1.0, 70 / max(len(title), 1)),
-        weight="bold",
-        color=INK,
-    )
-    _text(figure, PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - 112, caption(shape), size=8.5, color=PALE)
-    text_canvas.draw()
-    picture = Image.fromarray(np.rint(255 * canvas[::-1]).astype(np.uint8)).convert("RGBA")
-    picture.alpha_composite(Image.fromarray(np.asarray(text_canvas.buffer_rgba())))
-    picture.convert("RGB").save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
+    _to_scale(canvas, thing, (low + high) / 2)
+    write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
+    canvas.image().save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
+
+
+def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None:
+    """Write a title and a line below it at the top left; long ones are printed in smaller letters."""
+    room = (canvas.width - 2 * margin) / LETTER_WIDTH
+    canvas.text(margin, canvas.height - 72, title, size=min(15.0, room / max(len(title), 1)), weight="bold", color=INK)
+    canvas.text(margin, canvas.height - 112, line, size=min(8.5, room / max(len(line), 1)), color=PALE)
 
 
 def shape_image(shape: Shape, title: str) -> Image.Image:
@@ -120,20 +109,20 @@ def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
     return f"preview, estimated error {distance_error(expected, summary.get('diameter_mm'))}"
 
 
-def _perspective(canvas: Floats, thing: Scene, centre: Floats, diameter: float) -> None:
+def _perspective(canvas: Canvas, thing: Scene, centre: Floats, diameter: float) -> None:
     """The large view on the left."""
-    view = camera(*OBLIQUE, centre, distance_mm=2.6 * diameter)
+    view = camera(*OBLIQUE, centre, distance_mm=VIEWER_DISTANCE * diameter)
     room = np.array(
         [PERSPECTIVE_WIDTH_PX - 2 * PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX]
     )
-    scale = float((room / _size(thing, view)).min())
-    _paste(canvas, render(thing, view, scale), PERSPECTIVE_WIDTH_PX / 2, PICTURE_MARGIN_PX + room[1] / 2)
+    scale = float((room / drawn_size(thing, view)).min())
+    canvas.paste(render(thing, view, scale), PERSPECTIVE_WIDTH_PX / 2, PICTURE_MARGIN_PX + room[1] / 2)
 
 
-def _to_scale(figure: Figure, canvas: Floats, thing: Scene, centre: Floats) -> None:
+def _to_scale(canvas: Canvas, thing: Scene, centre: Floats) -> None:
     """Two drawings to the same scale, the sheet from above and below it from the front, with a scale bar."""
     above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
-    (x, y), (_, z) = _size(thing, above), _size(thing, front)
+    (x, y), (_, z) = drawn_size(thing, above), drawn_size(thing, front)
     column, bar_room, label_room = PICTURE_WIDTH_PX - PICTURE_MARGIN_PX - PERSPECTIVE_WIDTH_PX, 70, 64
     room = PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX - bar_room - 2 * label_room
     scale = float(min(column / x, room / (y + z)))
@@ -142,45 +131,18 @@ def _to_scale(figure: Figure, canvas: Floats, thing: Scene, centre: Floats) -> N
     used = scale * (y + z) + bar_room + 2 * label_room + gap
 
     bottom = PICTURE_MARGIN_PX + (PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX - used) / 2
-    _bar(figure, middle, bottom, scale, x)
+    canvas.bar(middle, bottom, scale, x)
     bottom += bar_room + label_room
     if scale * z < 1.0:  # lower than one pixel: drawn as a line
-        ends = (middle + np.array([-x, x]) * scale / 2) / PICTURE_WIDTH_PX
-        figure.add_artist(Line2D(ends, 2 * [bottom / PICTURE_HEIGHT_PX], color=INK, linewidth=0.8))
+        canvas.line(middle + np.array([-x, x]) * scale / 2, np.array([bottom, bottom]), 0.8)
     else:
-        _paste(canvas, render(thing, front, scale), middle, bottom + scale * z / 2)
-    _text(figure, middle, bottom - 36, "from the front", size=8, color=PALE, ha="center")
+        canvas.paste(render(thing, front, scale), middle, bottom + scale * z / 2)
+    canvas.text(middle, bottom - 36, "from the front", size=8, color=PALE, ha="center")
     bottom += scale * z + gap + label_room
-    _paste(canvas, render(thing, above, scale), middle, bottom + scale * y / 2)
-    _text(figure, middle, bottom - 36, "from above", size=8, color=PALE, ha="center")
+    canvas.paste(render(thing, above, scale), middle, bottom + scale * y / 2)
+    canvas.text(middle, bottom - 36, "from above", size=8, color=PALE, ha="center")
 
 
-def _bar(figure: Figure, middle: float, bottom: float, scale: float, width_mm: float) -> None:
-    """A scale bar of a round length, about a third of the drawing."""
-    power = 10.0 ** np.floor(np.log10(width_mm / 3))
-    length = max(step * power for step in (1, 2, 5) if step * power <= width_mm / 3)
-    left, right = (middle + np.array([-1, 1]) * length * scale / 2) / PICTURE_WIDTH_PX
-    y, tick = (bottom + 38) / PICTURE_HEIGHT_PX, 7 / PICTURE_HEIGHT_PX
-    for ends in (([left, right], [y, y]), ([left, left], [y - tick, y + tick]), ([right, right], [y - tick, y + tick])):
-        figure.add_artist(Line2D(*ends, color=INK, linewidth=1.1))
-    _text(figure, middle, bottom, f"{length:g} mm", size=8, color=INK, ha="center")
-
-
-def _size(thing: Scene, view: Camera) -> Floats:
+def drawn_size(thing: Scene, view: Camera) -> Floats:
     """(2,) mm, width and height of the view; at least 0.001 mm, so that a flat sheet has a side view."""
     return np.asarray(np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3))
-
-
-def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:
-    """Blend an image with opacity into the canvas, its centre at (x, y) pixels from the lower left."""
-    height, width = image.shape[:2]
-    row, column = round(y - height / 2), round(x - width / 2)
-    under = canvas[row : row + height, column : column + width]
-    opacity = image[..., 3:]
-    under[:] = opacity * image[..., :3] + (1 - opacity) * under
-
-
-def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
-    """Write text with its baseline at (x, y) pixels from the lower left; `$` does not start an equation."""
-    place = x / PICTURE_WIDTH_PX, y / PICTURE_HEIGHT_PX
-    figure.text(*place, printable(text), parse_math=False, family=families(), **style)

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
+from io import BytesIO
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -20,6 +23,9 @@ from pattern.geometry.normals import triangle_normals
 from pattern.geometry.point_location import locate
 from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 
 @dataclass(frozen=True)
@@ -130,6 +136,30 @@ class Shape:
         points = np.atleast_2d(np.asarray(printed_points, dtype=float))
         triangle, weights = locate(self.printed, self.triangles, points, off_sheet_mm)
         return np.asarray(np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]]))
+
+    def picture(
+        self,
+        view: str = "oblique",
+        size_px: tuple[int, int] = (1600, 1000),
+        pixels_per_mm: float | None = None,
+        plain: bool = False,
+    ) -> Image.Image:
+        """One view of the sheet as an image; parameters and errors as of `asterism.draw.view_picture.view_image`."""
+        # the room of drawings stands on this one, and its imports take time
+        drawing = import_module("asterism.draw.view_picture")
+        image: Image.Image = drawing.view_image(self, view, size_px, pixels_per_mm, plain, self._name)
+        return image
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows: the picture of `shape.png`."""
+        stream = BytesIO()
+        import_module("asterism.draw.picture").draw_shape(self, self._name, stream)
+        return stream.getvalue()
+
+    @property
+    def _name(self) -> str:
+        """Name of the design; empty if the summary holds none."""
+        return str(self.summary.get("design", {}).get("name", ""))
 
     def aligned(self) -> Shape:
         """A copy with its centre at the origin and its principal axes along x, y, z, largest first, plastic side up."""
