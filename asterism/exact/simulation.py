@@ -91,7 +91,8 @@ def simulate(
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
-    printed = f"{len(plan.graph.rods)} rods" if plan.drawn is not None else f"{len(plan.centres)} stars"
+    stars, rods = f"{len(plan.centres)} stars", f"{len(plan.drawn_rods)} rods"
+    printed = " and ".join([*([stars] if plan.has_stars else []), *([rods] if plan.drawn_rods else [])])
     announce(f"{printed} on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
     model = (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
@@ -175,9 +176,7 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
 
 def _star_of_rods(layout: Layout) -> np.ndarray:
     """(rods,) number of the star of every rod; -1 for drawn rods."""
-    if layout.drawn is not None:
-        return np.full(len(layout.graph.rods), -1, dtype=np.int64)
-    return np.asarray(layout.star_number[layout.arm_star])
+    return np.concatenate([layout.star_number[layout.arm_star], np.full(len(layout.drawn_rods), -1)])
 
 
 def _record(

@@ -72,7 +72,7 @@ def place_on_bed(
         problem = f"must be within the {_times(opening)} mm between the bars of the frame"
     if problem:
         advice = _advice(corners, plan.outline, room, frame) if may_turn else ""
-        raise DesignError("stars" if plan.drawn is None else "rods", problem + advice, f"{_times(size)} mm of plastic")
+        raise DesignError("stars" if plan.has_stars else "rods", problem + advice, f"{_times(size)} mm of plastic")
     if (least > most + 1e-6).any():
         problem = f"must be within the frame of {_times(frame)} mm, with the plastic where it can be printed"
         advice = _advice(corners, plan.outline, room, frame) if may_turn else ""

@@ -19,7 +19,7 @@ def middle_lines(job: Job) -> Drawing:
 
     A rod whose width varies has its mean width. The page is the box around the cut lines.
     """
-    rods = job.plan.drawn.rods if job.plan.drawn is not None else ()
+    rods = job.plan.drawn_rods
     widths: dict[str, set[float]] = {}
     keys = [(_NOT_IN_DXF.sub("_", rod.name), round(float(rod.width.mean()), 3)) for rod in rods]
     for name, width in keys:

@@ -131,7 +131,7 @@ def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:
     printed = np.array([needle.printed for needle in some])[:, None]
     far = distance_to_segment(printed, plan.centres[plan.arm_star], plan.arm_tip)
     through = (far < 0.5 * plan.arm_width.max(axis=1)).any(axis=1)
-    for rod in plan.drawn.rods if plan.drawn is not None else ():
+    for rod in plan.drawn_rods:
         from_line = distance_to_segment(printed, rod.points[:-1], rod.points[1:])
         through |= (from_line < 0.5 * np.maximum(rod.width[:-1], rod.width[1:])).any(axis=1)
     return [needle.number for needle, hit in zip(some, through, strict=True) if hit]

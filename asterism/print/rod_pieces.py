@@ -24,7 +24,7 @@ class RodPiece:
 
     Attributes
     ----------
-    rod : number of the rod in the layout's drawing.
+    rod : number among the layout's `drawn_rods`.
     points : (n, 2) mm, polyline of the middle line.
     width : (n,) mm at the points, linear between them.
     height_mm : printed height.
@@ -63,12 +63,10 @@ def rod_pieces(plan: Layout, rounding: Rounding) -> list[RodPiece]:
 
     A rod of varying thickness is printed in steps of one layer.
     """
-    if plan.drawn is None:
-        return []
-    degree = [len(ends) for ends in plan.drawn.ends_at]
+    degree = [len(ends) for ends in plan.graph.ends_at]
     return [
         piece
-        for number, rod in enumerate(plan.drawn.rods)
+        for number, rod in enumerate(plan.drawn_rods)
         for piece in _pieces(number, rod, rounding, (degree[rod.start] > 1, degree[rod.end] > 1))
     ]
 

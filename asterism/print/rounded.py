@@ -54,7 +54,7 @@ def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
     """Changes of the sizes of the arms and rods by rounding: `thickness` and `width`."""
     result: dict[str, SizeChangeRecord] = {}
     star, groups = np.repeat(after.arm_star, 2), len(after.centres)
-    rods = after.drawn.rods if after.drawn is not None else ()
+    rods = after.drawn_rods
     owner = np.concatenate([star, groups + np.repeat(np.arange(len(rods)), [len(rod.points) for rod in rods])])
     for name in ("thickness", "width"):
         old, new = _sizes(before, name), _sizes(after, name)
@@ -72,8 +72,7 @@ def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
 
 def _sizes(plan: Layout, name: str) -> Floats:
     """(n,) mm, `thickness` or `width` at both ends of all arms, then at the points of all drawn rods."""
-    rods = plan.drawn.rods if plan.drawn is not None else ()
-    return np.concatenate([getattr(plan, f"arm_{name}").ravel(), *(getattr(rod, name) for rod in rods)])
+    return np.concatenate([getattr(plan, f"arm_{name}").ravel(), *(getattr(rod, name) for rod in plan.drawn_rods)])
 
 
 def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
@@ -101,16 +100,16 @@ def tiny_pieces(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
 
 
 def _tiny_islands(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
-    if plan.drawn is None:
+    if not plan.drawn_rods:
         return []
-    ends = np.array([[rod.start, rod.end] for rod in plan.drawn.rods])
-    count = len(plan.drawn.nodes)
-    links = coo_array((np.ones(len(ends)), ends.T), shape=(count, count))
+    ends = np.array([[rod.start, rod.end] for rod in plan.drawn_rods])
+    nodes = plan.graph.nodes
+    links = coo_array((np.ones(len(ends)), ends.T), shape=(len(nodes), len(nodes)))
     island = connected_components(links, directed=False)[1][ends[:, 0]]
-    length = np.bincount(island, [rod.length for rod in plan.drawn.rods])
+    length = np.bincount(island, [rod.length for rod in plan.drawn_rods])
     return [
         TinyStarRecord(
-            at_mm=[round(float(c), 2) for c in plan.drawn.nodes[ends[island == number]].reshape(-1, 2).mean(axis=0)],
+            at_mm=[round(float(c), 2) for c in nodes[ends[island == number]].reshape(-1, 2).mean(axis=0)],
             arm_mm=round(float(length[number]), 2),
         )
         for number in np.unique(island)

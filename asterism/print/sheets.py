@@ -73,9 +73,9 @@ def _counted(job: Job) -> str:
     """The number of stars, and the length of the drawn rods."""
     count = len(job.plan.centres)
     stars = f"{count} star{'s' if count > 1 else ''}"
-    if job.plan.drawn is None:
+    if not job.rods:
         return stars
-    lines = f"{job.plan.drawn.total_length:.0f} mm of drawn lines"
+    lines = f"{sum(rod.length for rod in job.plan.drawn_rods):.0f} mm of drawn lines"
     return f"{stars} and {lines}" if job.arms else lines
 
 

@@ -109,7 +109,7 @@ def _write_sheets(job: Job, folder: Path) -> None:
     layout, template = sheets.layout_sheet(job), sheets.needle_sheet(job)
     pages = [layout, sheets.stretch_sheet(job)]
     write_all("drawing", folder, "layout", layout)
-    if job.plan.drawn is not None:
+    if job.rods:
         write_all("drawing", folder, "middle-lines", middle_lines(job))
     if template is not None:
         pages.append(template)
@@ -125,7 +125,7 @@ def _summary(job: Job, tiny: list[TinyStarRecord], change: ShapeChangeRecord | N
         printer=job.printer.model_dump(mode="json"),
         plastic=job.plastic.model_dump(mode="json"),
         stars=len(job.plan.centres),
-        rods=0 if job.plan.drawn is None else len(job.plan.drawn.rods),
+        rods=len(job.plan.drawn_rods),
         rounding=_rounding(job),
         shape=None if job.shape is None else GivenShapeRecord(is_certain=job.is_certain, warnings=job.shape_warnings),
         shape_change=change,

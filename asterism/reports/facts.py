@@ -67,14 +67,14 @@ def _stars(plan: Layout, design: Design) -> list[str]:
 
 def _rods(plan: Layout) -> list[str]:
     """The drawn rods; empty without any."""
-    if plan.drawn is None:
+    rods = plan.drawn_rods
+    if not rods:
         return []
     width, height = np.ptp(plan.outline, axis=0)
-    rods = plan.drawn.rods
     thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
     return [
-        f"{len(rods)} between nodes, {plan.drawn.total_length:.0f} mm in all",
-        f"joints: {len(plan.drawn.joints)}",
+        f"{len(rods)} between nodes, {sum(rod.length for rod in rods):.0f} mm in all",
+        f"joints: {len(plan.graph.joints)}",
         f"thickness {_range(thickness)}, width {_range(widths)} mm",
         f"sheet {width:.1f} x {height:.1f} mm, stretched",
     ]

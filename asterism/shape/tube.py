@@ -21,7 +21,7 @@ def roll_radius(shape: Shape, layout: Layout) -> float | None:
     Of a drawing, at the vertices that are nearest to the `sample_points` of its layout.
     """
     stars = shape.star_vertices
-    if layout.drawn is not None:
+    if not layout.has_stars:
         stars = np.unique(cKDTree(shape.printed).query(layout.sample_points)[1])
     middles = CellMean(shape.printed, shape.weights, layout.lattice_vectors, stars)(shape.positions)
     return tube_radius(middles, vertex_normals(shape.positions, shape.triangles)[stars])

@@ -185,8 +185,8 @@ def _form_distance(first: ExactForm, second: ExactForm, design_symmetries: list[
     if first.model.layout.drawn is not None:
         at = first.model.layout.points_on_rods
         distances = distances_of_images(at, first.places(at), second.places, design_symmetries, first.free_motions)
-        return float(100.0 * distances.min() / diameter), True
-    distances = symmetric_distances(first.star_places, second.star_places, design_symmetries, first.free_motions)
+    else:
+        distances = symmetric_distances(first.star_places, second.star_places, design_symmetries, first.free_motions)
     percent = 100.0 * distances / diameter
     first_sides, second_sides = first.equilibrium.sides, second.equilibrium.sides
     same_sides = np.array([np.array_equal(first_sides, second_sides[image.star]) for image in design_symmetries])

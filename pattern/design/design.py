@@ -127,8 +127,6 @@ class Design(Section):
     def _one_pattern(self) -> Self:
         if self.stars is None and self.rods is None:
             raise DesignError("", "must have [stars] or [rods]")
-        if self.stars is not None and self.rods is not None:
-            raise DesignError("rods", "must stand alone: a design has either [stars] or [rods]")
         if self.rods is None and self.border.rods is not None:
             raise DesignError("border.rods", "goes with [rods]", self.border.rods)
         return self

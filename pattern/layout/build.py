@@ -57,6 +57,8 @@ def layout(design: Design) -> Layout:
     """
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice, stars = design.lattice, design.required_stars
+    if design.rods is not None:
+        raise DesignError("rods", "only asterism simulate computes drawn rods; this needs [stars] alone")
     corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
     holes = tuple(hole.copy() for hole in _kept_holes(design.border, lattice))
     # first the stars: a sheet with too many of them also has too many vertices

@@ -12,7 +12,7 @@ from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, inside, split_for_table
 from pattern.geometry.plane_lattice import PlaneLattice
 from pattern.layout.supports import PinSet, all_points
-from pattern.rods.graph import RodGraph
+from pattern.rods.graph import Rod, RodGraph
 from pattern.rods.star_graph import star_graph
 
 # points of a drawn rod at which shapes are compared, and most rods that are compared
@@ -42,7 +42,8 @@ class Layout:
     site_sizes_mm : (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before
         rounding; length 0 where a star is removed.
     ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
-    drawn : rods of a drawing; None for stars.
+    drawn : all rods of a sheet with a drawing: the arms of its stars in their order, then the drawn rods; None for
+        stars alone.
     rim : drawn rods that are the outline, in their order around it, all counterclockwise.
     holes : (n, 2) mm each, edges of the holes in the sheet.
     hole_rims : for each hole the drawn rods that are its edge, in their order; empty for a hole without a printed rim.
@@ -102,13 +103,23 @@ class Layout:
 
     @cached_property
     def sample_points(self) -> Floats:
-        """(n, 2) mm: the star centres; of a drawing, the sites of its lattice on the sheet."""
-        return self.centres if self.drawn is None else self.lattice.place(self._sample_cells)
+        """(n, 2) mm: the star centres; of a drawing without stars, the sites of its lattice on the sheet."""
+        return self.centres if self.has_stars else self.lattice.place(self._sample_cells)
 
     @cached_property
     def sample_pairs(self) -> Ints:
         """(N, 2) pairs of neighbouring `sample_points`."""
-        return self.neighbours if self.drawn is None else self.lattice.neighbours(self._sample_cells)
+        return self.neighbours if self.has_stars else self.lattice.neighbours(self._sample_cells)
+
+    @property
+    def has_stars(self) -> bool:
+        """Whether any rods are arms of stars."""
+        return len(self.arm_star) > 0
+
+    @property
+    def drawn_rods(self) -> tuple[Rod, ...]:
+        """The drawn rods, without the arms of stars."""
+        return () if self.drawn is None else self.drawn.rods[len(self.arm_star) :]
 
     @cached_property
     def _sample_cells(self) -> Ints:

@@ -1,19 +1,30 @@
-"""The layout of any design: of its stars, or of its drawn rods."""
+"""The layout of any design: of its stars, of its drawn rods, or of both."""
 
 from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
+from equilibrium.arrays import Floats
 from pattern.design.design import Design
+from pattern.design.holes import Hole
 from pattern.geometry.planar import polygon_area
 from pattern.layout.build import check_mesh_size, check_pins, layout, sheet_outline
 from pattern.layout.layout import Layout
 from pattern.layout.pin_placement import pin_set, snapped_to_lines
+from pattern.layout.supports import PinSet
+from pattern.rods.graph import RodGraph
+from pattern.rods.star_clearance import check_beside
+
+if TYPE_CHECKING:
+    from pattern.rods.drawn_graph import DrawnPattern
 
 
 def print_layout(design: Design) -> Layout:
-    """The layout of a design with stars or with drawn rods. `layout` refuses drawn rods.
+    """The layout of a design with stars, with drawn rods, or with both. `layout` refuses drawn rods.
 
     Raises
     ------
@@ -37,13 +48,12 @@ def print_layout(design: Design) -> Layout:
     corners = None if design.border.rods is not None else sheet_outline(design)
     drawn = drawn_pattern(design.rods, design.border, design.lattice, corners)
     outline, graph = drawn.outline, drawn.graph
+    if design.stars is not None:
+        return _with_stars(design, drawn)
     scale = float(abs(polygon_area(outline)) / graph.total_length)
     vectors = design.lattice.vectors if design.rods.motif else scale * np.eye(2)
     check_mesh_size(design.mesh.edge_mm, outline)
-    lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
-    sets = [pin_set(pin, outline, f"pins[{k}]") for k, pin in enumerate(design.pins)]
-    pins = tuple(snapped_to_lines(pin, outline, graph.nodes, lines) for pin in sets)
-    check_pins(pins, outline, drawn.holes)
+    pins = _pins(design, outline, graph, drawn.holes)
     no_arms = np.empty((0, 2))
     return Layout(
         outline=outline,
@@ -60,4 +70,38 @@ def print_layout(design: Design) -> Layout:
         rim=drawn.rim,
         holes=drawn.holes,
         hole_rims=drawn.hole_rims,
+    )
+
+
+def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats, ...]) -> tuple[PinSet, ...]:
+    """The pins of a design with drawn rods, moved onto rods beside them."""
+    lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
+    sets = [pin_set(pin, outline, f"pins[{k}]") for k, pin in enumerate(design.pins)]
+    pins = tuple(snapped_to_lines(pin, outline, graph.nodes, lines) for pin in sets)
+    check_pins(pins, outline, holes)
+    return pins
+
+
+def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
+    """The layout of stars beside drawn rods. They do not touch each other."""
+    changes: dict[str, object] = {"holes": tuple(Hole(polygon_mm=ring.tolist()) for ring in drawn.holes), "rods": None}
+    if design.border.rings is None:
+        corners = tuple((float(x), float(y)) for x, y in drawn.outline)
+        changes |= {"rectangle_mm": None, "polygon_mm": corners}
+    border = design.border.model_copy(update=changes)
+    alone = layout(design.model_copy(update={"rods": None, "border": border, "pins": ()}))
+    arms = alone.graph
+    check_beside(arms, drawn.graph)
+    count = len(arms.nodes)
+    moved = tuple(replace(rod, start=rod.start + count, end=rod.end + count) for rod in drawn.graph.rods)
+    graph = RodGraph(np.concatenate([arms.nodes, drawn.graph.nodes]), (*arms.rods, *moved), arms.paired)
+    first = len(arms.rods)
+    return replace(
+        alone,
+        outline=drawn.outline,
+        pins=_pins(design, drawn.outline, graph, drawn.holes),
+        drawn=graph,
+        rim=tuple(rod + first for rod in drawn.rim),
+        holes=drawn.holes,
+        hole_rims=tuple(tuple(rod + first for rod in rim) for rim in drawn.hole_rims),
     )

@@ -30,7 +30,7 @@ class Symmetry:
     ----------
     turn : (2, 2) orthogonal matrix; a mirror if its determinant is -1.
     shift : (2,) mm.
-    star : (S,) the star onto which each star is moved; empty for a drawing.
+    star : (S,) the star onto which each star is moved; empty for a drawing without stars.
     shift_in_space : (3,) mm, of the supports' places, which may have another centre than the print.
 
     Notes
@@ -95,10 +95,16 @@ def _of_drawing(design: Design, layout: Layout) -> list[Symmetry]:
     curve_mm = max(design.required_rods.curve_mm, IMPORT_CURVE_MM)
     tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
     centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
-    samples, none = support_samples(layout), np.empty(0, dtype=np.int64)
+    samples, centres = support_samples(layout), cKDTree(layout.centres) if layout.has_stars else None
     kept = []
     for turn in candidate_turns(layout.graph, centre):
-        motion = Symmetry(turn, centre - turn @ centre, none)
+        star: Ints = np.empty(0, dtype=np.int64)
+        if centres is not None:
+            image = _image(layout.centres @ turn.T + centre - turn @ centre, centres, tolerance)
+            if image is None:
+                continue
+            star = image
+        motion = Symmetry(turn, centre - turn @ centre, star)
         shift_in_space = _support_shift(samples, motion, tolerance)
         if shift_in_space is None or not _keeps_directions(design, turn):
             continue

@@ -84,3 +84,37 @@ def test_previews_refuse_holes_in_one_line(tmp_path: Path, capsys, monkeypatch) 
     (tmp_path / "d.toml").write_text(text, encoding="utf-8")
     done = command(["preview", str(tmp_path / "d.toml"), "--quiet"], capsys, monkeypatch)
     assert done.status == 2 and "border.holes: must be empty for a preview" in done.line
+
+
+BESIDE = """
+[stars]
+length_mm = 7.0
+thickness_mm = 0.4
+[rods]
+[[rods.draw]]
+name = "rim"
+circle_mm = { radius = 40 }
+thickness_mm = 0.6
+[border]
+rods = "rim"
+[mesh]
+edge_mm = 4.0
+"""
+
+
+def test_stars_within_a_rim_are_certified_up_and_exported(tmp_path: Path, capsys, monkeypatch) -> None:
+    path = tmp_path / "beside.toml"
+    path.write_text(BESIDE, encoding="utf-8")
+    shape = asterism.simulate(asterism.load_design(path))
+    summary = shape.summary
+    assert summary.is_minimum and summary.stars_up == summary.stars_total == 13 and summary.rods_total == 40
+    assert sorted(set(shape.rod_fields["star"].tolist())) == [-1, *range(13)] and summary.contraction < 1.0
+    monkeypatch.chdir(tmp_path)
+    done = command(["export", "beside.toml"], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    files = {file.name for file in (tmp_path / "beside-print").iterdir()}
+    assert {"stars.stl", "stars.scad", "middle-lines.svg"} <= files and "rods.stl" not in files
+    text = (tmp_path / "beside-print" / "stars.scad").read_text()
+    assert "union() { for (s = stars) star(s); for (r = rods) rod(r); }" in text and text.count("rods = [") == 1
+    for name in ("preview", "verify"):
+        assert "this needs [stars]" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line

@@ -125,10 +125,8 @@ def test_rims_that_are_none(border: dict[str, Any], words: str) -> None:
         sheet({"name": "rib", "line_mm": [[-20, 0], [20, 0]]}, border=border)
 
 
-def test_stars_and_rods_exclude_each_other_and_stars_alone_have_a_star_layout() -> None:
+def test_a_pattern_is_needed_and_stars_alone_have_a_star_layout() -> None:
     rods = {"draw": [{"line_mm": [[-20, 0], [20, 0]]}]}
-    with pytest.raises(DesignError, match="either"):
-        Design.from_dict({"rods": rods, "stars": {"length_mm": 10}, "border": SQUARE})
     with pytest.raises(DesignError, match=r"must have \[stars\] or \[rods\]"):
         Design.from_dict({"border": SQUARE})
     design = Design.from_dict({"rods": rods, "border": SQUARE})
