@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from asterism.reports.write_results import write_results
     from asterism.shape.read_shape import read_shape
     from asterism.shape.shape import Shape
+    from asterism.sweeps.run import sweep_design as sweep
+    from asterism.sweeps.sweep import Sweep
+    from asterism.sweeps.write_sweep import write_sweep
     from asterism.verification.both_starts import simulate_both
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
@@ -58,6 +61,7 @@ _HOMES = {
     "Law": ("homogenize.law.law", "Law"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
+    "Sweep": ("asterism.sweeps.sweep", "Sweep"),
     "TargetSurface": ("asterism.fitting.target", "TargetSurface"),
     "Verification": ("asterism.verification.verification", "Verification"),
     "calibrate": ("asterism.laws.calibrate", "calibrate"),
@@ -80,11 +84,13 @@ _HOMES = {
     "simulate": ("asterism.exact.simulation", "simulate"),
     "simulate_both": ("asterism.verification.both_starts", "simulate_both"),
     "solve_for": ("asterism.fitting.solve_for", "solve_for"),
+    "sweep": ("asterism.sweeps.run", "sweep_design"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
     "write_fit": ("asterism.reports.fit_files", "write_fit"),
     "write_material": ("asterism.measure.strips.fit_strips", "write_material"),
     "write_results": ("asterism.reports.write_results", "write_results"),
+    "write_sweep": ("asterism.sweeps.write_sweep", "write_sweep"),
     "write_verification": ("asterism.reports.verification_files", "write_verification"),
 }
 __all__ = [
@@ -94,6 +100,7 @@ __all__ = [
     "Law",
     "Preview",
     "Shape",
+    "Sweep",
     "TargetSurface",
     "Verification",
     "__version__",
@@ -117,11 +124,13 @@ __all__ = [
     "simulate",
     "simulate_both",
     "solve_for",
+    "sweep",
     "verify",
     "write_comparison",
     "write_fit",
     "write_material",
     "write_results",
+    "write_sweep",
     "write_verification",
 ]
 

@@ -28,6 +28,7 @@ ORDER: dict[str, list[list[str]]] = {
         ["verification"],
         ["fitting"],
         ["reports"],
+        ["sweeps"],
         ["studio"],
         ["notebook"],
         ["cli"],

@@ -18,11 +18,16 @@ from asterism.cli.printers import printers
 from asterism.cli.report import report
 from asterism.cli.simulate import simulate
 from asterism.cli.studio import studio
+from asterism.cli.sweep import sweep
 from asterism.cli.verify import verify
 from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-for function in (new, studio, preview, simulate, verify, fit, export, picture, printers, compare, report, calibrate):
+COMMANDS = (
+    *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
+    *(report, calibrate),
+)
+for function in COMMANDS:
     app.command()(function)
 app.add_typer(strips.app, name="strips")
 app.add_typer(law.app, name="law")

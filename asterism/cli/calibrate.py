@@ -40,6 +40,7 @@ def calibrate(
     from asterism.cli.common.stop import stop
     from asterism.laws import calibrate as calibration
     from asterism.laws.design_law import is_design, law_output_path, material_from_file
+    from homogenize.campaign.workers import default_jobs
     from pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
@@ -51,7 +52,7 @@ def calibrate(
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     try:
-        law = calibration.calibrate(chosen, path, jobs or calibration.default_jobs(), dask, line, run.stream)
+        law = calibration.calibrate(chosen, path, jobs or default_jobs(), dask, line, run.stream)
     except KeyboardInterrupt:
         folder = calibration.samples_folder(path)
         if not folder.exists():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from pattern.design.design import Design
 from pattern.layout.build import mesh_vertices, sheet_outline
@@ -34,6 +35,8 @@ class Cost:
     vertices: int
     memory_mb: float
     seconds: float
+    # what costs less, for the question whether to compute it
+    cheaper: ClassVar[str] = "a larger mesh.edge_mm"
 
     def in_words(self) -> str:
         """One phrase.
@@ -41,8 +44,12 @@ class Cost:
         >>> Cost(58381, 1338.4, 25.3).in_words(), Cost(400000, 8000.0, 1189.0).in_words()
         ('58381 vertices, 1.3 GB, 25 s', '400000 vertices, 8.0 GB, 20 min')
         """
-        time = f"{self.seconds:.0f} s" if self.seconds < 100 else f"{self.seconds / 60:.0f} min"
-        return f"{self.vertices} vertices, {self.memory_mb / 1000:.1f} GB, {time}"
+        return f"{self.vertices} vertices, {self.memory_mb / 1000:.1f} GB, {self.time_in_words}"
+
+    @property
+    def time_in_words(self) -> str:
+        """The time in seconds or minutes."""
+        return f"{self.seconds:.0f} s" if self.seconds < 100 else f"{self.seconds / 60:.0f} min"
 
 
 def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 import platform
-import sys
 import time
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import TextIO
 
-from asterism.laws.law_text import law_lines, without_numbers
-from asterism.process import interruption
+from asterism.laws.law_text import law_lines
+from asterism.process.count_line import CountLine
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_writable, write_file
 from equilibrium.compiled import HAVE_NUMBA
@@ -23,7 +22,6 @@ from homogenize.law.axes import sizes_text
 from homogenize.law.law import WITHOUT_BENDING, Law
 from homogenize.law.law_file import law_bytes
 from homogenize.law.material import Material
-from homogenize.law.plan import CellTask
 from pattern.design.errors import DesignError
 
 
@@ -64,14 +62,13 @@ def calibrate(
     check_writable(output.parent, output.name)
     versions = _versions()
     folder = samples_folder(output)
-    watch = ProgressLine(stream)
     start = time.perf_counter()
     try:
-        records = run_campaign(material, folder, jobs, dask, watch.report)
+        with ProgressLine(stream) as watch:
+            records = run_campaign(material, folder, jobs, dask, watch.report)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
     finally:
-        watch.close()
         # a folder with finished cells is not empty, and stays
         with suppress(OSError):
             folder.rmdir()
@@ -94,67 +91,18 @@ def _versions() -> dict[str, str]:
     return {"asterism": __version__, **{name: version(name) for name in packages}}
 
 
-def default_jobs() -> int:
-    """One process per core that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-class ProgressLine:
-    """Progress of a campaign on a stream.
-
-    A terminal shows one line that changes; other streams get a line every 4 s. The first failed cell of each
-    reason has a line.
-    """
-
-    every_s = 4.0
+class ProgressLine(CountLine):
+    """Progress of a campaign on a stream."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
-        self._stream = stream or sys.stderr
-        self._live = self._stream.isatty()
-        self._open = False
-        self._next = 0.0
-        self._reasons: set[str] = set()
+        super().__init__("cells", stream)
 
     def report(self, progress: CampaignProgress) -> None:
         """Show the progress, at the beginning and after each cell."""
-        interruption.check()
         record = progress.last
         if record is not None and record.failed is not None:
-            self._failed(record.task, record.failed)
-        if self._live:
-            self._stream.write("\r\x1b[K" + _state(progress))
-            self._stream.flush()
-            self._open = True
-        elif time.monotonic() >= self._next or progress.done == progress.total:
-            self._next = time.monotonic() + self.every_s
-            self._line(_state(progress))
-
-    def _failed(self, task: CellTask, problem: str) -> None:
-        """Name the first cell that fails for a reason: the others differ from it by their numbers."""
-        if (reason := without_numbers(problem)) not in self._reasons:
-            self._reasons.add(reason)
-            self._line(f"  no answer: stretch {task.stretch:g}, {sizes_text(task.sizes)}: {problem}")
-
-    def close(self) -> None:
-        """Move the terminal to a new line."""
-        if self._open:
-            self._stream.write("\n")
-            self._open = False
-
-    def _line(self, text: str) -> None:
-        self._stream.write(("\r\x1b[K" if self._open else "") + text + "\n")
-        self._stream.flush()
-        self._open = False
-
-
-def _state(progress: CampaignProgress) -> str:
-    text = f"  {progress.done} of {progress.total} cells"
-    if progress.failed:
-        text += f", {progress.failed} without an answer"
-    if progress.seconds_left is not None and progress.done < progress.total:
-        minutes, seconds = divmod(round(progress.seconds_left), 60)
-        text += f", about {minutes} min {seconds:02d} s left"
-    return text
+            self.failed(f"stretch {record.task.stretch:g}, {sizes_text(record.task.sizes)}", record.failed)
+        self.show(progress.done, progress.total, progress.failed, progress.seconds_left)
 
 
 def calibration_lines(law: Law, output: Path) -> list[str]:

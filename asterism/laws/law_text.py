@@ -7,6 +7,7 @@ from collections import Counter
 from asterism.laws.law_record import law_record
 from asterism.previews.directions_warning import directions_warning
 from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.process.count_line import without_numbers
 from asterism.results.words import table_lines
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
@@ -108,13 +109,3 @@ def _problems(law: Law) -> list[str]:
     reasons = Counter(without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
     lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
     return ["", "  cells without an answer", *lines] if lines else []
-
-
-def without_numbers(problem: str) -> str:
-    """The reason why a cell has no equilibrium, without the numbers that differ from cell to cell.
-
-    >>> without_numbers("gradient 3.2e-05 N: no minimum")
-    'gradient N: no minimum'
-    """
-    words = [w for w in problem.split() if not any(c.isdigit() for c in w)]
-    return " ".join(words).rstrip(":,")

@@ -28,6 +28,7 @@ SUMMARY_COMPANIONS = "|".join(
         r"compare\.png",  # compare
         r"law\.png|cells\.csv",  # law show
         r"fit\.png|target\.obj",  # fit
+        r"sweep\.(html|csv)",  # sweep
     )
 )
 # value of the key `model` in the summary of a verification

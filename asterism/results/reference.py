@@ -14,6 +14,7 @@ from asterism.results.records.fit import FitRecord
 from asterism.results.records.law import LawRecord
 from asterism.results.records.preview import PreviewRecord
 from asterism.results.records.strips import StripFitRecord
+from asterism.results.records.sweep import SweepRecord
 from asterism.results.records.verification import VerificationRecord
 
 # title and introduction of each summary
@@ -38,6 +39,7 @@ SUMMARIES: dict[type[Record], tuple[str, str]] = {
         "The JSON file beside the material of `asterism strips fit`, and `material.summary` of `asterism.fit_strips`.",
     ),
     FitRecord: ("Fit to a target", "`summary.json` of `asterism fit`, and `fit.summary` of `asterism.fit`."),
+    SweepRecord: ("Sweep", "`summary.json` of `asterism sweep`, and `sweep.summary` of `asterism.sweep`."),
     LawRecord: ("Law", "`summary.json` of `asterism law show`."),
 }
 _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", NoneType: "null", Any: "any"}

@@ -1,31 +1,26 @@
 """A campaign: many independent unit cells, solved on the processes of this machine or on a Dask cluster.
 
-Each sample has a file of its own. The name of the file is a hash of all inputs and of the code that solves the cell.
-So a campaign continues where it stopped, and never uses samples of another material or of other code.
+Each sample has a file of its own, see `homogenize.campaign.kept_samples`. So a campaign continues where it stopped, and
+never uses samples of another material or of other code.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from homogenize.campaign.code_version import code_version
+from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
 from homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
 from homogenize.cell.sample import solve_cell
 from homogenize.law.material import Material
 from homogenize.law.plan import CellTask
 from pattern.design.design import Design
 from pattern.design.errors import DesignError, MeshError
-from pattern.design.files import plain, read_table, write_table
-
-# raise it when the content of a sample's file changes its meaning
-SAMPLE_FORMAT = 1
 
 SolveCell = Callable[[Design, float], Any]
 
@@ -102,8 +97,9 @@ def run_campaign(
     if jobs < 1:
         raise ValueError(f"jobs = {jobs}: must be at least 1")
     folder.mkdir(parents=True, exist_ok=True)
-    tasks, edge = material.tasks(), material.plan.edge_mm
-    records = {task: record for task in tasks if (record := _read(material, task, folder, respond)) is not None}
+    tasks, edge, kept = material.tasks(), material.plan.edge_mm, KeptSamples(folder, code_version())
+    known = {task: kept.read(_inputs(material, task, respond)) for task in tasks}
+    records = {task: _record(task, outcome) for task, outcome in known.items() if outcome is not None}
     missing = _longest_first([task for task in tasks if task not in records])
     send_report = report or (lambda progress: None)
     begin = _progress(records, tasks, None, None)
@@ -118,9 +114,7 @@ def run_campaign(
         arguments = [(respond, material.design(task), edge, code_version()) for task in missing]
         for number, outcome in submit_all(_solve_one, arguments):
             task = missing[number]
-            records[task] = SampleRecord(task, *outcome)
-            if not records[task].crashed:
-                records[task] = _write(material, records[task], folder, respond)
+            records[task] = _record(task, kept.write(_inputs(material, task, respond), outcome))
             pace = (time.perf_counter() - start) / (len(records) - before)
             send_report(_progress(records, tasks, pace * (len(tasks) - len(records)), records[task]))
     return [records[task] for task in tasks]
@@ -128,9 +122,11 @@ def run_campaign(
 
 def sample_name(material: Material, task: CellTask, respond: SolveCell = solve_cell) -> str:
     """Name of a sample's file: a hash of its inputs, of the code, and of the name of another `respond`."""
-    made = {"format": SAMPLE_FORMAT, "code": code_version()}
-    text = json.dumps({**made, **_inputs(material, task, respond)}, sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
+    return KeptSamples(Path(), code_version()).name(_inputs(material, task, respond))
+
+
+def _record(task: CellTask, outcome: Outcome) -> SampleRecord:
+    return SampleRecord(task, outcome.sample, outcome.failed, outcome.crashed, outcome.seconds)
 
 
 def _inputs(material: Material, task: CellTask, respond: SolveCell) -> dict[str, Any]:
@@ -140,22 +136,17 @@ def _inputs(material: Material, task: CellTask, respond: SolveCell) -> dict[str,
     return {**parts, "edge_mm": material.plan.edge_mm, **other}
 
 
-def _solve_one(
-    respond: SolveCell, design: Design, edge_mm: float, code: str
-) -> tuple[dict[str, Any] | None, str | None, bool, float]:
-    """Solve one cell in a worker; the fields of its record after the task."""
-    start, crashed = time.perf_counter(), False
-    try:
+def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) -> Outcome:
+    """Solve one cell in a worker."""
+
+    def solve() -> tuple[dict[str, Any] | None, str | None]:
         if code != code_version():
             raise RuntimeError("the worker has another version of asterism")
         answer = respond(design, edge_mm)
-        sample, failed = answer.to_dict(), answer.failed
-    except (DesignError, MeshError) as error:  # stars that cannot be printed or meshed
-        sample, failed = None, str(error)
-    except Exception as error:  # one bad cell must not end a campaign of hundreds
-        sample, crashed, failed = None, True, f"{type(error).__name__}: {error}"
-    reason = None if failed is None else " ".join(str(failed).split())
-    return sample if reason is None else None, reason, crashed, time.perf_counter() - start
+        return answer.to_dict(), answer.failed
+
+    # stars that cannot be printed or meshed
+    return attempt(solve, DesignError, MeshError)
 
 
 def _longest_first(tasks: Sequence[CellTask]) -> list[CellTask]:
@@ -168,41 +159,3 @@ def _progress(
 ) -> CampaignProgress:
     failed = sum(record.failed is not None for record in records.values())
     return CampaignProgress(len(records), len(tasks), failed, left, last)
-
-
-def _write(material: Material, record: SampleRecord, folder: Path, respond: SolveCell) -> SampleRecord:
-    """Write a record, and return what reading it gives."""
-    sample = json.loads(json.dumps(plain(record.sample)))
-    content = {
-        "format": SAMPLE_FORMAT,
-        "code": code_version(),
-        "inputs": _inputs(material, record.task, respond),
-        "sample": sample,
-        "check": _check(sample),
-        "failed": record.failed,
-        "seconds": record.seconds,
-    }
-    # another run of the same law may have removed the folder, which was empty when that run ended
-    folder.mkdir(parents=True, exist_ok=True)
-    write_table(content, folder / f"{sample_name(material, record.task, respond)}.json")
-    return replace(record, sample=sample)
-
-
-def _read(material: Material, task: CellTask, folder: Path, respond: SolveCell) -> SampleRecord | None:
-    """The record of a finished sample; None without a whole file."""
-    path = folder / f"{sample_name(material, task, respond)}.json"
-    if not path.is_file():
-        return None
-    try:
-        content = read_table(path)
-        inputs = json.loads(json.dumps(_inputs(material, task, respond)))
-        if content["inputs"] != inputs or content["check"] != _check(content["sample"]):
-            return None
-        return SampleRecord(task, content["sample"], content["failed"], False, float(content["seconds"]))
-    except (DesignError, KeyError, TypeError, ValueError):
-        return None
-
-
-def _check(sample: Any) -> str:
-    """Hash of a written sample: a damaged file may still be valid JSON."""
-    return hashlib.sha256(json.dumps(sample, sort_keys=True).encode()).hexdigest()[:16]

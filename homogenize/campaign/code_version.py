@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import hashlib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 
 import discrete
 import equilibrium
@@ -28,8 +30,13 @@ SAMPLE_SOURCES = {
 @functools.cache
 def code_version() -> str:
     """Hash of the sources; the same wherever the same code is installed."""
+    return sources_hash(SAMPLE_SOURCES)
+
+
+def sources_hash(sources: Mapping[ModuleType, Sequence[str]]) -> str:
+    """Hash of the source files of packages that match one of the patterns of each."""
     known = hashlib.sha256()
-    for package, names in SAMPLE_SOURCES.items():
+    for package, names in sources.items():
         folder = Path(package.__path__[0])
         for file in sorted(path for name in names for path in folder.glob(name)):
             known.update(f"{package.__name__}/{file.relative_to(folder).as_posix()}\n".encode())

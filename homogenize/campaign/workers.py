@@ -42,6 +42,11 @@ WORKER_ENVIRONMENT = {
 }
 
 
+def default_jobs() -> int:
+    """One process per core that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 @contextmanager
 def local_workers(jobs: int) -> Iterator[SubmitAll]:
     """Processes of this machine. Each starts afresh and shares nothing with this process.

@@ -31,5 +31,5 @@ def ask(cost: Cost) -> None:
     """
     question = f"takes about {cost.in_words()}"
     if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
-        raise Mistake(f"{question}: use --yes to compute it, or a larger mesh.edge_mm")
+        raise Mistake(f"{question}: use --yes to compute it, or {cost.cheaper}")
     typer.confirm(f"{question}: compute it?", abort=True, err=True)

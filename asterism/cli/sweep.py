@@ -1,0 +1,92 @@
+"""`asterism sweep`: many variants of one design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.run import NO_ANSWER, Run, command
+
+
+@command
+def sweep(
+    run: Run,
+    design: DesignFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            help="Entry of the design and its values: stars.thickness_mm=0.2:0.6:9 for nine equally spaced values, "
+            "pins.0.scale=0.7,0.8 for a list; can be given several times."
+        ),
+    ],
+    output: Annotated[Path | None, output_option("Directory of the results (default: DESIGN-sweep).")] = None,
+    exact: Annotated[bool, typer.Option("--exact", help="Compute exact shapes, not previews.")] = False,
+    samples: Annotated[
+        int | None,
+        typer.Option(help="Designs of a Latin hypercube, instead of all combinations; then FROM:TO is a range."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the Latin hypercube.")] = 0,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, max=1000, help="Number of processes (default: one per core).")
+    ] = None,
+    dask: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, instead of processes on this machine.")
+    ] = None,
+    law: LawFile = None,
+    material: MaterialFile = None,
+) -> int:
+    """Compute many variants of a design: a table, and a page with pictures and plots that sorts and filters.
+
+    Writes sweep.html, sweep.csv and summary.json. A design that fails is a row with its reason. The command continues
+    an interrupted sweep: finished designs are in the folder designs of the directory. The exit status is 1 if no design
+    has a shape.
+    """
+    from asterism.cli.common.mistake import Mistake
+    from asterism.cli.common.results_folder import results_folder
+    from asterism.cli.common.stop import stop
+    from asterism.laws.replace_material import read_design
+    from asterism.sweeps.cost import sweep_cost
+    from asterism.sweeps.parameters import SweepParameter
+    from asterism.sweeps.progress_line import SweepProgressLine
+    from asterism.sweeps.run import sampled, sweep_design, sweep_parameters
+    from asterism.sweeps.write_sweep import write_sweep
+    from homogenize.campaign.workers import default_jobs
+    from homogenize.law.law_file import load_law
+
+    if jobs is not None and dask is not None:
+        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+    if exact and law is not None:
+        raise Mistake("--law: is for previews, not with --exact")
+    chosen = read_design(design, material, run.warn)
+    given = [SweepParameter.from_text(text) for text in vary]
+    parameters = sweep_parameters(chosen, given)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"))
+    count = len(sampled(parameters, samples, seed))
+    run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs()))
+    folder = directory / "designs"
+    own_law = load_law(law) if law else None
+    try:
+        with SweepProgressLine(run.stream) as progress:
+            result = sweep_design(
+                chosen,
+                parameters,
+                exact=exact,
+                samples=samples,
+                seed=seed,
+                folder=folder,
+                jobs=jobs,
+                dask=dask,
+                law=own_law,
+                report=progress.report,
+            )
+        files = write_sweep(result, directory)
+    except KeyboardInterrupt:
+        if not folder.exists():
+            raise
+        stop(f"interrupted; finished designs are in {folder}, and the same command continues from there", 130)
+    run.table(result.summary.table(), doubts=result.doubts)
+    run.files(directory, files)
+    return NO_ANSWER if result.failed == len(result.points) else 0

@@ -1,0 +1,1 @@
+"""Sweeps: one design computed for many values of some of its entries."""

@@ -1,0 +1,70 @@
+"""What a sweep costs, estimated before anything is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from asterism.exact.cost import Cost, exact_cost
+from asterism.sweeps.parameters import SweepParameter, varied
+from equilibrium.errors import Error
+from pattern.design.design import Design
+
+# of one preview with its picture in a process of one thread: 0.2 s for the gallery's dome (python -m benchmarks.sweep)
+PREVIEW_S = 0.25
+# a process imports its libraries
+START_S = 3.0
+# memory of one process with a preview
+PREVIEW_MB = 350.0
+
+
+@dataclass(frozen=True)
+class SweepCost(Cost):
+    """An estimate for so many designs; `vertices` of the largest exact shape, 0 for previews."""
+
+    designs: int
+    cheaper: ClassVar[str] = "fewer designs"
+
+    def in_words(self) -> str:
+        """One phrase.
+
+        >>> SweepCost(0, 700.0, 11.0, 60).in_words(), SweepCost(4000, 800.0, 600.0, 60).in_words()
+        ('60 previews, 0.7 GB, 11 s', '60 exact shapes of up to 4000 vertices, 0.8 GB, 10 min')
+        """
+        what = (
+            f"{self.designs} exact shapes of up to {self.vertices} vertices"
+            if self.vertices
+            else f"{self.designs} previews"
+        )
+        return f"{what}, {self.memory_mb / 1000:.1f} GB, {self.time_in_words}"
+
+
+def sweep_cost(
+    design: Design, parameters: Sequence[SweepParameter], count: int, exact: bool, processes: int
+) -> SweepCost:
+    """The cost of so many designs on so many processes.
+
+    Exact shapes are estimated at the largest of the designs at the ends of each parameter.
+    """
+    processes = min(processes, count)
+    if not exact:
+        return SweepCost(0, PREVIEW_MB * processes, START_S + PREVIEW_S * count / processes, count)
+    largest = max(map(exact_cost, _ends(design, parameters)), key=lambda cost: cost.seconds)
+    seconds = START_S + largest.seconds * count / processes
+    return SweepCost(largest.vertices, largest.memory_mb * processes, seconds, count)
+
+
+def _ends(design: Design, parameters: Sequence[SweepParameter]) -> list[Design]:
+    """The design, and variants with the first or the last value of one parameter, as far as they are possible."""
+    table, ends = design.to_dict(), [design]
+    for parameter in parameters:
+        values: Sequence[Any] = parameter.limits or parameter.values
+        for value in (values[0], values[-1]):
+            try:
+                one = Design.from_dict(varied(table, {parameter.path: value}))
+                exact_cost(one)
+            except Error:
+                continue
+            ends.append(one)
+    return ends

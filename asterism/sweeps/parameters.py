@@ -1,0 +1,201 @@
+"""The parameters of a sweep: entries of a design by their dotted paths, and the values that each of them takes."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asterism.sweeps.errors import SweepError
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+
+# digits of equally spaced values: 0.2:0.6:9 gives 0.25, not 0.25000000000000006
+VALUE_DIGITS = 12
+# values of one parameter
+MAX_VALUES = 10_000
+# a path in messages of designs, pins[0].scale, and as it is given here, pins.0.scale
+_INDEX = re.compile(r"\[(\d+)\]")
+GRAMMAR = "PATH=FROM:TO:COUNT or PATH=VALUE,VALUE; with a number of samples also PATH=FROM:TO"
+
+
+@dataclass(frozen=True)
+class SweepParameter:
+    """An entry of a design that a sweep varies.
+
+    Attributes
+    ----------
+    path : dotted path of the entry, such as `stars.thickness_mm` or `pins.0.scale`.
+    values : the values, if they are listed.
+    limits : the smallest and the largest value of a range, which only a Latin hypercube samples; otherwise None.
+    """
+
+    path: str
+    values: tuple[Any, ...] = ()
+    limits: tuple[float, float] | None = None
+
+    @classmethod
+    def from_text(cls, text: str) -> SweepParameter:
+        """A parameter from the words of a command line.
+
+        Raises
+        ------
+        SweepError
+            The text has another form, or its range is empty.
+
+        Examples
+        --------
+        >>> SweepParameter.from_text("stars.thickness_mm=0.2:0.6:5").values
+        (0.2, 0.3, 0.4, 0.5, 0.6)
+        >>> SweepParameter.from_text("border.rings=1:3:3").values
+        (1, 2, 3)
+        >>> SweepParameter.from_text("pins[0].scale=0.7,0.8")
+        SweepParameter(path='pins.0.scale', values=(0.7, 0.8), limits=None)
+        """
+        path, equals, given = text.partition("=")
+        if not equals or not path.strip() or not given.strip():
+            raise SweepError(f"--vary {text}: must be {GRAMMAR}")
+        return cls.from_values(path.strip(), given.strip())
+
+    @classmethod
+    def from_values(cls, path: str, given: str | Sequence[Any]) -> SweepParameter:
+        """A parameter from its values, or from the part of `from_text` after the equals sign."""
+        path = _INDEX.sub(r".\1", path)
+        if not isinstance(given, str):
+            values = [value.item() if isinstance(value, np.generic) else value for value in given]
+            return cls(path, _checked(path, values))
+        ends = given.split(":")
+        if len(ends) == 1 or given[0] in "[{\"'":
+            return cls(path, _checked(path, _listed(path, given)))
+        if len(ends) > 3:
+            raise SweepError(f"{path}={given}: must be {GRAMMAR}")
+        low, high = (_number(path, given, end) for end in ends[:2])
+        if len(ends) == 2:
+            if not low < high:
+                raise SweepError(f"{path}={given}: an empty range, the first number must be below the second")
+            return cls(path, limits=(low, high))
+        return cls(path, _checked(path, _spaced(path, given, low, high, ends[2])))
+
+    def at(self, part: float) -> Any:
+        """The value at a part (0 to 1) of the range, or of the list."""
+        if self.limits is None:
+            return self.values[min(int(part * len(self.values)), len(self.values) - 1)]
+        low, high = self.limits
+        return float(f"{low + part * (high - low):.{VALUE_DIGITS}g}")
+
+
+def varied(table: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The table of a design with other values at some paths.
+
+    Raises
+    ------
+    SweepError
+        A path leads through an entry that is no table or list, or beyond the end of a list.
+    """
+    new = copy.deepcopy(dict(table))
+    for path, value in values.items():
+        *way, last = path.split(".")
+        place: Any = new
+        for depth, step in enumerate(way):
+            before = ".".join(way[:depth])
+            inner = place[_position(place, step, before)] if isinstance(place, list) else place.get(step)
+            if inner is None:
+                inner = place.setdefault(step, {})
+            if not isinstance(inner, dict | list):
+                raise SweepError(f"{path}: {'.'.join(way[: depth + 1])} is {inner!r}, which has no {last!r}")
+            place = inner
+        if isinstance(place, list):
+            place[_position(place, last, ".".join(way))] = value
+        else:
+            place[last] = value
+    return new
+
+
+def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> None:
+    """Refuse parameters that the design lacks, and values that an entry can never have.
+
+    Raises
+    ------
+    SweepError
+        The message names the parameter, the value and what is allowed.
+    """
+    paths = [parameter.path for parameter in parameters]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise SweepError(f"{path}: is varied twice")
+        if inside := next((other for other in paths if path.startswith(f"{other}.")), None):
+            raise SweepError(f"{path}: is a part of {inside}, which is varied too")
+    table = design.to_dict()
+    for parameter in parameters:
+        for value in parameter.limits or parameter.values:
+            try:
+                Design.from_dict(varied(table, {parameter.path: value}))
+            except DesignError as error:
+                # other entries may make the value possible: then its designs fail or not one by one
+                field = _INDEX.sub(r".\1", error.field)
+                if parameter.path == field or parameter.path.startswith(f"{field}.") or field.startswith(
+                    f"{parameter.path}."
+                ) or "unknown key" in error.allowed:  # fmt: skip
+                    raise SweepError(str(error)) from None
+
+
+def _position(place: list[Any], step: str, path: str) -> int:
+    if not step.isdigit() or int(step) >= len(place):
+        has = f"0 to {len(place) - 1}" if place else "no entry"
+        raise SweepError(f"{path}.{step}: {path} is a list, with {has}")
+    return int(step)
+
+
+def _number(path: str, given: str, text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = np.nan
+    if not np.isfinite(number):
+        raise SweepError(f"{path}={given}: {text.strip()!r} is not a number; must be {GRAMMAR}")
+    return number
+
+
+def _spaced(path: str, given: str, low: float, high: float, count_text: str) -> list[Any]:
+    count = int(count_text) if count_text.strip().isdigit() else 0
+    if not 2 <= count <= MAX_VALUES:
+        raise SweepError(f"{path}={given}: the third number counts values, it must be from 2 to {MAX_VALUES}")
+    if low == high:
+        raise SweepError(f"{path}={given}: an empty range")
+    values = [float(f"{value:.{VALUE_DIGITS}g}") for value in np.linspace(low, high, count)]
+    # whole numbers stay whole: some entries are counts
+    is_whole = "." not in given and all(value.is_integer() for value in values)
+    return [int(value) for value in values] if is_whole else values
+
+
+def _listed(path: str, given: str) -> list[Any]:
+    """Values that commas separate: numbers, true, false, JSON, or texts."""
+    try:
+        return list(json.loads(f"[{given}]"))
+    except ValueError:
+        return [_value(text) for text in given.split(",")]
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text.strip()
+
+
+def _checked(path: str, values: Sequence[Any]) -> tuple[Any, ...]:
+    if not values:
+        raise SweepError(f"{path}: must have a value")
+    if len(values) > MAX_VALUES:
+        raise SweepError(f"{path}: must have at most {MAX_VALUES} values")
+    for number, value in enumerate(values):
+        if value == "":
+            raise SweepError(f"{path}: value {number + 1} is empty")
+        if value in values[:number]:
+            raise SweepError(f"{path}: the value {value!r} is there twice")
+    return tuple(values)

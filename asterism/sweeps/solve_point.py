@@ -1,0 +1,77 @@
+"""The computation of one design of a sweep, in a process of its own."""
+
+from __future__ import annotations
+
+import functools
+import pickle
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import discrete
+import equilibrium
+import fem
+import homogenize
+import pattern
+from asterism import draw, exact, previews, process, results, shape, sweeps
+from asterism.sweeps.quantities import table_values
+from asterism.sweeps.small_picture import small_picture
+from equilibrium.errors import Error
+from homogenize.campaign.code_version import sources_hash
+from homogenize.campaign.kept_samples import Outcome, attempt
+from homogenize.law.law import Law
+from pattern.design.design import Design
+
+# all that computes a row of a sweep or its picture
+_ENGINES = (discrete, equilibrium, fem, homogenize, pattern)
+_ROOMS = (draw, exact, previews, process, results, shape, sweeps)
+
+
+@functools.cache
+def sweep_code_version() -> str:
+    """Hash of all code that computes a row of a sweep or its picture."""
+    return sources_hash({package: ("**/*.py",) for package in (*_ENGINES, *_ROOMS)})
+
+
+def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, code: str) -> Outcome:
+    """Compute one design.
+
+    Parameters
+    ----------
+    table : the design as plain data.
+    is_exact : by the exact model, not by the preview.
+    law : law of the preview, from `packed_law`.
+    code : `sweep_code_version` of the process that asks.
+
+    Returns
+    -------
+    Its sample holds `values`, see `table_values`, and `picture`, the attributes of a `SmallPicture`.
+    """
+
+    def solve() -> tuple[dict[str, Any], None]:
+        if code != sweep_code_version():
+            raise RuntimeError("the worker has another version of asterism")
+        design = Design.from_dict(table)
+        if is_exact:
+            from asterism.exact.simulation import simulate  # its imports take seconds
+
+            found = simulate(design)
+        else:
+            from asterism.previews.run import preview
+
+            found = preview(design, None if law is None else _law(law))
+        return {"values": table_values(found.summary, is_exact), "picture": asdict(small_picture(found))}, None
+
+    return attempt(solve, Error, ValueError)
+
+
+@functools.lru_cache(maxsize=2)
+def _law(packed: bytes) -> Law:
+    """A law that travelled with its designs, unpacked once in each process."""
+    law: Law = pickle.loads(packed)
+    return law
+
+
+def packed_law(law: Law | None) -> bytes | None:
+    """A law on its way to the workers; None for the paper's, which they have."""
+    return None if law is None else pickle.dumps(law)

@@ -1,0 +1,88 @@
+"""A sweep of 60 previews of the gallery's dome: whole, continued after a stop, and from its files.
+
+python -m benchmarks.sweep [JOBS]
+
+The sweep is the command as a user types it, so that the times hold imports, pictures and the page.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from benchmarks.report import write_report
+from pattern import gallery
+from pattern.design.design import save_design
+
+VARY = ("stars.thickness_mm=0.2:0.6:10", "pins.0.scale=0.7:0.8:6")
+# the stop comes when so many designs are finished
+STOP_AFTER = 20
+
+
+def main() -> None:
+    jobs = sys.argv[1] if len(sys.argv) > 1 else "2"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        save_design(gallery.load("dome"), folder / "dome.toml")
+        # a first run compiles loops
+        timed(folder, "warm", jobs, "--vary", "stars.thickness_mm=0.3,0.4")
+        whole = timed(folder, "whole", jobs, *words())
+        stopped = stopped_after(folder, "stopped", jobs)
+        rest = timed(folder, "stopped", jobs, *words())
+        again = timed(folder, "stopped", jobs, *words())
+        same = (folder / "whole" / "sweep.csv").read_bytes() == (folder / "stopped" / "sweep.csv").read_bytes()
+        size = (folder / "whole" / "sweep.html").stat().st_size
+    load = f"load of the machine {os.getloadavg()[0]:.1f}"
+    lines = [
+        f"60 previews of the dome, {jobs} processes on {os.cpu_count()} cores; {load}.",
+        "",
+        "| run | wall time, s | processor time, s |",
+        "|---|---|---|",
+        f"| whole | {whole[0]:.1f} | {whole[1]:.1f} |",
+        f"| continued after a kill with {stopped} designs finished | {rest[0]:.1f} | {rest[1]:.1f} |",
+        f"| once more, all finished | {again[0]:.1f} | {again[1]:.1f} |",
+        "",
+        f"The tables of the whole and of the continued sweep are {'equal' if same else 'DIFFERENT'}.",
+        f"The page has {size / 1e6:.1f} MB.",
+    ]
+    text = "\n".join(lines)
+    print(text)
+    write_report("sweep", [], text)
+
+
+def words() -> list[str]:
+    """The parameters on the command line."""
+    return [word for text in VARY for word in ("--vary", text)]
+
+
+def command(output: str, jobs: str, *parameters: str) -> list[str]:
+    """The words of the command."""
+    return [sys.executable, "-m", "asterism", "sweep", "dome.toml", "-q", "-o", output, "--jobs", jobs, *parameters]
+
+
+def timed(folder: Path, output: str, jobs: str, *parameters: str) -> tuple[float, float]:
+    """Wall time and processor time of a run in seconds."""
+    before, begin = os.times(), time.perf_counter()
+    subprocess.run(command(output, jobs, *parameters), cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    after = os.times()
+    used = after.children_user + after.children_system - before.children_user - before.children_system
+    return time.perf_counter() - begin, used
+
+
+def stopped_after(folder: Path, output: str, jobs: str) -> int:
+    """Kill a run after `STOP_AFTER` designs; the number of finished designs."""
+    kept = folder / output / "designs"
+    run = subprocess.Popen(command(output, jobs, *words()), cwd=folder, stdout=subprocess.DEVNULL)
+    while run.poll() is None and len(list(kept.glob("*.json")) if kept.exists() else []) < STOP_AFTER:
+        time.sleep(0.02)
+    run.kill()
+    run.wait()
+    return len(list(kept.glob("*.json")))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""Finished samples of long computations, one file each, so that an interrupted computation continues where it stopped.
+
+The name of a file is a hash of the inputs and of the code that computes the sample. So a sample never stands for other
+inputs or for other code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pattern.design.errors import DesignError
+from pattern.design.files import plain, read_table, write_table
+
+# raise it when the content of a sample's file changes its meaning
+SAMPLE_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The result of one computation.
+
+    Attributes
+    ----------
+    sample : plain data; None without an answer.
+    failed : why there is no answer, in one line.
+    crashed : the reason is an unforeseen exception. Such a sample is not kept, and the next run tries it again.
+    seconds : wall time.
+    """
+
+    sample: dict[str, Any] | None
+    failed: str | None
+    crashed: bool
+    seconds: float
+
+
+@dataclass(frozen=True)
+class KeptSamples:
+    """A folder of finished samples.
+
+    Attributes
+    ----------
+    folder : is made when the first sample is written.
+    code : name of the code that computes the samples.
+    """
+
+    folder: Path
+    code: str
+
+    def name(self, inputs: Mapping[str, Any]) -> str:
+        """Name of a sample's file without its ending."""
+        made = {"format": SAMPLE_FORMAT, "code": self.code}
+        text = json.dumps({**made, **inputs}, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+    def read(self, inputs: Mapping[str, Any]) -> Outcome | None:
+        """The outcome of a finished computation; None without a whole file."""
+        path = self._path(inputs)
+        if not path.is_file():
+            return None
+        try:
+            content = read_table(path)
+            if content["inputs"] != json.loads(json.dumps(inputs)) or content["check"] != _check(content["sample"]):
+                return None
+            return Outcome(content["sample"], content["failed"], False, float(content["seconds"]))
+        except (DesignError, KeyError, TypeError, ValueError):
+            return None
+
+    def write(self, inputs: Mapping[str, Any], outcome: Outcome) -> Outcome:
+        """Write an outcome, unless it crashed, and return what reading it gives."""
+        if outcome.crashed:
+            return outcome
+        sample = json.loads(json.dumps(plain(outcome.sample)))
+        content = {
+            "format": SAMPLE_FORMAT,
+            "code": self.code,
+            "inputs": dict(inputs),
+            "sample": sample,
+            "check": _check(sample),
+            "failed": outcome.failed,
+            "seconds": outcome.seconds,
+        }
+        # another run of the same command may have removed the folder, which was empty when that run ended
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_table(content, self._path(inputs))
+        return replace(outcome, sample=sample)
+
+    def _path(self, inputs: Mapping[str, Any]) -> Path:
+        return self.folder / f"{self.name(inputs)}.json"
+
+
+def attempt(solve: Callable[[], tuple[dict[str, Any] | None, str | None]], *foreseen: type[Exception]) -> Outcome:
+    """Run one computation in a worker. Its errors are outcomes: one of them must not end hundreds of others.
+
+    Parameters
+    ----------
+    solve : gives the sample, and the reason if it is no answer.
+    foreseen : errors that the inputs cause, so that another attempt would raise them too.
+    """
+    start, crashed = time.perf_counter(), False
+    try:
+        sample, failed = solve()
+    except foreseen as error:
+        sample, failed = None, str(error)
+    except Exception as error:
+        sample, crashed, failed = None, True, f"{type(error).__name__}: {error}"
+    reason = None if failed is None else " ".join(failed.split())
+    return Outcome(sample if reason is None else None, reason, crashed, time.perf_counter() - start)
+
+
+def _check(sample: Any) -> str:
+    """Hash of a written sample: a damaged file may still be valid JSON."""
+    return hashlib.sha256(json.dumps(sample, sort_keys=True).encode()).hexdigest()[:16]

@@ -1,0 +1,125 @@
+"""Parameters of a sweep: their words, their places in a design, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.sweeps.errors import SweepError
+from asterism.sweeps.parameters import SweepParameter, check_parameters, varied
+from asterism.sweeps.run import sweep_parameters
+from asterism.sweeps.sampling import grid, latin_hypercube
+from pattern import gallery
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("stars.thickness_mm=0.2:0.6:9", (0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)),
+        ("stars.length_mm=10:6:3", (10, 8, 6)),
+        ("border.rings=1,2", (1, 2)),
+        ("border.rings=1:3:3", (1, 2, 3)),
+        ("fabric.bending=paper,consistent", ("paper", "consistent")),
+        ("gravity.on=false,true", (False, True)),
+        ('fabric.stretch=1.35,[1.3, 1.4]', (1.35, [1.3, 1.4])),
+        ('stars.length_mm={"profile": "table", "mm": 9}', ({"profile": "table", "mm": 9},)),
+    ],
+)  # fmt: skip
+def test_words_are_values(text: str, values: tuple[Any, ...]) -> None:
+    parameter = SweepParameter.from_text(text)
+    assert parameter.path == text.partition("=")[0] and parameter.values == values
+    assert [type(value) for value in parameter.values] == [type(value) for value in values]
+
+
+def test_a_range_without_a_number_of_values_has_limits() -> None:
+    assert SweepParameter.from_text("pins[0].scale=0.7:0.8") == SweepParameter("pins.0.scale", limits=(0.7, 0.8))
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("stars.thickness_mm", "must be PATH=FROM:TO:COUNT"),
+        ("=0.2", "must be PATH=FROM:TO:COUNT"),
+        ("a=", "must be PATH=FROM:TO:COUNT"),
+        ("a=0.2:x:3", "'x' is not a number"),
+        ("a=0.2:inf:3", "'inf' is not a number"),
+        ("a=1:2:3:4", "must be PATH=FROM:TO:COUNT"),
+        ("a=0.2:0.6:1", "the third number counts values, it must be from 2 to 10000"),
+        ("a=0.2:0.6:0.5", "the third number counts values"),
+        ("a=0.2:0.2:3", "an empty range"),
+        ("a=0.6:0.2", "an empty range, the first number must be below the second"),
+        ("a=0.3,0.3", "the value 0.3 is there twice"),
+        ("a=0.3,,0.4", "value 2 is empty"),
+    ],
+)
+def test_wrong_words_are_refused_with_what_is_allowed(text: str, problem: str) -> None:
+    with pytest.raises(SweepError, match=problem.replace("(", r"\(")) as caught:
+        SweepParameter.from_text(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_values_are_put_at_their_paths() -> None:
+    table = gallery.load("dome").to_dict()
+    new = varied(table, {"pins.0.scale": 0.7, "stars.length_mm.from": 9.0, "gravity.on": True})
+    assert new["pins"][0]["scale"] == 0.7 and new["stars"]["length_mm"]["from"] == 9.0 and new["gravity"]["on"] is True
+    assert table == gallery.load("dome").to_dict() and new["stars"]["length_mm"]["to"] == 4.0
+
+
+@pytest.mark.parametrize(
+    ("vary", "problem"),
+    [
+        ({"stars.thicknes_mm": [0.3]}, r"stars.thicknes_mm = 0.3: unknown key, did you mean thickness_mm\?"),
+        ({"star.length_mm": [8.0]}, r"star .*unknown key"),
+        ({"pins.1.scale": [0.7]}, "pins.1: pins is a list, with 0 to 0"),
+        ({"pins.first.scale": [0.7]}, "pins.first: pins is a list"),
+        ({"name.x": [1]}, "name.x: name is 'dome', which has no 'x'"),
+        ({"stars.thickness_mm": ["thick"]}, "stars.thickness_mm = 'thick': must be a number"),
+        ({"fabric.thickness_mm": [0.3, -1.0]}, r"fabric.thickness_mm = -1.0: must be at least"),
+        ({"fabric.thickness_mm": "0:0.5"}, r"fabric.thickness_mm = 0.0: must be at least"),
+        ({"border.rings": [1.5]}, "border.rings = 1.5: must be a whole number"),
+        ({"stars.length_mm": [8.0], "stars.length_mm.from": [8.0]}, "is a part of stars.length_mm, which is varied"),
+        ({"stars.length_mm": []}, "must have a value"),
+        ({}, "a sweep needs a parameter"),
+    ],
+)  # fmt: skip
+def test_what_the_design_does_not_have_is_refused(vary: dict[str, Any], problem: str) -> None:
+    with pytest.raises(SweepError, match=problem):
+        sweep_parameters(gallery.load("dome"), vary)
+
+
+def test_a_path_is_varied_once() -> None:
+    twice = [SweepParameter("stars.thickness_mm", (0.3,)), SweepParameter("stars.thickness_mm", (0.4,))]
+    with pytest.raises(SweepError, match="is varied twice"):
+        check_parameters(gallery.load("dome"), twice)
+
+
+def test_values_that_others_make_possible_are_not_refused_at_once() -> None:
+    """Weight needs a modulus: each alone is impossible, and one of the designs is not."""
+    sweep_parameters(gallery.load("dome"), {"gravity.on": [False, True], "fabric.modulus_mpa": [0.5]})
+
+
+def test_numbers_of_arrays_are_plain() -> None:
+    (parameter,) = sweep_parameters(gallery.load("dome"), {"stars.thickness_mm": np.array([0.3, 0.4])})
+    assert [type(value) for value in parameter.values] == [float, float]
+
+
+def test_a_hypercube_has_one_value_in_each_part_of_each_range() -> None:
+    ranges = [SweepParameter("a", limits=(0.2, 0.6)), SweepParameter("b", limits=(-1.0, 1.0))]
+    parameters = [*ranges, SweepParameter("c", ("x", "y"))]
+    rows = latin_hypercube(parameters, 20, seed=3)
+    for path, low, high in (("a", 0.2, 0.6), ("b", -1.0, 1.0)):
+        parts = sorted(int(20 * (row[path] - low) / (high - low)) for row in rows)
+        assert parts == list(range(20))
+    assert [row["c"] for row in rows].count("x") == 10
+    assert rows == latin_hypercube(parameters, 20, seed=3) and rows != latin_hypercube(parameters, 20, seed=4)
+
+
+def test_too_many_and_too_few_designs_are_refused() -> None:
+    with pytest.raises(SweepError, match=r"1000000 designs: must be at most 10000; --samples"):
+        grid([SweepParameter(name, tuple(range(1000))) for name in "ab"])
+    with pytest.raises(SweepError, match=r"a=0.2:0.6: a range needs a number of values"):
+        grid([SweepParameter("a", limits=(0.2, 0.6))])
+    with pytest.raises(SweepError, match="--samples 1: must be from 2 to 10000"):
+        latin_hypercube([SweepParameter("a", limits=(0.2, 0.6))], 1, 0)

@@ -1,0 +1,232 @@
+"""Sweeps: their table, designs that fail, interruption, and other workers."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asterism
+from asterism.sweeps.run import SweepProgress, sweep_design
+from asterism.sweeps.sweep import Sweep
+from asterism.sweeps.write_sweep import sweep_csv, write_sweep
+from pattern.design.design import Design
+from tests.asterism.commands import command
+from tests.homogenize import same_process
+
+# arms of 30 mm cross those of their neighbours
+VARY = {"stars.thickness_mm": [0.3, 0.4], "stars.length_mm": [8.0, 30.0]}
+
+
+def small() -> Design:
+    return Design.from_dict({"name": "seven", "stars": {"length_mm": 8.0}, "border": {"rings": 1}})
+
+
+@pytest.fixture(autouse=True)
+def one_process(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if "slow" not in request.keywords:
+        monkeypatch.setattr("asterism.sweeps.run.local_workers", same_process.workers)
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Sweep]:
+    folder = tmp_path_factory.mktemp("sweep") / "designs"
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr("asterism.sweeps.run.local_workers", same_process.workers)
+        return folder, sweep_design(small(), VARY, folder=folder)
+
+
+def test_each_row_is_the_preview_of_its_design(once: tuple[Path, Sweep]) -> None:
+    result = once[1]
+    assert [dict(point.parameters) for point in result.points] == [
+        {"stars.thickness_mm": h, "stars.length_mm": length} for h in (0.3, 0.4) for length in (8.0, 30.0)
+    ]
+    third = result.points[2]
+    assert third.values is not None and third.picture is not None and third.problem is None
+    shape = asterism.preview(result.design_of(3))
+    assert result.design_of(3).required_stars.thickness_mm == 0.4
+    assert third.values["height_mm"] == pytest.approx(shape.height_mm, rel=1e-5)
+    assert third.values["is_minimum"] is True and third.values["extent_z_mm"] == third.values["height_mm"]
+
+
+def test_a_design_that_fails_is_a_row_with_its_reason(once: tuple[Path, Sweep]) -> None:
+    result = once[1]
+    assert result.failed == 2 and result.doubts == ["2 of 4 designs have no shape"]
+    failed = result.points[1]
+    assert failed.values is None and failed.picture is None and "stars.length_mm" in (failed.problem or "")
+    heights = result.column("height_mm")
+    assert np.isfinite(heights).tolist() == [True, False, True, False]
+    assert result.column("stars.thickness_mm").tolist() == [0.3, 0.3, 0.4, 0.4]
+
+
+def test_finished_designs_are_not_computed_again(once: tuple[Path, Sweep], monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, result = once
+    reports: list[SweepProgress] = []
+
+    def refuse(*arguments: object) -> None:
+        raise AssertionError("computed again")
+
+    monkeypatch.setattr("asterism.sweeps.run.solve_point", refuse)
+    again = sweep_design(small(), VARY, folder=folder, report=reports.append)
+    assert [progress.done for progress in reports] == [4] and reports[0].failed == 2
+    assert again.summary == result.summary and sweep_csv(again) == sweep_csv(result)
+
+
+def test_more_designs_compute_only_what_is_new(once: tuple[Path, Sweep]) -> None:
+    reports: list[SweepProgress] = []
+    more = sweep_design(small(), {**VARY, "stars.length_mm": [8.0, 9.0]}, folder=once[0], report=reports.append)
+    assert [progress.done for progress in reports] == [2, 3, 4] and more.failed == 0
+    assert reports[0].seconds_left is None and reports[-1].seconds_left == 0.0
+
+
+def test_the_files_hold_the_same_table(once: tuple[Path, Sweep], tmp_path: Path) -> None:
+    result = once[1]
+    assert write_sweep(result, tmp_path / "out") == ["summary.json", "sweep.csv", "sweep.html"]
+    with (tmp_path / "out" / "sweep.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert len(rows) == len(summary["table_rows"]) == 4
+    for row, record in zip(rows, summary["table_rows"], strict=True):
+        assert int(row["number"]) == record["number"]
+        assert row["problem"] == (record["problem"] or "")
+        if record["results"]:
+            assert float(row["height_mm"]) == record["results"]["height_mm"]
+            assert row["is_minimum"] == "true"
+    assert summary["design"] == small().to_dict() and summary["sampling"] == "grid"
+
+
+def test_the_page_needs_no_other_file_and_escapes_texts(tmp_path: Path) -> None:
+    named = Design.from_dict({**small().to_dict(), "name": "</script><b>bold"})
+    write_sweep(sweep_design(named, {"stars.length_mm": [30.0]}), tmp_path)
+    page = (tmp_path / "sweep.html").read_text()
+    assert page.count("</script>") == 2 and "&lt;/script&gt;" in page
+    assert "src=" not in page.replace("src: `data:image", "") and "<link" not in page
+
+
+def test_a_sweep_by_the_exact_model_has_its_quantities() -> None:
+    coarse = Design.from_dict({**small().to_dict(), "mesh": {"edge_mm": 6.0}})
+    result = sweep_design(coarse, {"stars.thickness_mm": [0.3]}, exact=True)
+    values = result.points[0].values
+    assert values is not None and values["stars_up"] == 7 and "expected_rms_percent" not in values
+    assert result.summary.by == "exact"
+
+
+def test_what_is_no_column_is_refused(once: tuple[Path, Sweep]) -> None:
+    with pytest.raises(asterism.Error, match=r"width_mm: no column of this sweep; there are stars\.thickness_mm"):
+        once[1].column("width_mm")
+    with pytest.raises(asterism.Error, match=r"fabric\.bending: has values that are not numbers"):
+        sweep_design(small(), {"fabric.bending": ["none"], "stars.thickness_mm": [0.3]}).column("fabric.bending")
+    with pytest.raises(asterism.Error, match="have numbers from 1 to 4"):
+        once[1].design_of(5)
+
+
+def written(folder: Path) -> Path:
+    file = folder / "seven.toml"
+    file.write_text('name = "seven"\n[stars]\nlength_mm = 8.0\n[border]\nrings = 1\n')
+    return file
+
+
+def test_the_command_writes_the_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["sweep", str(written(tmp_path)), "--vary", "stars.thickness_mm=0.3,0.4", "--vary", "stars.length_mm=8,30"]
+    ended = command(words, capsys, monkeypatch)
+    assert ended.status == 0 and "4, of which 2 failed" in ended.out
+    assert "about 4 previews" in ended.err and "no answer: design 2, stars.thickness_mm = 0.3" in ended.err
+    folder = tmp_path / "seven-sweep"
+    assert sorted(file.name for file in folder.iterdir()) == ["designs", "summary.json", "sweep.csv", "sweep.html"]
+    strict = command([*words, "--strict", "--quiet"], capsys, monkeypatch)
+    assert strict.status == 1 and "2 of 4 designs have no shape" in strict.out and strict.err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["stars.thicknes_mm=0.3"], "stars.thicknes_mm = 0.3: unknown key, did you mean thickness_mm?"),
+        (["fabric.thickness_mm=a,b"], "fabric.thickness_mm = 'a': must be a number"),
+        (["stars.thickness_mm=0.3:0.3:4"], "stars.thickness_mm=0.3:0.3:4: an empty range"),
+        (
+            ["stars.thickness_mm=0.3", "--jobs", "2", "--dask", "tcp://x:1"],
+            "--jobs: applies to processes of this machine, not to --dask",
+        ),
+        (["stars.thickness_mm=0.3", "--exact", "--law", "x.npz"], "--law: is for previews, not with --exact"),
+    ],
+)
+def test_wrong_words_end_the_command_at_once(
+    words: list[str], line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = command(["sweep", str(written(tmp_path)), "--vary", *words], capsys, monkeypatch)
+    assert ended.status == 2 and ended.line == f"asterism: {line}"
+    assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
+
+
+def test_many_designs_need_consent(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = [
+        "sweep",
+        str(written(tmp_path)),
+        "--vary",
+        "stars.thickness_mm=0.2:0.6:100",
+        "--vary",
+        "stars.length_mm=6:9:90",
+    ]
+    ended = command([*words, "--jobs", "2"], capsys, monkeypatch)
+    assert ended.status == 2 and "takes about 9000 previews" in ended.line
+    assert ended.line.endswith("use --yes to compute it, or fewer designs")
+    assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
+
+
+WORDS = [
+    sys.executable,
+    "-m",
+    "asterism",
+    "sweep",
+    "seven.toml",
+    "--vary",
+    "stars.thickness_mm=0.2:0.6:12",
+    "--jobs",
+    "2",
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_a_stopped_sweep_goes_on_where_it_stopped(number: int, tmp_path: Path) -> None:
+    written(tmp_path)
+    root = str(Path(__file__).parents[3])
+    environment = {**os.environ, "PYTHONPATH": root}
+    first = subprocess.Popen(WORDS, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
+    kept = tmp_path / "seven-sweep" / "designs"
+    while len(list(kept.glob("*.json")) if kept.exists() else []) < 3:
+        time.sleep(0.01)
+        assert first.poll() is None
+    first.send_signal(number)
+    errors = first.communicate(timeout=30)[1]
+    finished = {file: file.stat().st_mtime_ns for file in kept.glob("*.json")}
+    assert 3 <= len(finished) < 12
+    if number == signal.SIGINT:
+        assert first.returncode == 130 and "the same command continues from there" in errors
+    subprocess.run(WORDS, cwd=tmp_path, env=environment, check=True, capture_output=True)
+    assert all(file.stat().st_mtime_ns == made for file, made in finished.items())
+    table = (tmp_path / "seven-sweep" / "sweep.csv").read_text()
+    subprocess.run([*WORDS, "-o", "whole"], cwd=tmp_path, env=environment, check=True, capture_output=True)
+    assert (tmp_path / "whole" / "sweep.csv").read_text() == table and table.count("\n") == 13
+
+
+@pytest.mark.slow
+def test_dask_gives_the_same_table() -> None:
+    distributed = pytest.importorskip("distributed")
+    vary = {"stars.thickness_mm": "0.2:0.6:5"}
+    own = sweep_design(small(), vary, jobs=2)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        there = sweep_design(small(), vary, dask=cluster.scheduler_address)
+    assert sweep_csv(there) == sweep_csv(own) and own.failed == 0
