@@ -23,11 +23,10 @@ from asterism.cli.verify import verify
 from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-COMMANDS = (
+for function in (
     *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
     *(report, calibrate),
-)
-for function in COMMANDS:
+):
     app.command()(function)
 app.add_typer(strips.app, name="strips")
 app.add_typer(law.app, name="law")
