@@ -22,7 +22,7 @@ from skfem import MeshTri
 from equilibrium.arrays import Floats, Ints
 from fem.elements.deformation import Deformation, flat
 from fem.elements.space import Space
-from fem.supports.edge_equations import Rows, edge_equations
+from fem.supports.edge_equations import EdgeShift, Rows, edge_equations
 from fem.supports.elimination import Contradiction, eliminate
 
 VERTEX_TOLERANCE_MM = 1e-6  # mm, largest distance of a mesh vertex from the point that it stands for
@@ -64,6 +64,9 @@ class EdgeSupport:
     directions : (k, 3) unit vectors along which the position is fixed, as for points; (0, 3) fixes none.
     clamped : fix the tangent plane along the edge to that of the target.
     corner_deg : a vertex where the line turns by more than this angle is a corner.
+    shift : shift of the target from its placement, for edges that are not clamped: a function of points (n, 2) mm, the
+        middles (n, 2) mm of their mesh edges and tangents (n, 2) that gives (n, 3, 3) mm, the shift and its first and
+        second derivative along the edge.
     name : for messages.
     """
 
@@ -72,6 +75,7 @@ class EdgeSupport:
     directions: Floats = field(default_factory=lambda: np.eye(3))
     clamped: bool = False
     corner_deg: float = 30.0
+    shift: EdgeShift | None = None
     name: str = "edge"
 
 
@@ -138,6 +142,7 @@ def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reductio
                 condition.directions,
                 condition.clamped,
                 condition.corner_deg,
+                condition.shift,
             )
         parts.append(rows)
         names += [condition.name] * len(rows.triangles)
@@ -189,6 +194,8 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
         (directions**2).sum(axis=1), 1.0
     ):
         raise ConditionError(f"{condition.name}: directions are not independent unit vectors")
+    if isinstance(condition, EdgeSupport) and condition.clamped and condition.shift is not None:
+        raise ConditionError(f"{condition.name}: a clamped edge has no shift")
     points = isinstance(condition, PointSupport)
     numbers = condition.vertices if isinstance(condition, PointSupport) else condition.facets
     allowed = mesh.nvertices if points else mesh.nfacets

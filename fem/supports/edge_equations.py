@@ -12,7 +12,7 @@ target and nu the normal of the edge in the printed plane.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,9 @@ from equilibrium.arrays import Floats, Ints
 from fem.elements.deformation import Deformation, flat
 from fem.elements.space import Space
 from fem.supports.edge_curve import EdgeCurve, edge_curve, left
+
+# points (n, 2), middles (n, 2) of their mesh edges and tangents (n, 2) to shifts and derivatives (n, 3, 3)
+EdgeShift = Callable[[Floats, Floats, Floats], Floats]
 
 MIN_COEFFICIENT = 1e-10  # 1: over the largest coefficient of an equation; smaller ones are rounding and dropped
 
@@ -44,10 +47,12 @@ class Rows:
     right: Floats
 
     @classmethod
-    def at(cls, triangles: Ints, points: Floats, weights: Floats, placement: Deformation) -> Rows:
-        """Equations whose right-hand sides the printed plane and the placement satisfy."""
-        right = [np.einsum("nar,nar->n", weights, place.jets(points)) for place in (flat(), placement)]
-        return cls(triangles, points, weights, np.column_stack(right))
+    def at(
+        cls, triangles: Ints, points: Floats, weights: Floats, placement: Deformation, shift: Floats | float = 0.0
+    ) -> Rows:
+        """Equations whose right-hand sides the printed plane and the placement, plus a shift (R,), satisfy."""
+        printed, target = (np.einsum("nar,nar->n", weights, place.jets(points)) for place in (flat(), placement))
+        return cls(triangles, points, weights, np.column_stack([printed, target + shift]))
 
     @classmethod
     def joined(cls, parts: Sequence[Rows]) -> Rows:
@@ -68,46 +73,73 @@ class Rows:
 
 
 def edge_equations(
-    space: Space, facets: Ints, placement: Deformation, directions: Floats, clamped: bool, corner_deg: float
+    space: Space,
+    facets: Ints,
+    placement: Deformation,
+    directions: Floats,
+    clamped: bool,
+    corner_deg: float,
+    shift: EdgeShift | None = None,
 ) -> Rows:
     """Equations of supported mesh edges; arguments as in `fem.supports.conditions.EdgeSupport`."""
     curve = edge_curve(space.mesh, facets, corner_deg)
     triangles = space.mesh.f2t[0, facets]
     rows = _vertex_rows if space.smooth else _node_rows
-    return Rows.joined(list(rows(space, curve, triangles, placement, np.asarray(directions), clamped)))
+    moved = shift or _no_shift
+    return Rows.joined(list(rows(space, curve, triangles, placement, np.asarray(directions), clamped, moved)))
+
+
+def _no_shift(points: Floats, middles: Floats, tangents: Floats) -> Floats:
+    return np.zeros((len(points), 3, 3))
 
 
 def _vertex_rows(
-    space: Space, curve: EdgeCurve, triangles: Ints, placement: Deformation, directions: Floats, clamped: bool
+    space: Space,
+    curve: EdgeCurve,
+    triangles: Ints,
+    placement: Deformation,
+    directions: Floats,
+    clamped: bool,
+    shift: EdgeShift,
 ) -> list[Rows]:
     """Equations of a C1 space, for the dofs at the ends and midpoints of the edges."""
     parts = []
     for end in (0, 1):
         points, tangents, bends = curve.ends[:, end], curve.tangents[:, end], curve.curvatures[:, end]
         value, along, bend, across, twist = _line_jets(tangents, bends)
+        moved = shift(points, curve.ends.mean(axis=1), tangents)
         fixed = [jet[:, :, None] * direction for direction in directions for jet in (value, along, bend)]
+        shifts = [moved[:, order] @ direction for direction in directions for order in range(3)]
         if clamped:
             normal = placement.normal(points)[:, None]
             normal_rate = placement.normal_turn(points, tangents)[:, None]
             fixed += [across[:, :, None] * normal, twist[:, :, None] * normal + across[:, :, None] * normal_rate]
+            shifts += [np.zeros(len(points))] * 2
         if fixed:
             repeated = np.tile(triangles, len(fixed)), np.tile(points, (len(fixed), 1))
-            parts.append(Rows.at(*repeated, np.concatenate(fixed), placement))
+            parts.append(Rows.at(*repeated, np.concatenate(fixed), placement, np.concatenate(shifts)))
     if clamped and space.mid_normals:
         parts.append(_slope_rows(curve, 0.5, triangles, placement))
     return parts
 
 
 def _node_rows(
-    space: Space, curve: EdgeCurve, triangles: Ints, placement: Deformation, directions: Floats, clamped: bool
+    space: Space,
+    curve: EdgeCurve,
+    triangles: Ints,
+    placement: Deformation,
+    directions: Floats,
+    clamped: bool,
+    shift: EdgeShift,
 ) -> list[Rows]:
     """Equations of a continuous space, at the nodes and Gauss points of the edges."""
     parts = []
     for share in np.linspace(0.0, 1.0, space.degree + 1):
         points, tangents = curve.along(share)
         value = _line_jets(tangents, np.zeros(len(points)))[0]
+        moved = shift(points, curve.ends.mean(axis=1), tangents)[:, 0]
         for direction in directions:
-            parts.append(Rows.at(triangles, points, value[:, :, None] * direction, placement))
+            parts.append(Rows.at(triangles, points, value[:, :, None] * direction, placement, moved @ direction))
     if clamped:
         for root in np.polynomial.legendre.leggauss(space.degree)[0]:
             parts.append(_slope_rows(curve, 0.5 * (root + 1.0), triangles, placement))

@@ -24,7 +24,8 @@ class Pins(Section):
         i + 1. Corner 0 of a hexagon is at 30 deg, of a rectangle at the lower left.
     scale : the pins stand at `scale` times the printed place, about the origin, at the height z = 0.
     offset_mm : moves the pins from there.
-    target_mm : places of the pins in space, one a point; in place of `scale` and `offset_mm`.
+    target_mm : places of the pins in space, one a point; in place of `scale` and `offset_mm`. For edges that follow
+        each other, one for each of their corners: they are held along a smooth curve through these places.
     slide : leaves the sheet free to slide along "z", or in the "plane" z = 0.
     step : pins of step 0 support the sheet during its release. Pins of steps 1, 2, ... move the released sheet to their
         places, in this order.
@@ -56,13 +57,8 @@ class Pins(Section):
     @model_validator(mode="after")
     def _consistent(self) -> Pins:
         self._check_one_of("where", "points_mm", "edges", "corners")
-        if self.target_mm is not None:
-            if self.where == "border" or self.edges is not None:
-                raise DesignError(
-                    "target_mm", "goes with points or corners; edges take scale or offset_mm", self.target_mm
-                )
-            if self.scale != 1 or any(self.offset_mm):
-                raise DesignError("target_mm", "stands alone, without scale and offset_mm", self.target_mm)
+        if self.target_mm is not None and (self.scale != 1 or any(self.offset_mm)):
+            raise DesignError("target_mm", "stands alone, without scale and offset_mm", self.target_mm)
         components = [*self.offset_mm, *(component for place in self.target_mm or () for component in place)]
         largest = max(components, key=abs)
         if abs(largest) > MAX_PIN_PLACE_MM:

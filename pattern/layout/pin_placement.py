@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.pins import Pins
+from pattern.layout.support_curve import SupportCurve
 from pattern.layout.supports import FIXED_BY_SLIDE, PinSet
 
 # Pins closer than this to a corner, the outline, an arm or another pin are there: a needle is thicker.
@@ -29,15 +31,33 @@ def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
     Raises
     ------
     DesignError
-        An edge or a corner does not exist, a point is off the sheet, or points and targets differ in number.
+        An edge or a corner does not exist, a point is off the sheet, points and targets differ in number, or edges
+        with targets do not follow each other.
     """
     points, edges = _selected(pins, corners, name)
-    target = None
+    target = curve = None
     if pins.target_mm is not None:
         target = np.asarray(pins.target_mm)
-        if len(target) != len(points):
-            raise DesignError(f"{name}.target_mm", f"must have {len(points)} places, one a point", pins.target_mm)
-    return PinSet(points, edges, FIXED_BY_SLIDE[pins.slide], pins.scale, pins.offset_mm, target, pins.step)
+        if edges:
+            curve = _curve(target, edges, corners, name)
+        elif len(target) != len(points):
+            raise DesignError(f"{name}.target_mm", f"must have {len(points)} places, one a point", len(target))
+    return PinSet(points, edges, FIXED_BY_SLIDE[pins.slide], pins.scale, pins.offset_mm, target, pins.step, curve)
+
+
+def _curve(target: Floats, edges: tuple[int, ...], corners: Floats, name: str) -> SupportCurve:
+    """The curve through the targets (k, 3) mm of the corners along edges."""
+    count = len(corners)
+    for k, (edge, following) in enumerate(itertools.pairwise(edges)):
+        if following != (edge + 1) % count:
+            allowed = f"with target_mm, must be {(edge + 1) % count}: the edges of a curve follow each other"
+            raise DesignError(f"{name}.edges[{k + 1}]", allowed, following)
+    is_closed = len(edges) == count
+    needed = count if is_closed else len(edges) + 1
+    if len(target) != needed:
+        raise DesignError(f"{name}.target_mm", f"must have {needed} places, one for each corner", len(target))
+    chain = corners[[*edges, (edges[-1] + 1) % count]]
+    return SupportCurve.through(chain, np.concatenate([target, target[:1]]) if is_closed else target)
 
 
 def _selected(pins: Pins, corners: Floats, name: str) -> tuple[Floats, tuple[int, ...]]:

@@ -28,13 +28,15 @@ class SupportSamples(NamedTuple):
 def support_samples(layout: Layout) -> SupportSamples:
     """All single points, and both ends and the middle of every straight stretch of supported edges.
 
-    Places are affine along an edge. So the samples of a stretch determine all of its places.
+    Places are affine along an edge. So the samples of a stretch determine all of its places. Edges on a curve are
+    sampled one by one.
     """
     printed, places, kinds = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
     for pin in layout.pins:
         fixed = np.asarray(pin.fixed)
         kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
-        edges = [np.vstack([ends, ends.mean(axis=0)]) for ends in pin.straight_stretches(layout.outline)]
+        stretches = pin.straight_stretches(layout.outline) if pin.curve is None else pin.segments(layout.outline)
+        edges = [np.vstack([*ends, np.mean(ends, axis=0)]) for ends in stretches]
         for points, kind_of_points in [(pin.points, kind), *((edge, kind + 1) for edge in edges)]:
             if len(points):
                 printed.append(points)

@@ -13,6 +13,7 @@ import numpy as np
 
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
+from pattern.layout.support_curve import SupportCurve
 
 # Which of x, y, z are supported, by the value of `slide` in the design file.
 FIXED_BY_SLIDE = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
@@ -30,7 +31,9 @@ class PinSet:
     fixed : which of x, y, z are supported. The sheet slides freely along the others.
     scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
     offset_mm : added to the place given by `scale`.
-    target_mm : (P, 3) places in space, one a point; in place of `scale` and `offset_mm`.
+    target_mm : places in space, (P, 3), one a point, or one for each corner along the edges; in place of `scale` and
+        `offset_mm`.
+    curve : through the targets of edges; None for points, and for edges with `scale` and `offset_mm`.
     step : 0 supports the sheet during its release; 1, 2, ... move the released sheet, in this order.
 
     Examples
@@ -49,6 +52,7 @@ class PinSet:
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     target_mm: Floats | None = None
     step: int = 0
+    curve: SupportCurve | None = None
 
     @property
     def holds_in_plane(self) -> bool:
@@ -72,14 +76,18 @@ class PinSet:
 
     @property
     def affine_motion(self) -> tuple[Floats, Floats]:
-        """Matrix (3, 2) and shift (3,) mm from printed points to their places, for pins without `target_mm`."""
+        """Matrix (3, 2) and shift (3,) mm from printed points to their places, or to the affine image of a curve."""
+        if self.curve is not None:
+            return self.curve.matrix, self.curve.offset
         return self.scale * np.eye(3)[:, :2], np.asarray(self.offset_mm, dtype=float)
 
     def places(self, printed: Floats) -> Floats:
         """(n, 3) mm, places in space of the printed points (n, 2); only the components in `fixed` count.
 
-        With `target_mm`, `printed` must be `points`.
+        With `target_mm` for points, `printed` must be `points`; for edges, it must be on them.
         """
+        if self.curve is not None:
+            return self.curve.places(printed)
         if self.target_mm is not None:
             return np.asarray(self.target_mm, dtype=float)
         flat = np.column_stack([self.scale * printed, np.zeros(len(printed))])

@@ -32,8 +32,9 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
         if len(pin.points):
             active.append(PointSupport(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
         if pin.edges:
-            placement = affine(*pin.affine_motion)
-            active.append(EdgeSupport(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
+            placement, shift = affine(*pin.affine_motion), None if pin.curve is None else pin.curve.shift
+            its = facets[np.isin(sheet.side, pin.edges)]
+            active.append(EdgeSupport(its, placement, directions, shift=shift, name=name))
     return active
 
 

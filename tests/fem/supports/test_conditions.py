@@ -218,3 +218,30 @@ def test_a_clamp_without_normal_is_refused() -> None:
         impose_conditions(SPACES["argyris"](mesh), [EdgeSupport(edge, affine(np.zeros((3, 2))), clamped=True)])
     with pytest.raises(ConditionError, match="directions must be finite"):
         impose_conditions(SPACES["argyris"](mesh), [EdgeSupport(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])
+
+
+@spaces
+def test_a_shift_along_edges_stands_for_another_placement(space_of) -> None:
+    """Straight sides on a parabola, given as a placement and as a shift from the printed plane."""
+    space = space_of(rectangle(3, 3))
+
+    def shift(points, middles, tangents):
+        result = np.zeros((len(points), 3, 3))
+        x = points[:, 0]
+        result[:, 0, 2], result[:, 1, 2], result[:, 2, 2] = x**2, 2 * x * tangents[:, 0], 2 * tangents[:, 0] ** 2
+        return result
+
+    parabola = Deformation(
+        lambda p: np.column_stack([p, p[:, 0] ** 2]),
+        lambda p: np.stack(
+            [np.eye(2)[0] + 0 * p, np.eye(2)[1] + 0 * p, np.column_stack([2 * p[:, 0], 0 * p[:, 1]])], 1
+        ),
+        lambda p: np.tile([[0.0, 0, 0], [0, 0, 0], [2, 0, 0]], (len(p), 1, 1)),
+    )
+    facets = space.mesh.boundary_facets()
+    placed = impose_conditions(space, [EdgeSupport(facets, parabola)])
+    shifted = impose_conditions(space, [EdgeSupport(facets, shift=shift)])
+    np.testing.assert_allclose(shifted.target, placed.target, atol=1e-9)
+    assert np.abs(placed.target - placed.printed).max() > 0.1
+    with pytest.raises(ConditionError, match="a clamped edge has no shift"):
+        impose_conditions(space, [EdgeSupport(facets, clamped=True, shift=shift)])
