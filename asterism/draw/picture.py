@@ -12,7 +12,7 @@ from PIL import Image
 
 from asterism.draw.canvas import PICTURE_DPI, Canvas
 from asterism.draw.colours import INK, PALE
-from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.results.words import distance_error
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
@@ -28,8 +28,6 @@ CAPTION_HEIGHT_PX = 150
 PERSPECTIVE_WIDTH_PX = 1240
 # mean width of a letter in pixels per typographic point of its size
 LETTER_WIDTH = 1.75
-# distance of the viewer in perspective, in diameters of the sheet
-VIEWER_DISTANCE = 2.6
 # a smaller energy is rounding error, and the caption gives it as 0
 MIN_SHOWN_ENERGY_N_MM = 1e-4
 

@@ -12,12 +12,11 @@ from asterism.draw.canvas import Canvas
 from asterism.draw.picture import (
     CAPTION_HEIGHT_PX,
     PICTURE_MARGIN_PX,
-    VIEWER_DISTANCE,
     caption,
     drawn_size,
     write_captions,
 )
-from asterism.draw.render import OBLIQUE, VIEWS, Camera, camera, render, scene
+from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, camera, render, scene
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 

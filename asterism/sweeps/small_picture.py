@@ -9,14 +9,12 @@ from io import BytesIO
 import numpy as np
 from PIL import Image
 
-from asterism.draw.render import OBLIQUE, camera, render, scene
+from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, camera, render, scene
 from asterism.shape.shape import Shape
 
 # largest size of a picture
 SMALL_WIDTH_PX = 320
 SMALL_HEIGHT_PX = 240
-# distance of the viewer in diagonals of the box around the sheet
-VIEWER_DISTANCE = 2.6
 WEBP_QUALITY = 85
 
 
