@@ -68,6 +68,8 @@ export function buildViewBar(element, { store, view }) {
   const target = colour.element.querySelector('[value="target"]');
   const update = () => {
     const hasTarget = Boolean(store.get("state").target);
+    colour.element.disabled = Boolean(store.get("comparison")) && store.get("shown") === "both";
+    colour.element.title = colour.element.disabled ? "Two shapes have no colours" : "Colours of the sheet";
     distance.disabled = !store.get("comparison");
     distance.textContent = store.get("comparison") ? "Distance" : "Distance (verify first)";
     target.disabled = !hasTarget;
@@ -75,7 +77,7 @@ export function buildViewBar(element, { store, view }) {
     if (!hasTarget && store.get("connection") === "open" && store.get("viewColour") === "target")
       store.set({ viewColour: "none" });
   };
-  store.on(["comparison", "state"], update);
+  store.on(["comparison", "shown", "state"], update);
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
   const toggles = [
@@ -172,7 +174,12 @@ export function buildCompare(element, { store }) {
     value: store.get("shown"),
     onchange: (value) => store.set({ shown: value }),
   });
-  const key = h("div", { class: "key" }, h("i", {}), "Blue is the exact shape");
+  const key = h(
+    "div",
+    { class: "key" },
+    h("span", {}, h("i", { class: "preview" }), "Preview"),
+    h("span", {}, h("i", { class: "exact" }), "Exact shape"),
+  );
   element.append(shown.element, key);
   const update = () => {
     key.hidden = store.get("shown") !== "both";

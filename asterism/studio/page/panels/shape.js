@@ -132,7 +132,7 @@ export function shapePanel(studio, page) {
     const [exact, preview] = s.heights_mm ?? [];
     const rows = [
       ["Distance, root mean square", mm((s.rms_percent / 100) * s.diameter_mm, 2)],
-      ["Estimated error was", percent(s.expected_rms_percent)],
+      ["Estimated error was", mm((s.expected_rms_percent / 100) * s.diameter_mm, 2)],
       ["Largest distance", mm((s.max_percent / 100) * s.diameter_mm, 2)],
       ["Exact height", mm(exact)],
       ["Preview's height", mm(preview)],

@@ -49,13 +49,29 @@ export function rampDomain(values) {
 export const FIELDS = {
   none: { name: "Plain" },
   height: { name: "Height", unit: "mm", digits: 1, scale: "viridis" },
-  curvature: { name: "Curvature", title: "Mean curvature", unit: "1/m", digits: 1, scale: "diverging", factor: 1000 },
-  strain: { name: "Strain", title: "Area strain", unit: "%", digits: 1, scale: "diverging", factor: 100 },
-  distance: { name: "Distance", unit: "mm", digits: 2, scale: "viridis" },
-  target: { name: "To the target", title: "Distance to the target", unit: "mm", digits: 2, scale: "viridis" },
+  curvature: { name: "Curvature", title: "Mean curvature", unit: "1/m", scale: "diverging", factor: 1000 },
+  strain: { name: "Strain", title: "Area strain", unit: "%", scale: "diverging", factor: 100 },
+  distance: { name: "Distance", unit: "mm", scale: "viridis" },
+  target: { name: "To the target", title: "Distance to the target", unit: "mm", scale: "viridis" },
 };
 
-/** Range of a field: robust (2 to 98 %) for curvature and strain, symmetric about 0 for signed scales. */
+const ROUND_STEPS = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10];
+
+/** Smallest round number of at least `value` that four equal steps with few digits divide. */
+function roundedUp(value) {
+  const power = 10 ** Math.floor(Math.log10(value / 4));
+  return 4 * power * ROUND_STEPS.find((step) => step * power >= (value / 4) * (1 - 1e-9));
+}
+
+/** Digits after the point of a step between the numbers of a legend. */
+export function digitsOf(step) {
+  let digits = 0;
+  while (digits < 6 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6 * step * 10 ** digits)
+    digits++;
+  return digits;
+}
+
+/** Range of a field: robust (2 to 98 %) for curvature and strain, symmetric about 0 for signed scales; ends are round. */
 export function fieldDomain(name, values) {
   const { scale } = FIELDS[name];
   if (name === "height") return rampDomain(values);
@@ -63,9 +79,9 @@ export function fieldDomain(name, values) {
   const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? 0;
   if (scale === "diverging") {
     const most = Math.max(Math.abs(at(0.02)), Math.abs(at(0.98)), 1e-6);
-    return [-most, most];
+    return [-roundedUp(2 * most) / 2, roundedUp(2 * most) / 2];
   }
-  return [0, Math.max(at(0.995), 1e-6)];
+  return [0, roundedUp(Math.max(at(0.995), 1e-6))];
 }
 
 /** Colours of all vertices, four bytes each. */

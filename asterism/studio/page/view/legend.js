@@ -1,6 +1,6 @@
 // The legend of the colours: a strip with its numbers.
 
-import { FIELDS, ramp } from "./colours.js";
+import { FIELDS, digitsOf, ramp } from "./colours.js";
 import { fixed } from "../format.js";
 import { h, replace } from "../dom.js";
 
@@ -16,7 +16,9 @@ export function showLegend(element, name, domain) {
     context.fillStyle = ramp(field.scale, 1 - k / (HEIGHT_PX - 1));
     context.fillRect(0, k, 1, 1);
   }
-  const ticks = [4, 3, 2, 1, 0].map((k) => domain[0] + (k / 4) * (domain[1] - domain[0]));
+  const step = (domain[1] - domain[0]) / 4;
+  const ticks = [4, 3, 2, 1, 0].map((k) => domain[0] + k * step);
+  const digits = field.digits ?? digitsOf(step);
   replace(
     element,
     h("div", { class: "title" }, `${field.title ?? field.name}, ${field.unit}`),
@@ -27,7 +29,7 @@ export function showLegend(element, name, domain) {
       h(
         "div",
         { class: "ticks" },
-        ticks.map((value) => h("span", {}, fixed(value, field.digits))),
+        ticks.map((value) => h("span", {}, fixed(value, digits))),
       ),
     ),
   );

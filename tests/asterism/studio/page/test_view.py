@@ -97,3 +97,20 @@ def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser
     page.wait("!studio.isSmooth")
     assert page.complaints == []
     context.close()
+
+
+@pytest.mark.parametrize(
+    ("largest", "ticks"), [(7.6, "8 6 4 2 0"), (0.37, "0.4 0.3 0.2 0.1 0.0"), (10.2, "12 9 6 3 0")]
+)
+def test_a_legend_has_round_numbers(shared: StudioPage, largest: float, ticks: str) -> None:
+    shown = shared.page.evaluate(
+        """async (largest) => {
+            const { fieldDomain } = await import("./page/view/colours.js");
+            const { showLegend } = await import("./page/view/legend.js");
+            const element = document.createElement("div");
+            showLegend(element, "distance", fieldDomain("distance", [0, largest]));
+            return [...element.querySelectorAll(".ticks span")].map((one) => one.textContent).join(" ");
+        }""",
+        largest,
+    )
+    assert shown == ticks
