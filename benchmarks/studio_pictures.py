@@ -8,6 +8,7 @@ NAME-1280-dark.png, NAME-1920-light.png, NAME-1920-dark.png. A state waits for w
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 from collections.abc import Callable
@@ -148,6 +149,7 @@ def main(folder: Path, names: list[str]) -> None:
     with tempfile.TemporaryDirectory() as designs, sync_playwright() as driver:
         (Path(designs) / "canopy.toml").write_text(CANOPY, encoding="utf-8")
         browser = driver.chromium.launch(executable_path=browser_path(), args=list(ARGUMENTS))
+        os.environ["HOME"] = designs  # the pictures name no folder of this machine
         with running_studio(Path(designs)) as url:
             for name in (name for name in STATES if name in names or not names):
                 context = browser.new_context(viewport=viewport(SIZES[0]), reduced_motion="reduce")

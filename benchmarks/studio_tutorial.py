@@ -8,6 +8,7 @@ tutorial names are printed.
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -112,6 +113,7 @@ def main(folder: Path) -> None:
         context = browser.new_context(viewport=viewport(SIZES[0]), color_scheme="light", reduced_motion="reduce")
         made = Path(designs) / "canopy"
         made.mkdir()
+        os.environ["HOME"] = designs  # the pictures name no folder of this machine
         with running_studio(made) as url:
             page = StudioPage(context.new_page(), url)
             for name in steps(page):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from equilibrium.errors import Error
@@ -38,3 +39,17 @@ def file_below(folder: Path, name: str) -> Path:
     if any(part.startswith(".") or not part or ":" in part for part in parts) or not path.is_relative_to(root):
         raise FileNameError(f"{name!r} must be the name of a file below the design's folder")
     return path
+
+
+def shown_path(path: Path) -> str:
+    """A path as people write it: from the home folder on, if it is in there and the system has such a name for it.
+
+    Examples
+    --------
+    >>> shown_path(Path("/designs/dome.toml")).endswith("dome.toml")
+    True
+    """
+    home = Path.home()
+    if os.name == "nt" or not path.is_relative_to(home):
+        return str(path)
+    return str("~" / path.relative_to(home))

@@ -9,6 +9,7 @@ import numpy as np
 
 from asterism.studio.disk_file import FileChangedError, OtherFileError
 from asterism.studio.document import Document
+from asterism.studio.local_files import shown_path
 from asterism.studio.messages import Limits, StudioProblem, mistake_parts
 from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
@@ -38,7 +39,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "type": "document",
         "revision": document.revision,
         "name": document.path.stem,
-        "path": str(document.path),
+        "path": shown_path(document.path),
         "saved": document.is_saved,
         "has_file": document.path.exists(),
         "can_undo": history.can_undo,

@@ -15,6 +15,7 @@ from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.examples import design_files, gallery_entries
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_requests import JobRequests
+from asterism.studio.local_files import shown_path
 from asterism.studio.opening import design_path, opened
 from asterism.studio.page_data import document_data, problem_data
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
@@ -183,7 +184,7 @@ class Studio:
                 path = design_path(self.folder, request.name) if request.name else None
                 await asyncio.to_thread(document.save, path, request.over)
                 self._upkeep.begin(document)
-                self.tell({"type": "saved", "path": str(document.path)})
+                self.tell({"type": "saved", "path": shown_path(document.path)})
                 self.tell_document()
             case ask.Reread():
                 await asyncio.to_thread(document.read_again)

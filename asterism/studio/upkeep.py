@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from asterism.results.files import OutputError
 from asterism.studio.document import Document
+from asterism.studio.local_files import shown_path
 from asterism.studio.page_data import problem_data
 from asterism.studio.watcher import FileWatch
 from equilibrium.errors import Error
@@ -101,5 +102,5 @@ class Upkeep:
             except Error as error:
                 self._studio.tell(problem_data(error, document.layout))
                 return
-            self._studio.tell({"type": "followed", "path": str(document.path)})
+            self._studio.tell({"type": "followed", "path": shown_path(document.path)})
             await self._studio.accept()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from asterism.studio.local_files import shown_path
 from asterism.studio.studio import Studio
 from pattern import gallery
 from pattern.layout.load_design import load_design
@@ -192,3 +193,10 @@ def test_the_last_star_stays_and_the_page_says_why(page: Page):
     assert problem["kind"] == "no star" and problem["text"].startswith("A sheet needs at least one star")
     after = page.until("document")
     assert after["design"] == before["design"] and not after["can_undo"]
+
+
+def test_paths_are_shown_from_the_home_folder_on(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("HOME", str(folder.parent))
+    assert shown_path(folder / "dome.toml") == f"~/{folder.name}/dome.toml"
+    monkeypatch.setenv("HOME", str(folder))
+    assert shown_path(folder.parent / "dome.toml") == str(folder.parent / "dome.toml")

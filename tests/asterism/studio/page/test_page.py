@@ -15,7 +15,7 @@ def saved_height(page: StudioPage) -> float:
     """Height (mm) of the preview of the file that the page saves."""
     page.item("save").click()
     page.wait("studio.document.saved")
-    design = asterism.load_design(page.get("studio.document.path"))
+    design = asterism.load_design(Path(page.get("studio.document.path")).expanduser())
     return float(asterism.preview(design).height_mm)
 
 
