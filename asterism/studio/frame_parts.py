@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol
 
 from asterism.studio import requests as ask
 from asterism.studio.engine_requests import EngineRequests
-from asterism.studio.messages import Parts, TargetPose
+from asterism.studio.messages import Fitted, Parts, TargetPose
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.target import Target
@@ -86,6 +87,14 @@ class FrameParts:
         """The engine has laid the target on the shape."""
         if self.target is not None and self._fits == (pose.seq, self.version):
             self.set_target(self.target.moved(pose))
+
+    def pose(self, fitted: Fitted, version: int) -> None:
+        """Show the target of a fit in its pose there; a free sheet has its own, so that the target is laid on it."""
+        if self.target is None or self.version != version:
+            return  # another target, or moved meanwhile
+        self.set_target(replace(self.target, rotation=fitted.rotation, shift=fitted.shift, is_fitted=True))
+        if not fitted.summary["needles"]:
+            self.fit()
 
     def data(self) -> dict[str, object] | None:
         """The target for the message `state`."""

@@ -1,4 +1,4 @@
-"""Verification, export and report, as a page asks for them."""
+"""Verification, fit, export and report, as a page asks for them."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ from typing import Any, Protocol
 
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
+from asterism.studio.fit_result import FitResult
+from asterism.studio.frame_parts import FrameParts
 from asterism.studio.jobs import Jobs, RunningJob
-from asterism.studio.messages import JobProgress, StudioProblem, Verified, Written
+from asterism.studio.messages import Fitted, JobProgress, StudioProblem, Verified, Written
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tabs
 from pattern.design.files import plain
 
 VERIFICATION_PROCESS = "asterism.studio.verifier:run_verification"
+FIT_PROCESS = "asterism.studio.fitter:run_fit"
 EXPORT_PROCESS = "asterism.studio.writers:run_export"
 REPORT_PROCESS = "asterism.studio.writers:run_report"
 EXPORT_OPTIONS = {
@@ -38,6 +41,8 @@ class JobOwner(Protocol):
     printer: str
     shown: Shown
     tabs: Tabs
+    parts: FrameParts
+    fits: FitResult
 
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...
@@ -64,6 +69,14 @@ class JobRequests:
             case ask.Verify():
                 out = str(place / f"{stem}-verified")
                 started = self._jobs.start("verify", document.revision, VERIFICATION_PROCESS, table, folder, out)
+            case ask.FitRequest():
+                target = self._studio.parts.target
+                if target is None:
+                    raise ask.RequestError("target: send a file first")
+                arguments = (target.surface_of_file, target.name, request.needles, self._studio.printer)
+                started = self._jobs.start("fit", document.revision, FIT_PROCESS, *arguments)
+                if started:
+                    self._studio.fits.begin(document)
             case ask.ExportRequest():
                 options = self._export_options(request)
                 out = str(place / f"{stem}-print")
@@ -112,6 +125,8 @@ class JobRequests:
                 studio.shown.show_verified(message, job.revision, studio.tabs)
                 files = [Path(name) for name in message.files]
                 self._finish(job, message.summary, files, ())
+            case Fitted():
+                studio.fits.take(message)
             case Written():
                 self._finish(
                     job, message.summary, [Path(message.folder) / name for name in message.files], message.warnings

@@ -1,4 +1,4 @@
-"""Jobs beside the engine: verification, export, report. One runs at a time, at low priority, and can be cancelled."""
+"""Jobs beside the engine: verification, fit, export, report. One at a time, at low priority, and can be cancelled."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from asterism.studio.child import Child, StartedProcess
-from asterism.studio.messages import JobProgress, StudioProblem, Verified, Written
+from asterism.studio.messages import Fitted, JobProgress, StudioProblem, Verified, Written
 
 NICENESS = 10
 
 
 @dataclass
 class RunningJob:
-    """A job under way: its number, its kind (`verify`, `export`, `report`), the revision it is about, its progress."""
+    """A job under way: its number, its kind (`verify`, `fit`, `export`, `report`), its revision and progress."""
 
     number: int
     kind: str
@@ -33,7 +33,8 @@ class Jobs:
 
     Parameters
     ----------
-    tell : called with the job and each of its messages. The last one is `Verified`, `Written` or `StudioProblem`.
+    tell : called with the job and each of its messages. The last one is `Verified`, `Fitted`, `Written` or
+        `StudioProblem`.
     """
 
     def __init__(self, tell: Callable[[RunningJob, Any], None]) -> None:
@@ -64,7 +65,7 @@ class Jobs:
             return
         if isinstance(message, JobProgress):
             job.progress = message
-        elif isinstance(message, StudioProblem | Verified | Written):
+        elif isinstance(message, StudioProblem | Verified | Fitted | Written):
             self.running = None
         self._tell(job, message)
 

@@ -309,6 +309,23 @@ class Verified:
 
 
 @dataclass(frozen=True)
+class Fitted:
+    """The end of a fit to the target.
+
+    Attributes
+    ----------
+    table : of the design file.
+    rotation, shift : (3, 3) and (3,) mm, from the target's file to its pose in the fit.
+    """
+
+    job: int
+    summary: dict[str, Any]
+    table: dict[str, Any]
+    rotation: Array
+    shift: Array
+
+
+@dataclass(frozen=True)
 class Written:
     """The end of a job that writes files."""
 

@@ -167,6 +167,13 @@ class Verify(Request):
     type: Literal["verify"]
 
 
+class FitRequest(Request):
+    """Fit outline, stars and needles to the target; by default with as many needles as the outline needs."""
+
+    type: Literal["fit"]
+    needles: Literal[0] | Annotated[int, Field(ge=3, le=1000)] | None = None
+
+
 class CancelRequest(Request):
     """Break off the job."""
 
@@ -221,6 +228,7 @@ AnyRequest = Annotated[
     | BumpsRequest
     | TargetRequest
     | Verify
+    | FitRequest
     | CancelRequest
     | StopRequest
     | ExportRequest

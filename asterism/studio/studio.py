@@ -13,6 +13,7 @@ from asterism.studio.document import Document
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.examples import design_files, gallery_entries
+from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import shown_path
@@ -56,6 +57,7 @@ class Studio:
         self.printer = DEFAULT_PRINTER
         self.slots = Slots()
         self.parts = FrameParts(self)
+        self.fits = FitResult(self)
 
     async def start(self) -> None:
         """Start the engine and the work on requests; to be called in the event loop."""

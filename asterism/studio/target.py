@@ -39,6 +39,11 @@ class Target:
     is_fitted: bool = False
 
     @property
+    def surface_of_file(self) -> Surface:
+        """The triangles in the pose of the file, mm."""
+        return Surface(MM[self.unit] * self.vertices, self.triangles)
+
+    @property
     def surface(self) -> Surface:
         """The triangles in the shown pose, mm."""
         placed = MM[self.unit] * self.vertices @ self.rotation.T + self.shift

@@ -41,6 +41,7 @@ export function listen(studio) {
       const { [message.job]: done, ...jobs } = store.get("jobs");
       store.set({ jobs, results: { ...store.get("results"), [message.job]: message } });
       if (message.job === "verify") announce(message.cancelled ? "Verification cancelled" : "Verification finished");
+      if (message.job === "fit") fitted(message);
       if (message.job === "report" && message.files?.length) {
         const url = `file/${encodeURI(message.files[0].name)}`;
         toast("The report is written.", {
@@ -66,6 +67,14 @@ export function listen(studio) {
     saved: (message) => toast(`Saved as ${message.path}`, { stay: 4000 }),
     note: (message) => toast(message.text),
   };
+
+  /** The fitted design is shown; it is one step that can be undone. */
+  function fitted({ summary, cancelled }) {
+    announce(cancelled ? "Fit cancelled" : "Fit finished");
+    if (!summary) return;
+    studio.actions.fitSoon();
+    toast("The design is fitted to the target.", { action: { text: "Undo", run: studio.actions.undo } });
+  }
 
   /** At the field, if one is on the page. Returns whether it was. */
   function showProblem({ field, text }) {

@@ -10,7 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from asterism.studio.messages import Edit, Frame, JobProgress, Ready, ShownMesh, Verified, Written
+from asterism.studio.messages import (
+    Edit,
+    Fitted,
+    Frame,
+    JobProgress,
+    Ready,
+    ShownMesh,
+    StudioProblem,
+    Surface,
+    Verified,
+    Written,
+)
 
 
 def serve(connection: Connection) -> None:
@@ -55,6 +66,19 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
     mesh = ShownMesh(-job, flat, np.array([[0, 1, 2]]), np.arange(3), none)
     shape = np.zeros((3, 3), dtype=np.float32)
     connection.send(Verified(job, {"rms_percent": float("nan")}, mesh, shape, shape, shape[:, 0], ()))
+
+
+def fit(connection: Connection, job: int, target: Surface, name: str, needles: int | None, printer: str) -> None:
+    """A fit that gives a sheet of one ring; the targets `wait.obj` and `wide.obj` have none."""
+    connection.send(JobProgress(job, "1 stars: 0.40 % of the diameter", 0, 0, 0.1))
+    if name == "wait.obj":
+        time.sleep(600)
+    if name == "wide.obj":
+        connection.send(StudioProblem(job, "error", "wide: is out of reach"))
+        return
+    table: dict[str, Any] = {"name": name, "border": {"rings": 1}, "stars": {"length_mm": 6.0}}
+    summary = {"needles": 12 if needles is None else needles, "size_mm": float(np.ptp(target.vertices[:, 0]))}
+    connection.send(Fitted(job, summary, table, np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 5.0])))
 
 
 def export(

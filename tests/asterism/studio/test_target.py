@@ -19,8 +19,8 @@ CELLS = [(12 * y + x + 1, 12 * y + x + 2, 12 * y + x + 14, 12 * y + x + 13) for 
 ROOF = "".join(f"v {x} {y} {z}\n" for x, y, z in GRID) + "".join(f"f {a} {b} {c} {d}\n" for a, b, c, d in CELLS)
 
 
-def send_roof(client: TestClient) -> dict[str, Any]:
-    headers = {"origin": f"http://{HOST}", "x-name": "roof.obj"}
+def send_roof(client: TestClient, name: str = "roof.obj") -> dict[str, Any]:
+    headers = {"origin": f"http://{HOST}", "x-name": name}
     answer = client.post(f"/{TOKEN}/upload?kind=target", content=ROOF.encode(), headers=headers)
     assert answer.status_code == 200, answer.text
     data: dict[str, Any] = answer.json()["target"]

@@ -4,6 +4,7 @@ import { button, h, hint, refresh, replace, section } from "../dom.js";
 import { capital, fixed, mm, percent, seconds, size, trust } from "../format.js";
 import { icon } from "../icons.js";
 import { formsPart } from "./forms.js";
+import { fitPart } from "./fit.js";
 import { targetPart } from "./target.js";
 
 export function shapePanel(studio, page) {
@@ -296,6 +297,7 @@ export function shapePanel(studio, page) {
     verified,
     slots,
     targetPart(studio, page),
+    fitPart(studio, page),
   ];
 }
 

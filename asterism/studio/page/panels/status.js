@@ -66,7 +66,7 @@ const SEARCHES = {
   flip: "Searching for the other side, Esc cancels",
   form: "Searching for the other form, Esc cancels",
 };
-const JOBS = { verify: "Verifying", export: "Writing files", report: "Writing the report" };
+const JOBS = { verify: "Verifying", fit: "Fitting to the target", export: "Writing files", report: "Writing the report" };
 
 function jobText(jobs) {
   const [name, progress] = Object.entries(jobs)[0] ?? [];

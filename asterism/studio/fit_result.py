@@ -1,0 +1,67 @@
+"""What the studio does with the result of a fit: one undo step, and the target in the pose of the fit."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any, Protocol
+
+from asterism.studio.document import Document
+from asterism.studio.frame_parts import FrameParts
+from asterism.studio.messages import Fitted
+from asterism.studio.page_data import problem_data
+from equilibrium.errors import Error
+from pattern.design.files import plain
+
+FIT_LABEL = "fit to the target"
+OTHER_DESIGN = "the fit is left out: another design was opened meanwhile"
+
+
+class FitOwner(Protocol):
+    """The part of the studio that `FitResult` uses."""
+
+    document: Document | None
+    lock: asyncio.Lock
+    parts: FrameParts
+
+    def tell(self, message: dict[str, Any]) -> None: ...
+    async def accept(self, snapshot: bytes | None = None) -> None: ...
+
+
+class FitResult:
+    """Takes the result of a fit for the design that it was started for."""
+
+    def __init__(self, studio: FitOwner) -> None:
+        self._studio = studio
+        self._path: Path | None = None
+        self._version = -1  # of the target
+        self._taking: asyncio.Task[None] | None = None
+
+    def begin(self, document: Document) -> None:
+        """A fit has been started for a document and the target of now."""
+        self._path, self._version = document.path, self._studio.parts.version
+
+    def take(self, fitted: Fitted) -> None:
+        """Show the fitted design when no request is being worked on."""
+        self._taking = asyncio.create_task(self._take(fitted))
+
+    async def _take(self, fitted: Fitted) -> None:
+        studio = self._studio
+        async with studio.lock:
+            document = studio.document
+            if document is None or document.path != self._path:
+                studio.tell({"type": "note", "text": OTHER_DESIGN})
+                studio.tell({"type": "result", "job": "fit", "failed": True})
+                return
+            try:
+                await asyncio.to_thread(document.end_gesture)
+                name = document.table.get("name", fitted.table["name"])
+                document.apply({**fitted.table, "name": name}, None, FIT_LABEL)
+                await studio.accept()
+            except Error as error:
+                studio.tell({**problem_data(error, document.layout), "job": "fit"})
+                studio.tell({"type": "result", "job": "fit", "failed": True})
+                return
+            studio.parts.pose(fitted, self._version)
+            revision = document.revision
+            studio.tell({"type": "result", "job": "fit", "revision": revision, "summary": plain(fitted.summary)})

@@ -1,0 +1,81 @@
+// Part of the shape's panel: a fit of outline, stars and needles to the target, beside the work.
+
+import { button, choice, h, hint, refresh, section } from "../dom.js";
+import { capital, percent, seconds } from "../format.js";
+
+const NEEDLES = { auto: "By the outline", none: "None" };
+
+export function fitPart({ store, actions }, { on }) {
+  const element = h("div", { testid: "fit" });
+  const said = h("span", { class: "grow", testid: "fit-progress", role: "status" });
+  const running = h(
+    "div",
+    { hidden: true },
+    section("Fit to the target"),
+    h("div", { class: "row" }, said, button({ text: "Cancel", testid: "fit-cancel", keys: "Escape", onclick: actions.cancel })),
+  );
+  const ended = h("div", {});
+  element.append(running, ended);
+  let needles = "auto";
+
+  function update() {
+    const { target } = store.get("state");
+    const jobs = store.get("jobs");
+    running.hidden = !jobs.fit;
+    ended.hidden = Boolean(jobs.fit) || !target;
+    if (jobs.fit) said.textContent = `${capital(jobs.fit.stage)} · ${seconds(jobs.fit.seconds)}`;
+    const { fit: result } = store.get("results");
+    const isOld = result?.summary && result.revision !== store.get("document")?.revision;
+    const isBusy = Object.keys(jobs).length > 0; // one job runs at a time
+    refresh(ended, [target?.name, result, isOld, isBusy], () => [
+      section("Fit to the target"),
+      ...(result?.summary ? numbers(result.summary, isOld) : [hint(about(result))]),
+      h("div", { class: "field" }, h("label", {}, "Needles"), needleChoice().element),
+      button({
+        text: result?.summary ? "Fit again" : "Fit to the target",
+        kind: "wide",
+        testid: "fit-go",
+        disabled: isBusy,
+        onclick: () => actions.fitToTarget(needles === "none" ? 0 : null),
+      }),
+    ]);
+  }
+
+  const needleChoice = () =>
+    choice({
+      label: "Needles",
+      testid: "fit-needles",
+      options: Object.entries(NEEDLES).map(([value, text]) => ({ value, text })),
+      value: needles,
+      onchange: (value) => (needles = value),
+    });
+
+  on(["jobs", "results", "state", "document"], update);
+  update();
+  return element;
+}
+
+function about(result) {
+  if (result?.cancelled) return "Cancelled. The design is unchanged.";
+  return "Finds outline, stars and needles whose sheet comes near to the target. It replaces those of the design in one step, which Undo takes back, and runs beside your work.";
+}
+
+/** What a fit came to. */
+function numbers(s, isOld) {
+  const rows = [
+    ["Distance, rms", `${percent(s.preview.mean_percent, 2)} of the diameter`],
+    ["Largest distance", percent(s.preview.largest_percent, 1)],
+    ["Stars, needles", `${s.stars}, ${s.needles}`],
+    ["Contraction needed, available", `${s.needed_ratio.toFixed(2)}, ${s.available_ratio.toFixed(2)}`],
+    ["Loss by rounding", s.rounding_loss_percent === null ? "–" : percent(s.rounding_loss_percent, 2)],
+  ];
+  return [
+    h(
+      "dl",
+      { class: "figures", testid: "fit-numbers" },
+      rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+    ),
+    ...s.warnings.map((line) => h("p", { class: "hint" }, capital(line))),
+    hint(isOld ? "The design has changed since." : "Verify computes the exact shape of this design."),
+  ];
+}

@@ -1,0 +1,90 @@
+"""A fit of the studio: one step of undo, the target in its pose, and what comes between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from asterism.studio import job_requests
+from asterism.studio.messages import FitTarget
+from asterism.studio.studio import Studio
+from tests.asterism.studio.conftest import Page
+from tests.asterism.studio.test_target import send_roof
+
+
+@pytest.fixture(autouse=True)
+def quick_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job_requests, "FIT_PROCESS", "tests.asterism.studio.quick_engines:fit")
+
+
+def shown(page: Page, studio: Studio) -> dict[str, Any]:
+    """Wait for the first shape; the design of then."""
+    page.until("shape")
+    assert studio.document is not None
+    return studio.document.table
+
+
+def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, studio: Studio) -> None:
+    before = shown(page, studio)
+    send_roof(client)
+    page.send(type="fit")
+    assert page.until("progress")["stage"] == "1 stars: 0.40 % of the diameter"
+    result = page.until("result", job="fit")
+    assert result["summary"] == {"needles": 12, "size_mm": 11.0} and result["revision"] == 1
+    assert studio.document is not None
+    table = studio.document.table
+    assert table["name"] == before["name"] and table["border"] == {"rings": 1}
+    target = studio.parts.target
+    assert target is not None and target.is_fitted and target.shift.tolist() == [0.0, 0.0, 5.0]
+    page.send(type="undo")
+    page.until("document", revision=0)
+    assert studio.document.table == before
+
+
+def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, studio: Studio) -> None:
+    shown(page, studio)
+    send_roof(client)
+    page.send(type="fit", needles=0)
+    assert page.until("result", job="fit")["summary"]["needles"] == 0
+    assert isinstance(studio.engine.link.edits[-1], FitTarget)  # type: ignore[attr-defined]
+
+
+def test_a_target_that_was_moved_meanwhile_stays(client: TestClient, page: Page, studio: Studio) -> None:
+    shown(page, studio)
+    send_roof(client)
+    page.send(type="fit")
+    page.send(type="target", unit="cm")
+    page.until("result", job="fit")
+    assert studio.parts.target is not None and studio.parts.target.unit == "cm"
+    assert studio.parts.target.rotation.tolist() == np.eye(3).tolist()
+
+
+def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, studio: Studio) -> None:
+    shown(page, studio)
+    send_roof(client)
+    page.send(type="fit")
+    page.send(type="open", gallery="tube")
+    assert "another design was opened" in page.until("note")["text"]
+    assert page.until("result", job="fit")["failed"]
+    assert studio.document is not None and studio.document.table["border"] != {"rings": 1}
+
+
+def test_a_fit_can_be_cancelled_and_may_have_no_answer(client: TestClient, page: Page, studio: Studio) -> None:
+    before = shown(page, studio)
+    page.send(type="fit", seq=3)
+    assert "send a file first" in page.until("problem", seq=3)["text"]
+    page.send(type="fit", needles=2)
+    assert "needles" in page.until("problem")["text"]
+    send_roof(client, "wait.obj")
+    page.send(type="fit")
+    page.until("progress", job="fit")
+    page.send(type="cancel")
+    assert page.until("result", job="fit")["cancelled"]
+    send_roof(client, "wide.obj")
+    page.send(type="fit")
+    assert page.until("problem", job="fit")["text"] == "wide: is out of reach"
+    assert page.until("result", job="fit")["failed"]
+    assert studio.document is not None and studio.document.table == before
