@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from asterism.studio.document import Document
 from asterism.studio.frame_parts import FrameParts
-from asterism.studio.messages import Fitted
+from asterism.studio.job_messages import Fitted
 from asterism.studio.page_data import problem_data
 from equilibrium.errors import Error
 from pattern.design.files import plain

@@ -8,7 +8,8 @@ from asterism.fitting.fit import fit
 from asterism.fitting.target import TargetSurface
 from asterism.print.profiles import load_printer
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.messages import Fitted, Surface
+from asterism.studio.job_messages import Fitted
+from asterism.studio.messages import Surface
 from asterism.studio.verifier import ProgressSender
 
 

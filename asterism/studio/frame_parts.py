@@ -7,7 +7,8 @@ from typing import Protocol
 
 from asterism.studio import requests as ask
 from asterism.studio.engine_requests import EngineRequests
-from asterism.studio.messages import Fitted, Parts, TargetPose
+from asterism.studio.job_messages import Fitted
+from asterism.studio.messages import Parts, TargetPose
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.target import Target

@@ -9,8 +9,9 @@ from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
+from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
 from asterism.studio.jobs import Jobs, RunningJob
-from asterism.studio.messages import Fitted, JobProgress, StudioProblem, Verified, Written
+from asterism.studio.messages import StudioProblem
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tabs

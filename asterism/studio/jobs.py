@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from asterism.studio.child import Child, StartedProcess
-from asterism.studio.messages import Fitted, JobProgress, StudioProblem, Verified, Written
+from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
+from asterism.studio.messages import StudioProblem
 
 NICENESS = 10
 

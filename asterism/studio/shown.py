@@ -7,7 +7,8 @@ from dataclasses import asdict
 from typing import Any
 
 from asterism.studio import frames
-from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem, Verified
+from asterism.studio.job_messages import Verified
+from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem
 from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab

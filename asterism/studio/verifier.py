@@ -12,7 +12,7 @@ import numpy as np
 from asterism.reports.verification_files import write_verification
 from asterism.results.files import check_writable
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.messages import JobProgress, Verified
+from asterism.studio.job_messages import JobProgress, Verified
 from asterism.studio.sheet_view import mesh_message
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification

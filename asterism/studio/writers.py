@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.messages import JobProgress, Written
+from asterism.studio.job_messages import JobProgress, Written
 from equilibrium.errors import Error
 
 

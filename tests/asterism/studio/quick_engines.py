@@ -10,18 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from asterism.studio.messages import (
-    Edit,
-    Fitted,
-    Frame,
-    JobProgress,
-    Ready,
-    ShownMesh,
-    StudioProblem,
-    Surface,
-    Verified,
-    Written,
-)
+from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
+from asterism.studio.messages import Edit, Frame, Ready, ShownMesh, StudioProblem, Surface
 
 
 def serve(connection: Connection) -> None:

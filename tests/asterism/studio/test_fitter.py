@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from asterism.studio.fitter import run_fit
-from asterism.studio.messages import Fitted, JobProgress, StudioProblem, Surface
+from asterism.studio.job_messages import Fitted, JobProgress
+from asterism.studio.messages import StudioProblem, Surface
 from pattern.design.design import Design
 from tests.asterism.fitting.surfaces import spherical_cap
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.messages import JobProgress, StudioProblem, Verified
+from asterism.studio.job_messages import JobProgress, Verified
+from asterism.studio.messages import StudioProblem
 from asterism.studio.verifier import run_verification
 from asterism.verification.run import STAGES
 
