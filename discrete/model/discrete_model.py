@@ -37,7 +37,7 @@ from discrete.model.state import State, moved_state
 from discrete.model.system import System
 from equilibrium.arrays import Array
 from pattern.design.design import Design
-from pattern.design.materials import rest_curvature
+from pattern.design.materials import rest_curvature, rest_twist
 from pattern.design.residual_curvature import residual_curvature
 from pattern.geometry.planar import triangle_areas
 from pattern.layout.layout import Layout
@@ -148,7 +148,7 @@ class DiscreteModel(System):
     def set_release(self, release: float) -> None:
         """Set the rest shape for a release from 0 (stretched print) to 1 (the design's stretch is released).
 
-        The rest curvature of the arms, the positions of the pins and the weight follow.
+        The rest curvature and twist of the arms, the positions of the pins and the weight follow.
         """
         self.release = self.pin_progress = release
         fabric = self.design.fabric
@@ -168,13 +168,17 @@ class DiscreteModel(System):
         step = self.mesh.points[net.edges[:, 1]] - self.mesh.points[net.edges[:, 0]]
         length = np.linalg.norm(step, axis=1)
         partly = fabric.model_copy(update={"stretch": (sx, sy)})
-        kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, step / length[:, None])
+        along = step / length[:, None]
+        kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, along)
+        tau = rest_twist(self.edge_thickness, partly, self.design.plastic, along)
         kappa += self._own_residual_curvature
         span = length[net.stencil_edges].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
+        self.parts["rod_twist"].params[:, 3] = -0.5 * tau[net.stencil_edges].mean(axis=1) * span
         if "rod_joints" in self.parts:
             edge = self.joints.edge
             self.parts["rod_joints"].params[:, 3] = 0.5 * kappa[edge] * length[edge]
+            self.parts["rod_joints"].params[:, 7] = -0.5 * tau[edge] * length[edge]
         # a sheet without supports lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
 

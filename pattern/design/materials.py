@@ -110,6 +110,39 @@ def rest_curvature(
     )
 
 
+def rest_twist(thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direction: ArrayLike) -> NDArray[np.float64]:
+    """Twist (1/mm) of a released arm without neighbours: the off-diagonal part of the rest curvature's tensor.
+
+    It is 0 on a fabric that is stretched equally, and for arms along x or y.
+
+    Parameters
+    ----------
+    thickness_mm : (...) h1, thickness of the plastic.
+    direction : (..., 2) unit vectors t along the arms in print coordinates.
+
+    Notes
+    -----
+    With `n` the direction 90 degrees to the left of t, the released metric has the shear component
+    `t . diag(1/sx^2, 1/sy^2) . n`. The shear force of the fabric acts at the same distance from the middle of the
+    plastic as its tension does, and a thin strip of plastic resists the twisting moment as it resists the bending
+    moment, with shear moduli in place of Young's moduli. Hence it is `bilayer_curvature` with the ratio of the shear
+    moduli. A positive twist turns the plastic's normal clockwise about t, by this angle for each mm along t.
+
+    Examples
+    --------
+    >>> along = np.array([[1.0, 0.0], [np.sqrt(0.5), np.sqrt(0.5)], [np.sqrt(0.5), -np.sqrt(0.5)]])
+    >>> rest_twist(0.3, Fabric(stretch=(1.35, 1.2)), Plastic(), along).round(5) + 0.0
+    array([ 0.     , -0.00445,  0.00445])
+    """
+    if plastic.rest_curvature == "none":
+        return np.zeros(np.broadcast_shapes(np.shape(thickness_mm), np.shape(direction)[:-1]))
+    metric = 1.0 / np.square(fabric.stretch_xy)
+    t = np.asarray(direction, dtype=float)
+    mismatch = (metric[0] - metric[1]) * t[..., 0] * t[..., 1]
+    ratio = plastic.modulus_ratio * (1.0 + fabric.poisson) / (1.0 + plastic.poisson)
+    return bilayer_curvature(thickness_mm, fabric.thickness_mm, ratio, mismatch, plastic.rest_curvature)
+
+
 def bilayer_curvature(
     h1: ArrayLike, h2: ArrayLike, ratio: ArrayLike, mismatch: ArrayLike, formula: Literal["paper", "timoshenko"]
 ) -> NDArray[np.float64]:

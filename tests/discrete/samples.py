@@ -161,9 +161,9 @@ def rod_bend(rng: np.random.Generator, bent: bool) -> Sample:
 
 
 def rod_twist(rng: np.random.Generator, bent: bool) -> Sample:
-    """Stencils that twist."""
+    """Stencils that twist, with a rest twist of their own."""
     network, state = _stencils(rng, bent)
-    params = np.column_stack([rng.uniform(1, 2, COUNT), network.signs])
+    params = np.column_stack([rng.uniform(1, 2, COUNT), network.signs, 0.3 * np.sin(np.arange(COUNT))])
     return Sample(RodTwist(*stencil_inputs(network, len(state.positions)), params), state, network.edges)
 
 
@@ -187,6 +187,7 @@ def rod_joint(rng: np.random.Generator, bent: bool) -> Sample:
     one = np.arange(COUNT)
     joints = JointNetwork(2 * one, one, one, 2 * one + 1, sign)
     params = [rng.uniform(1, 2, (COUNT, 3)), 0.3 * rng.normal(size=(COUNT, 1)), cos, sin, sign[:, None]]
+    params.append(0.3 * np.sin(np.arange(COUNT))[:, None])
     moved = State(positions, state.directors[1::2], frames)
     return Sample(RodJoint(*joint_inputs(joints, 2 * COUNT, COUNT), np.hstack(params)), moved, edges)
 

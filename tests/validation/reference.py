@@ -107,7 +107,7 @@ def rods(network: RodNetwork, points: Array, modulus: float, width: Array, thick
     about_width, in_plane = (modulus * a for a in (w * h**3 / 12.0, h * w**3 / 12.0))
     turn = bend_params(network, points, modulus, width, thickness, np.zeros(len(width)))[:, 3]
     bend = np.column_stack([about_width * half, in_plane * half, rest, turn, network.signs])
-    twist = np.column_stack([0.5 * (about_width + in_plane) * half, network.signs])
+    twist = np.column_stack([0.5 * (about_width + in_plane) * half, network.signs, np.zeros(len(half))])
     junction = network.weight < 1.0
     area = np.where(junction, w * h, width[0] * thickness[0])
     stiffness = np.zeros(len(width))

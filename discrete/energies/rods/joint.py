@@ -3,12 +3,12 @@
 A joint has a frame R, a rotation that is an unknown of the model. Half an edge of printed direction a leaves the joint
 along `R a` with the normal `R e_z` on its plastic side, and bends and twists into the edge:
 
-    W = (B (k_b - k_b0)^2 + C k_n^2 + T m^2)/l
+    W = (B (k_b - k_b0)^2 + C k_n^2 + T (m - m0)^2)/l
 
 with the stiffnesses B about the width, C in the plane of the sheet and T of torsion, the printed length l of the whole
-edge, and half its rest angle `k_b0 = kappa l/2`. Curvatures k_b, k_n and twist m are those of `bend` and `twist`, for
-the stencil of `R a` and the edge. Half edges in series share the angle of a stencil: with two of them in one line, R
-settles in the middle, and the sum is the energy of one stencil over both edges.
+edge, and half its rest angle `k_b0 = kappa l/2` and rest twist m0. Curvatures k_b, k_n and twist m are those of `bend`
+and `twist`, for the stencil of `R a` and the edge. Half edges in series share the angle of a stencil: with two of them
+in one line, R settles in the middle, and the sum is the energy of one stencil over both edges.
 """
 
 from __future__ import annotations
@@ -57,14 +57,14 @@ def _bend_params(p):  # type: ignore[no-untyped-def]
 
 @formula
 def _twist_params(p):  # type: ignore[no-untyped-def]
-    return (p[2], 0.0 * p[2] + 1.0, p[6])
+    return (p[2], 0.0 * p[2] + 1.0, p[6], p[7])
 
 
 @formula
 def joint_energy(q, p):  # type: ignore[no-untyped-def]
     """Energy of half an edge in N mm.
 
-    q = (joint, other end, director, R e_x, R e_z), p = (B/l, C/l, T/l, k_b0, a_x, a_y, sign).
+    q = (joint, other end, director, R e_x, R e_z), p = (B/l, C/l, T/l, k_b0, a_x, a_y, sign, m0).
     """
     stencil = _stencil(q, _start(q, p))
     return bend_energy(stencil, _bend_params(p)) + twist_energy(stencil, _twist_params(p))
@@ -140,14 +140,14 @@ class RodJoint(Elements):
     inputs : (H, 15) coordinates of the joint and of the edge's other end, the edge's director, and the images `R e_x`
         and `R e_z` of the joint's frame.
     dofs : (H, 10) coordinates of both ends, twist of the edge, spin of the joint (rotation vector in space).
-    params : (H, 7) B/l, C/l and T/l (N mm), half the rest angle k_b0 (rad), the printed unit direction (a_x, a_y) from
-        the joint along the edge, and -1 if the edge runs towards the joint, else 1.
+    params : (H, 8) B/l, C/l and T/l (N mm), half the rest angle k_b0 (rad), the printed unit direction (a_x, a_y) from
+        the joint along the edge, -1 if the edge runs towards the joint, else 1, and half the rest twist m0 (rad).
 
     Examples
     --------
     An edge that leaves its joint at an angle of 0.1 rad out of the sheet, B/l = 5 N mm:
 
-    >>> params = np.array([[5.0, 50.0, 5.0, 0.0, 1.0, 0.0, 1.0]])
+    >>> params = np.array([[5.0, 50.0, 5.0, 0.0, 1.0, 0.0, 1.0, 0.0]])
     >>> joint = RodJoint(np.arange(15)[None], np.arange(10)[None], params, compiled=False)
     >>> c, s = np.cos(0.1), np.sin(0.1)
     >>> ends, director, frame = [0, 0, 0, c, 0, -s], [s, 0, c], [1, 0, 0, 0, 0, 1]

@@ -89,7 +89,7 @@ def joint_params(
     thickness: Array,
     curvature: Array,
 ) -> Array:
-    """(H, 7) parameters of `RodJoint`.
+    """(H, 8) parameters of `RodJoint`, without rest twist.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def joint_params(
     shear = modulus / (2.0 * (1.0 + poisson))
     stiffness = [modulus * w * h**3 / 12.0, modulus * h * w**3 / 12.0, shear * torsion_constant(w, h)]
     columns = [*(value / length for value in stiffness), 0.5 * curvature[edge] * length]
-    return np.column_stack([*columns, step / length[:, None], joints.sign])
+    return np.column_stack([*columns, step / length[:, None], joints.sign, np.zeros(len(length))])
 
 
 def fitted_frames(joints: JointNetwork, edges: Array, printed: Array, positions: Array, directors: Array) -> Array:

@@ -145,10 +145,13 @@ def bend_params(
 def twist_params(
     network: RodNetwork, printed: Array, modulus: float, poisson: float, width: Array, thickness: Array
 ) -> Array:
-    """(S, 3) parameters of `RodTwist`; arguments as in `bend_params`. The shear modulus is `E/(2 (1 + nu))`."""
+    """(S, 4) parameters of `RodTwist`, without rest twist; arguments as in `bend_params`.
+
+    The shear modulus is `E/(2 (1 + nu))`.
+    """
     stiffness = modulus / (2.0 * (1.0 + poisson)) * torsion_constant(width, thickness)
     span = stencil_length(network, printed)
-    return np.column_stack([_mean(network, stiffness) * network.weight / span, network.signs])
+    return np.column_stack([_mean(network, stiffness) * network.weight / span, network.signs, np.zeros(len(span))])
 
 
 def stencil_length(network: RodNetwork, printed: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Twist of rods: `W = GJ m^2/L`, m the angle between the directors of two edges (Bergou et al. 2008, 2010).
+"""Twist of rods: `W = GJ (m - m0)^2/L`, m the angle between the directors of two edges (Bergou et al. 2008, 2010).
 
 The angle is measured after parallel transport of the first director to the second edge, so states need no history.
 See `discrete.energies.rods.stencil` for the frame and the symbols.
@@ -22,17 +22,17 @@ def _twist(te, tf, chi, n0, n1):  # type: ignore[no-untyped-def]
 
 @formula
 def twist_energy(q, p):  # type: ignore[no-untyped-def]
-    """`GJ m^2/L` in N mm; p = (GJ/L, sign0, sign1)."""
+    """`GJ (m - m0)^2/L` in N mm; p = (GJ/L, sign0, sign1, m0)."""
     te, tf, _, _, chi = stencil_edges(q)
-    m = _twist(te, tf, chi, point(q, 3), point(q, 4))
+    m = _twist(te, tf, chi, point(q, 3), point(q, 4)) - p[3]
     return p[0] * m * m
 
 
 @formula
 def twist_gradient(q, p, g):  # type: ignore[no-untyped-def]
-    """`2 GJ/L m dm` with `dm = kb/2 . (de/|e| + df/|f|) - dtheta0 + dtheta1` (Bergou et al. 2010)."""
+    """`2 GJ/L (m - m0) dm` with `dm = kb/2 . (de/|e| + df/|f|) - dtheta0 + dtheta1` (Bergou et al. 2010)."""
     te, tf, le, lf, chi = stencil_edges(q)
-    moment = 2.0 * p[0] * _twist(te, tf, chi, point(q, 3), point(q, 4))
+    moment = 2.0 * p[0] * (_twist(te, tf, chi, point(q, 3), point(q, 4)) - p[3])
     kb = multiply(moment / chi, cross(te, tf))
     for i in range(3):
         g[i] = -kb[i] / le
@@ -44,9 +44,9 @@ def twist_gradient(q, p, g):  # type: ignore[no-untyped-def]
 
 @formula
 def twist_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
-    """`2 GJ/L (dm dm^T + (1 - blend) m d2m)`, the symmetric part (Bergou et al. 2010)."""
+    """`2 GJ/L (dm dm^T + (1 - blend) (m - m0) d2m)`, the symmetric part (Bergou et al. 2010)."""
     te, tf, le, lf, chi = stencil_edges(q)
-    m = _twist(te, tf, chi, point(q, 3), point(q, 4))
+    m = _twist(te, tf, chi, point(q, 3), point(q, 4)) - p[3]
     kb = multiply(2.0 / chi, cross(te, tf))
     t = combine(1.0 / chi, te, 1.0 / chi, tf)
     d = np.zeros_like(h[0])
@@ -84,14 +84,15 @@ class RodTwist(Elements):
     ----------
     inputs : (S, 15) coordinates of three vertices and two directors, see `stencil_inputs`.
     dofs : (S, 11) coordinates of three vertices and two twists.
-    params : (S, 3) GJ/L (N mm), and the signs of the two edges: -1 if the stencil runs against the edge.
+    params : (S, 4) GJ/L (N mm), the signs of the two edges: -1 if the stencil runs against the edge, and the rest
+        twist m0 (rad).
 
     Examples
     --------
     Two edges in a line, the second director rotated by 0.1 rad, GJ/L = 5 N mm:
 
     >>> points, directors = [0, 0, 0, 1, 0, 0, 2, 0, 0], [0, 0, 1, 0, -np.sin(0.1), np.cos(0.1)]
-    >>> rod = RodTwist(np.arange(15)[None], np.arange(11)[None], np.array([[5.0, 1.0, 1.0]]), compiled=False)
+    >>> rod = RodTwist(np.arange(15)[None], np.arange(11)[None], np.array([[5.0, 1.0, 1.0, 0.0]]), compiled=False)
     >>> rod.energies(np.array([*points, *directors])).round(6)
     array([0.05])
     """
