@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from asterism.draw.colours import INK
-from asterism.draw.fonts import families, printable
+from asterism.draw.lettering import lettered
 from equilibrium.arrays import Floats
 
 # resolution of pictures; it determines the size of the text
@@ -19,35 +14,47 @@ PICTURE_DPI = 200
 
 
 class Canvas:
-    """A canvas of `width` x `height` pixels."""
+    """A canvas of `width` x `height` pixels.
+
+    Attributes
+    ----------
+    image : the picture, RGB.
+
+    Examples
+    --------
+    >>> canvas = Canvas(200, 40)
+    >>> canvas.text(10, 12, "dome", size=8, color="#000000")
+    >>> canvas.image.getextrema()[0]
+    (0, 255)
+    """
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
-        size = (width / PICTURE_DPI, height / PICTURE_DPI)
-        self._figure = Figure(figsize=size, dpi=PICTURE_DPI, facecolor="none")
-        self._text_canvas: Any = FigureCanvasAgg(self._figure)
-        self._pixels = np.ones((height, width, 3))
+        self.image = Image.new("RGB", (width, height), "white")
+        self._draw = ImageDraw.Draw(self.image)
 
     def paste(self, image: Floats, x: float, y: float) -> None:
         """Blend an image (rows, columns, 4) with opacity into the canvas, centred at (x, y); what overhangs is cut."""
         rows, columns = image.shape[:2]
-        row, column = round(y - rows / 2), round(x - columns / 2)
-        first, left = max(-row, 0), max(-column, 0)
-        image = image[first : max(self.height - row, 0), left : max(self.width - column, 0)]
-        rows, columns = image.shape[:2]
-        under = self._pixels[row + first : row + first + rows, column + left : column + left + columns]
-        opacity = image[..., 3:]
-        under[:] = opacity * image[..., :3] + (1 - opacity) * under
+        rendered = Image.fromarray(np.rint(255 * image[::-1]).astype(np.uint8))
+        place = round(x - columns / 2), self.height - round(y - rows / 2) - rows
+        self.image.paste(rendered, place, rendered)
 
-    def text(self, x: float, y: float, text: str, **style: Any) -> None:
-        """Write text with its baseline at (x, y); `$` does not start an equation."""
-        place = x / self.width, y / self.height
-        self._figure.text(*place, printable(text), parse_math=False, family=families(), **style)
+    def text(
+        self, x: float, y: float, text: str, *, size: float, color: str, bold: bool = False, centred: bool = False
+    ) -> None:
+        """Write text of a size in typographic points with its baseline at (x, y)."""
+        parts = lettered(text, round(size * PICTURE_DPI / 72, 2), bold)
+        if centred:
+            x -= sum(font.getlength(part) for font, part in parts) / 2
+        for font, part in parts:
+            self._draw.text((x, self.height - y), part, color, font, anchor="ls")
+            x += font.getlength(part)
 
     def line(self, xs: Floats, ys: Floats, width: float) -> None:
-        """Draw a straight line between two points, `width` typographic points wide."""
-        ends = np.asarray(xs) / self.width, np.asarray(ys) / self.height
-        self._figure.add_artist(Line2D(*ends, color=INK, linewidth=width))
+        """Draw a straight line along an axis of the picture between two points, `width` typographic points wide."""
+        ends = [(round(x), round(self.height - y)) for x, y in zip(xs, ys, strict=True)]
+        self._draw.line(ends, INK, max(round(width * PICTURE_DPI / 72), 1))
 
     def bar(self, middle: float, bottom: float, scale: float, width_mm: float) -> None:
         """A scale bar of a round length, about a third of a drawing `width_mm` wide; `scale` is pixels per mm."""
@@ -61,11 +68,4 @@ class Canvas:
             ([right] * 2, [y - tick, y + tick]),
         ):
             self.line(np.array(xs), np.array(ys), 1.1)
-        self.text(middle, bottom, f"{length:g} mm", size=8, color=INK, ha="center")
-
-    def image(self) -> Image.Image:
-        """The finished picture."""
-        self._text_canvas.draw()
-        picture = Image.fromarray(np.rint(255 * self._pixels[::-1]).astype(np.uint8)).convert("RGBA")
-        picture.alpha_composite(Image.fromarray(np.asarray(self._text_canvas.buffer_rgba())))
-        return picture.convert("RGB")
+        self.text(middle, bottom, f"{length:g} mm", size=8, color=INK, centred=True)

@@ -36,6 +36,20 @@ def printable(text: str) -> str:
     return "".join(letter if ord(letter) in known or letter == "\n" else f"<U+{ord(letter):04X}>" for letter in text)
 
 
+def font_runs(text: str, bold: bool) -> list[tuple[str, str]]:
+    """Parts of a text, each with the file of the first font of `families` that has its letters, for drawing by file."""
+    weight = "bold" if bold else "normal"
+    files = [font_manager.findfont(font_manager.FontProperties(family=name, weight=weight)) for name in families()]
+    runs: list[tuple[str, str]] = []
+    for letter in printable(text).replace("\n", " "):
+        file = next((file for file in files if ord(letter) in _letters_of(file)), files[0])
+        if runs and runs[-1][0] == file:
+            runs[-1] = (file, runs[-1][1] + letter)
+        else:
+            runs.append((file, letter))
+    return runs
+
+
 def write_title(figure: Figure, x: float, y: float, text: str, size: float) -> None:
     """Write a title with names at (x, y), parts of the figure's width and height; `$` does not start an equation."""
     style: dict[str, Any] = {"weight": "bold", "color": INK, "parse_math": False}
@@ -46,4 +60,10 @@ def write_title(figure: Figure, x: float, y: float, text: str, size: float) -> N
 def _letters() -> frozenset[int]:
     """The numbers of all letters in the fonts of `families`."""
     files = (font_manager.findfont(font_manager.FontProperties(family=name)) for name in families())
-    return frozenset(number for file in files for number in font_manager.get_font(file).get_charmap())
+    return frozenset(number for file in files for number in _letters_of(file))
+
+
+@cache
+def _letters_of(file: str) -> frozenset[int]:
+    """The numbers of all letters in the font of a file."""
+    return frozenset(font_manager.get_font(file).get_charmap())

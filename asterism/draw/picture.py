@@ -49,13 +49,13 @@ def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(canvas, thing, (low + high) / 2)
     write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
-    canvas.image().save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
+    canvas.image.save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
 
 
 def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None:
     """Write a title and a line below it at the top left; long ones are printed in smaller letters."""
     room = (canvas.width - 2 * margin) / LETTER_WIDTH
-    canvas.text(margin, canvas.height - 72, title, size=min(15.0, room / max(len(title), 1)), weight="bold", color=INK)
+    canvas.text(margin, canvas.height - 72, title, size=min(15.0, room / max(len(title), 1)), bold=True, color=INK)
     canvas.text(margin, canvas.height - 112, line, size=min(8.5, room / max(len(line), 1)), color=PALE)
 
 
@@ -135,10 +135,10 @@ def _to_scale(canvas: Canvas, thing: Scene, centre: Floats) -> None:
         canvas.line(middle + np.array([-x, x]) * scale / 2, np.array([bottom, bottom]), 0.8)
     else:
         canvas.paste(render(thing, front, scale), middle, bottom + scale * z / 2)
-    canvas.text(middle, bottom - 36, "from the front", size=8, color=PALE, ha="center")
+    canvas.text(middle, bottom - 36, "from the front", size=8, color=PALE, centred=True)
     bottom += scale * z + gap + label_room
     canvas.paste(render(thing, above, scale), middle, bottom + scale * y / 2)
-    canvas.text(middle, bottom - 36, "from above", size=8, color=PALE, ha="center")
+    canvas.text(middle, bottom - 36, "from above", size=8, color=PALE, centred=True)
 
 
 def drawn_size(thing: Scene, view: Camera) -> Floats:

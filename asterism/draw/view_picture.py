@@ -62,7 +62,7 @@ def view_image(
         if view != "oblique":
             canvas.bar(size_px[0] / 2, PICTURE_MARGIN_PX / 2, scale, float(drawn_size(thing, looking)[0]))
         write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
-    return canvas.image()
+    return canvas.image
 
 
 def fitting_scale(
