@@ -21,7 +21,8 @@ import numpy as np
 from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
 
 from asterism.exact.simulation import simulate
-from asterism.previews.session import Preview, paper_law
+from asterism.previews.default_law import paper_law
+from asterism.previews.session import Preview
 from benchmarks.report import markdown, write_report
 from fem.search.initial_guesses import initial_guesses
 from fem.search.linear_response import linear_response

@@ -15,10 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from asterism.previews.default_law import paper_law
 from asterism.previews.edges.free_rim import stars_share
 from asterism.previews.fields.self_stress import plane_areas, pulls
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.session import paper_law
 from asterism.previews.sheet import sheet_of
 from benchmarks.report import markdown, write_report
 from discrete.model.discrete_model import DiscreteModel

@@ -11,6 +11,7 @@ from asterism.cli.calibrate import calibrate
 from asterism.cli.compare import compare
 from asterism.cli.export import export
 from asterism.cli.fit import fit
+from asterism.cli.materials import materials
 from asterism.cli.new import new
 from asterism.cli.picture import picture
 from asterism.cli.preview import preview
@@ -25,7 +26,7 @@ from asterism.process.version import __version__
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 for function in (
     *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
-    *(report, calibrate),
+    *(materials, report, calibrate),
 ):
     app.command()(function)
 app.add_typer(strips.app, name="strips")

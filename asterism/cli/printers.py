@@ -14,8 +14,9 @@ def printers(run: Run) -> int:
 
     The exit status is 2 if one of your files is wrong; the list contains the others.
     """
-    from asterism.print.profiles import PROFILES_VARIABLE, load_plastic, load_printer, profile_folders, profile_names
+    from asterism.print.profiles import load_plastic, load_printer, profile_names
     from pattern.design.errors import DesignError
+    from pattern.design.user_files import PROFILES_VARIABLE, own_folders
 
     kinds: dict[str, Callable[[str], str]] = {
         "printers": lambda name: _of_printer(load_printer(name)),
@@ -28,10 +29,8 @@ def printers(run: Run) -> int:
                 run.table({name: describe(name)}, width=14)
             except DesignError as error:
                 wrong.append(" ".join(str(error).split()))
-    *own, _ = profile_folders()
-    run.lines(
-        [f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({PROFILES_VARIABLE})"]
-    )
+    own = " or ".join(map(str, own_folders()))
+    run.lines([f"yours: printers/NAME.toml and plastics/NAME.toml in {own} ({PROFILES_VARIABLE})"])
     run.lines(
         [
             "their start codes are not complete: they set the height of the fabric, and leave temperatures, homing, "

@@ -20,7 +20,7 @@ def _needs_a_command(context: typer.Context) -> None:
     from asterism.cli.common.mistake import Mistake
 
     if context.invoked_subcommand is None:
-        raise Mistake("strips: needs a command, new or fit")
+        raise Mistake("strips: needs a command: new, fit or weigh")
 
 
 class _Formula(StrEnum):
@@ -127,15 +127,22 @@ def fit(
     ] = 0.5,
     confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Confidence level of the intervals.")] = 0.95,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Also use readings that do not fit.")] = False,
+    save: Annotated[
+        str | None, typer.Option(help="Also keep the material under this name in your list (see asterism materials).")
+    ] = None,
 ) -> None:
     """Compute E1/E2 and kappa_bar from measured strips, and write a material file for the other commands.
 
     The exit status is 1 if the strips do not determine these values.
     """
     from asterism.measure.strips.fit_strips import check_material_path, fit_strips, write_material
+    from pattern.design.material_files import own_material_path
 
     path = output or strips.parent / "material.toml"
     check_material_path(path)
+    kept = None if save is None else own_material_path(save, "--save")
+    if kept is not None:
+        check_material_path(kept)
     material = fit_strips(
         strips,
         rest_curvature=rest_curvature.value,
@@ -151,4 +158,34 @@ def fit(
     run.table(material.rows)
     run.lines(f"  {line}" for line in [*material.left_out, *material.sentences])
     run.lines([f"{path.with_name(name)}: the material, for --material and asterism calibrate; {picture}, {numbers}"])
+    if kept is not None:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        write_material(material, kept)
+        run.lines([f"{kept}: kept, for --material {kept.stem} and file = {kept.stem!r} in [material] of a design"])
     run.warn(*material.warnings)
+
+
+@app.command()
+@command
+def weigh(
+    run: Run,
+    mass: Annotated[float, typer.Option(help="Mass in grams of the weight with its clamp.")],
+    width: Annotated[float, typer.Option(help="Width in mm of the released strip of fabric.")],
+    thickness: Annotated[float, typer.Option(help="Thickness in mm of the released fabric.")],
+    before: Annotated[float, typer.Option(help="Distance in mm of two marks on the strip without the weight.")],
+    after: Annotated[float, typer.Option(help="Their distance in mm under the weight.")],
+    poisson: Annotated[float, typer.Option(help="fabric.poisson of the design.")] = 0.3,
+    incompressible: Annotated[
+        bool, typer.Option("--incompressible", help='For fabric.model = "incompressible".')
+    ] = False,
+) -> None:
+    """Compute Young's modulus of a fabric from a strip that hangs with a weight, for designs with gravity."""
+    from asterism.cli.common.mistake import Mistake
+    from asterism.measure.fabric_modulus import fabric_modulus_mpa
+
+    if not 1.0 <= before <= 1e4:
+        raise Mistake(f"--before: must be from 1 to 10000 mm, not {before:g}")
+    modulus = fabric_modulus_mpa(
+        mass, width, thickness, after / before, poisson, "incompressible" if incompressible else "neo-hookean"
+    )
+    run.table({"stretch": f"{after / before:.3f}", "modulus_mpa": f"{modulus:.4g} MPa"})

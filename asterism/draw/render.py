@@ -25,6 +25,8 @@ KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
 HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
 # (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
 OBLIQUE = (-62.0, 30.0)
+# distance of the viewer in the perspective view, in diagonals of the box around the sheet
+VIEWER_DISTANCE = 2.6
 VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
 # distance of the viewer in perspective, in diagonals of the box around the sheet
 VIEWER_DISTANCE = 2.6

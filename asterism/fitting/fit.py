@@ -14,8 +14,8 @@ from asterism.fitting.result import Fit
 from asterism.fitting.search import FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
+from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
-from asterism.previews.session import paper_law
 from asterism.print.printer import Printer
 from asterism.print.rounded import choose_rounding, with_rounding
 from asterism.process.listeners import Say, ignore_line

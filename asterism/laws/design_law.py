@@ -78,7 +78,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
 
     Parameters
     ----------
-    law : None for the paper's law.
+    law : None for the law that the design names, or else the paper's.
     file, other : files of the design and of the material that replaces its own; for the message.
 
     Raises
@@ -86,6 +86,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
     LawError
         The file is not a law, or the law does not fit; the message names the command that makes one.
     """
+    law = chosen_law_path(design, law)
     own_law = load_law(law)
     try:
         own_law.check(design)
@@ -99,6 +100,12 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
             refused += f", for --law {quote(str(design_law_path(file, other)))}"
         raise LawError(refused, error.stars, error.place_mm, error.field) from None
     return own_law
+
+
+def chosen_law_path(design: Design, law: Path | None) -> Path | None:
+    """The file of the law: the one given, or else that of the section `[material]`; None for the paper's law."""
+    named = design.material.law if design.material is not None else None
+    return law if law is not None or named is None else Path(named)
 
 
 def _is_papers(design: Design) -> bool:

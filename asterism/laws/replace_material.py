@@ -8,6 +8,7 @@ from pathlib import Path
 from homogenize.law.material import Material, load_material
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
+from pattern.design.material_files import material_path
 from pattern.layout.load_design import load_design
 from pattern.layout.print_layout import print_layout
 from pattern.layout.weight_support import check_weight_is_supported
@@ -33,7 +34,7 @@ def read_design(path: Path, material: Path | None, note: Note | None = None) -> 
 
 
 def with_material(design: Design, path: Path | None, note: Note | None = None) -> Design:
-    """The design with the fabric and plastic of a material file; without a file, the design itself.
+    """The design with the fabric and plastic of a material, by its name or file; without one, the design itself.
 
     Only values that the file contains replace those of the design. The stretch of the file is that of the measurement:
     it is taken if the design gives none. The lattice of the design stays.
@@ -45,10 +46,11 @@ def with_material(design: Design, path: Path | None, note: Note | None = None) -
     Raises
     ------
     DesignError
-        The file is not a material, it has no value for the design, or the design does not fit it.
+        No material has the name, the file is not one, it has no value for the design, or the design does not fit it.
     """
     if path is None:
         return design
+    path = material_path(path, "--material")
     material = load_material(path, plan_is_used=False)
     kept = {"stretch"} if "stretch" in design.fabric.model_fields_set else set()
     given = {
@@ -60,6 +62,7 @@ def with_material(design: Design, path: Path | None, note: Note | None = None) -
             "", "has no value in [fabric] or [plastic], so that --material would change nothing", file=path
         )
     data = design.to_dict()
+    data.pop("material", None)  # its law belongs to the material that is replaced
     for name, values in given.items():
         data.setdefault(name, {}).update({key: value for key, value in values.items() if key not in kept})
     try:

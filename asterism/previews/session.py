@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache
 from typing import NoReturn
 
 import numpy as np
 
+from asterism.previews.default_law import law_of
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.readings import PreviewReadings
@@ -41,7 +41,6 @@ from equilibrium.threads import one_blas_thread
 from fem.search.mean_fields import mean_fields
 from fem.search.sides import Side, check_side, side_of
 from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 from pattern.design.section import is_whole
@@ -56,19 +55,13 @@ MAX_ASKED_TRIANGLES = 10_000
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
-@cache
-def paper_law() -> Law:
-    """The law that comes with the package, read once."""
-    return load_law()
-
-
 class Preview(PreviewReadings):
     """The homogenised shape of a design, with its state kept for edits.
 
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
-    law : law of the design's material; that of the paper's material by default.
+    law : law of the design's material; by default the one that the design names, or else that of the paper's material.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     triangles : approximate number of triangles of the shell's mesh, at most 10000; by default it follows from the
         stars.
@@ -127,8 +120,8 @@ class Preview(PreviewReadings):
         self._watch = Watch(check, max_seconds)
         self._edits = 0
         self._clock = Clock()
-        law = law if law is not None else self._clock("law", paper_law)
         plan = plan if plan is not None else self._clock("layout", layout, design)
+        law = law if law is not None else self._clock("law", law_of, design)
         check_weight_is_supported(design, plan)
         values: StarValues = self._clock("law", star_values, design, plan, law, model)
         self.state = self._new_state(design, plan, values, law, side, model)

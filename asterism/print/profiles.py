@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
@@ -15,26 +13,15 @@ from asterism.print.printer import Printer
 from pattern.design.errors import DesignError, from_validation
 from pattern.design.files import read_table
 from pattern.design.section import Section
+from pattern.design.user_files import own_folders
 
-# environment variable with the path of a folder that holds printers/ and plastics/
-PROFILES_VARIABLE = "ASTERISM_PROFILES"
 _PACKAGE_FOLDER = Path(__file__).parent / "data"
 _Kind = TypeVar("_Kind", bound=Section)
 
 
 def profile_folders() -> list[Path]:
     """Folders of profiles in the order of the search: of `ASTERISM_PROFILES`, of the user, of the package."""
-    own = [Path(os.environ[PROFILES_VARIABLE])] if os.environ.get(PROFILES_VARIABLE) else []
-    return [*own, user_folder(), _PACKAGE_FOLDER]
-
-
-def user_folder() -> Path:
-    """The folder of the user's settings for asterism, where the operating system keeps such folders."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("APPDATA", Path.home())) / "asterism"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "asterism"
-    return Path(os.environ.get("XDG_CONFIG_HOME", Path.home() / ".config")) / "asterism"
+    return [*own_folders(), _PACKAGE_FOLDER]
 
 
 def profile_names(kind: str) -> list[str]:

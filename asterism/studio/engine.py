@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previews.session import Preview, paper_law
+from asterism.previews.default_law import law_of
+from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
@@ -319,7 +320,7 @@ class Engine:
 
     def _send_limits(self, design: Design) -> None:
         """Tell what the law covers, where that has changed."""
-        law, key = paper_law(), (design.fabric, design.lattice, design.plastic)
+        law, key = law_of(design), (design.fabric, design.lattice, design.plastic, design.material)
         if key == self._limits:
             return
         self._limits = key

@@ -7,7 +7,8 @@ import time
 from multiprocessing.connection import Connection
 from typing import Any
 
-from asterism.previews.session import Preview, paper_law
+from asterism.previews.default_law import paper_law
+from asterism.previews.session import Preview
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox

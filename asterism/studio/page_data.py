@@ -15,6 +15,7 @@ from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
 from pattern.design.errors import BlankSheetError, DesignError
+from pattern.design.material_files import with_material_file
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from pattern.layout.layout import Layout
 
@@ -46,7 +47,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "can_redo": history.can_redo,
         "history": {"position": history.position, "labels": history.labels[-50:]},
         "kept_work": document.autosave.kept_work is not None,
-        "design": table,
+        "design": _with_material(document),
         "plan": {
             **plan_data(layout, painted_sites),
             "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
@@ -55,6 +56,14 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "plastics": plastic_names(),
         "limits": limits_data(layout, limits, chosen["rounding"]),
     }
+
+
+def _with_material(document: Document) -> dict[str, Any]:
+    """The table of the design file with the values of the material that it names."""
+    try:
+        return dict(with_material_file(document.table, document.path.parent))
+    except DesignError:  # the file of the material has gone since it was read
+        return document.table
 
 
 def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float]) -> dict[str, Any]:

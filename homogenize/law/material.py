@@ -15,6 +15,7 @@ from pattern.design.design import Design
 from pattern.design.errors import DesignError, from_validation
 from pattern.design.files import read_table
 from pattern.design.lattice import Lattice
+from pattern.design.material_files import MeasurementNote
 from pattern.design.materials import Fabric, Plastic
 from pattern.design.section import Line, Section
 
@@ -32,6 +33,7 @@ class Material(Section):
     """
 
     name: Line = Field("material", min_length=1, max_length=100)
+    measured: MeasurementNote | None = None
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
     lattice: Lattice = Lattice()

@@ -14,6 +14,7 @@ from pattern.design.border import Border
 from pattern.design.errors import DesignError, from_validation
 from pattern.design.files import write_table
 from pattern.design.lattice import Lattice
+from pattern.design.material_files import MaterialChoice, with_material_file
 from pattern.design.materials import Fabric, Plastic
 from pattern.design.pins import Pins
 from pattern.design.rods import Rods
@@ -90,6 +91,7 @@ class Design(Section):
 
     name: Line = Field("design", min_length=1, max_length=100)
     units: Text = "mm"
+    material: MaterialChoice | None = None
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
     lattice: Lattice = Lattice()
@@ -183,9 +185,12 @@ class Design(Section):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | Path = ".", file: str | Path | None = None) -> Design:
-        """A design from plain data, with pictures looked for in `folder`; `layout` checks its geometry."""
+        """A design from plain data; pictures and materials are looked for in `folder`. `layout` checks its geometry."""
         try:
+            data = with_material_file(data, Path(folder)) if isinstance(data, Mapping) else data
             return cls.model_validate(data, context={"folder": Path(folder)})
+        except DesignError as error:
+            raise (error if error.file or not file else error.within(file)) from None
         except ValidationError as error:
             raise from_validation(error, file) from None
 

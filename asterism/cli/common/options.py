@@ -24,9 +24,14 @@ class FileUnit(StrEnum):
 
 DesignFile = Annotated[Path, typer.Argument(help="Design file (.toml or .json).")]
 MaterialFile = Annotated[
-    Path | None, typer.Option(help="Material file, whose fabric and plastic replace those of the design.")
+    Path | None,
+    typer.Option(
+        help="Name (see asterism materials) or file of a material, in place of the design's fabric and plastic."
+    ),
 ]
-LawFile = Annotated[Path | None, typer.Option(help="File of the law (.npz; default: the law of the paper's material).")]
+LawFile = Annotated[
+    Path | None, typer.Option(help="File of the law (.npz; default: that of the design, or of the paper's material).")
+]
 Contact = Annotated[
     bool | None,
     typer.Option("--contact/--no-contact", help="Prevent the sheet from passing through itself (requires ipctk)."),

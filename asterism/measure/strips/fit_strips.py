@@ -157,7 +157,7 @@ def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
     remarks = [f"{name}: {value}" for name, value in material.rows.items()] + material.sentences
     title = one_line(f"{material.table}: {len(material.fit.used)} readings of strips")
     with staged(path.parent) as folder:
-        text = material_text(material.fit, one_line(path.stem), remarks)
+        text = material_text(material.fit, one_line(path.stem), remarks, title)
         (folder / path.name).write_text(text, encoding="utf-8")
         draw_fit(material.fit, title, folder / f"{path.stem}.png")
         (folder / f"{path.stem}.json").write_text(material.summary.json_text(), encoding="utf-8")

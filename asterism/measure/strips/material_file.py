@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import json
 import tomllib
 from pathlib import Path
@@ -15,10 +16,15 @@ MATERIAL_FIRST_LINE = "# Written by asterism strips fit, which writes over this 
 COMPANION_SUFFIXES = (".png", ".json")  # files of the same name that are written with it
 
 
-def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
-    """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
+def material_text(fit: StripFit, name: str, remarks: list[str], source: str) -> str:
+    """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar.
+
+    `source` is a line on the measurement, to which the day is added.
+    """
     lines = [MATERIAL_FIRST_LINE, *(f"# {remark}" for remark in remarks)]
-    lines += [f"name = {json.dumps(name, ensure_ascii=False)}", "", "[fabric]"]
+    lines += [f"name = {json.dumps(name, ensure_ascii=False)}", ""]
+    lines += ["[measured]", f"source = {json.dumps(source, ensure_ascii=False)}"]
+    lines += [f'date = "{datetime.date.today().isoformat()}"', "", "[fabric]"]
     # with several values the key is left out, and commands use the design's value
     lines += [f"{key} = {values.pop():g}" for key, values in fit.fabrics.items() if len(values) == 1]
     lines += [

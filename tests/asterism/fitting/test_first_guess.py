@@ -10,7 +10,7 @@ from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_desig
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
-from asterism.previews.session import paper_law
+from asterism.previews.default_law import paper_law
 from benchmarks.fit_targets import rectangle_mesh
 from homogenize.errors import ForeignLaw
 from pattern.layout.build import layout

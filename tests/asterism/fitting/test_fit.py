@@ -14,7 +14,8 @@ from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
-from asterism.previews.session import Preview, paper_law
+from asterism.previews.default_law import paper_law
+from asterism.previews.session import Preview
 from asterism.print.profiles import load_printer
 from benchmarks.fit_targets import rectangle_mesh
 from pattern.layout.build import layout

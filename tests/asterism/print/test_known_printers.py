@@ -11,14 +11,15 @@ from asterism.print import profiles
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.known_printers import frame_warning, size_warning
 from pattern import gallery
+from pattern.design import user_files
 from pattern.design.design import Design, save_design
 from tests.asterism.commands import command
 
 
 @pytest.fixture(autouse=True)
 def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv(profiles.PROFILES_VARIABLE, raising=False)
-    monkeypatch.setattr(profiles, "user_folder", lambda: tmp_path / "home")
+    monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
+    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home")
 
 
 def sheet(sides: tuple[float, float], **more: Any) -> Design:

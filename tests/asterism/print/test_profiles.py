@@ -9,6 +9,7 @@ import typer
 
 from asterism.print import profiles
 from asterism.print.printer import NOT_COMPLETE, Printer
+from pattern.design import user_files
 from pattern.design.errors import DesignError
 
 OWN = """
@@ -31,8 +32,8 @@ heating_min = 2.0
 @pytest.fixture(autouse=True)
 def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The person who runs the tests may have profiles."""
-    monkeypatch.delenv(profiles.PROFILES_VARIABLE, raising=False)
-    monkeypatch.setattr(profiles, "user_folder", lambda: tmp_path / "home" / "asterism")
+    monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
+    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home" / "asterism")
 
 
 @pytest.mark.parametrize("name", ["ultimaker2", "prusa-mk4", "ender-3"])
@@ -68,7 +69,7 @@ def test_the_folder_of_the_user_is_that_of_command_line_programs(
 ) -> None:
     monkeypatch.undo()
     monkeypatch.setenv(variable, str(tmp_path))
-    assert profiles.user_folder() == Path(typer.get_app_dir("asterism"))
+    assert user_files.user_folder() == Path(typer.get_app_dir("asterism"))
 
 
 def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -82,7 +83,7 @@ def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch
     other.mkdir(parents=True)
     (other / "mine.toml").write_text(OWN.replace("My machine", "The lab's"))
     (other / "ultimaker2.toml").write_text(OWN.replace("My machine", "Our Ultimaker"))
-    monkeypatch.setenv(profiles.PROFILES_VARIABLE, str(tmp_path / "lab"))
+    monkeypatch.setenv(user_files.PROFILES_VARIABLE, str(tmp_path / "lab"))
     # the folder of the variable comes first, also before what comes along
     assert profiles.load_printer("mine").name == "The lab's"
     assert profiles.load_printer("ultimaker2").name == "Our Ultimaker"

@@ -18,8 +18,8 @@ from asterism.fitting.first_guess import guess_design
 from asterism.fitting.residual import FitPlaces
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
-from asterism.previews.session import paper_law
 from asterism.reports.fit_page import fit_page
 from asterism.reports.fit_plots import star_contractions
 from asterism.reports.fit_remainder import remainder

@@ -204,7 +204,7 @@ def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, capsys
 def test_thicknesses_that_are_nearly_one_stay_apart() -> None:
     near = [replace(r, thickness_mm=0.3000001) if r.thickness_mm == 0.35 else r for r in synthetic_readings(0)]
     fit = fit_readings(near, kappa_bar="per-thickness")
-    text = tomllib.loads(material_text(fit, "near", []))
+    text = tomllib.loads(material_text(fit, "near", [], "strips.csv"))
     assert text["plastic"]["kappa_bar_per_mm"]["thickness_mm"][:2] == [0.3, 0.3000001]
 
 

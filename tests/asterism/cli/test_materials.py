@@ -1,0 +1,86 @@
+"""`asterism materials`, materials by name in other commands, and `asterism strips fit --save`."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from homogenize.law.law_file import law_bytes
+from pattern.design import user_files
+from pattern.layout.load_design import load_design
+from tests.asterism.commands import command
+from tests.asterism.previews.laws import plain_law
+
+DESIGN = "[stars]\nlength_mm = 8.0\n[border]\nrings = 1\n"
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
+    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(DESIGN)
+    return tmp_path
+
+
+def test_strips_fit_keeps_a_material_that_commands_take_by_name(
+    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = ["strip,thickness_mm,length_mm,curvature_per_mm,peeled_curvature_per_mm"]
+    rows += ["1,0.3,60,0.0302,0.003", "2,0.3,60,0.0298,0.0031", "3,0.4,60,0.0170,0.0029", "4,0.4,60,0.0174,0.003"]
+    (home / "strips.csv").write_text("\n".join(rows))
+    words = ["strips", "fit", "strips.csv", "--stretch", "1.35", "--fabric-thickness", "0.8", "--save"]
+    done = command([*words, "jersey"], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    file = home / "home" / "materials" / "jersey.toml"
+    table = tomllib.loads(file.read_text(encoding="utf-8"))
+    assert table["measured"]["source"] == "strips.csv: 8 readings of strips" and len(table["measured"]["date"]) == 10
+    listed = command(["materials"], capsys, monkeypatch)
+    assert listed.status == 0
+    line = next(line for line in listed.out.splitlines() if line.split()[0] == "jersey")
+    assert "strips.csv" in line and table["measured"]["date"] in line and "fabric 0.8 mm, at stretch 1.35" in line
+    assert any(line.split()[0] == "paper" for line in listed.out.splitlines())
+    # by the option, and in the design
+    ratio = table["plastic"]["modulus_ratio"]
+    exported = command(["export", "d.toml", "-o", "out", "--material", "jersey"], capsys, monkeypatch)
+    assert exported.status == 0, exported.err
+    assert json.loads((home / "out" / "export.json").read_text())["design"]["plastic"]["modulus_ratio"] == ratio
+    (home / "own.toml").write_text(f'{DESIGN}[material]\nfile = "jersey"\n')
+    assert load_design(home / "own.toml").plastic.modulus_ratio == ratio
+    # the file of a user is not written over
+    file.write_text(file.read_text(encoding="utf-8").split("\n", 1)[1], encoding="utf-8")
+    for name, said in (("jersey", "was not written by asterism strips fit"), ("a b", "--save"), ("paper", "--save")):
+        refused = command([*words, name], capsys, monkeypatch)
+        assert refused.status == 2 and said in refused.line
+
+
+def test_a_wrong_file_is_named_and_does_not_hide_the_others(
+    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (home / "home" / "materials").mkdir(parents=True)
+    (home / "home" / "materials" / "wrong.toml").write_text("[plastic]\nmodulus_ratio = -1.0\n")
+    done = command(["materials"], capsys, monkeypatch)
+    assert done.status == 2 and "wrong.toml: plastic.modulus_ratio" in done.err and "paper" in done.out
+    refused = command(["preview", "d.toml", "--material", "wool"], capsys, monkeypatch)
+    assert refused.status == 2 and "--material = 'wool'" in refused.line and "paper" in refused.line
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_the_law_of_a_design_is_used_by_commands_and_in_python(
+    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (home / "plain.npz").write_bytes(law_bytes(plain_law()))
+    (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "plain.npz"\n')
+    monkeypatch.chdir(home / "home" if (home / "home").exists() else home)
+    done = command(["preview", str(home / "own.toml")], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert json.loads((home / "own" / "summary.json").read_text())["law"]["material"] == "plain"
+    from asterism.previews.run import preview
+
+    assert preview(load_design(home / "own.toml")).summary.law.material == "plain"
+    (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "none.npz"\n')
+    refused = command(["preview", str(home / "own.toml")], capsys, monkeypatch)
+    assert refused.status == 2 and "none.npz" in refused.line
