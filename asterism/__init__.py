@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from asterism.fitting.load_target import load_target
     from asterism.fitting.result import Fit
     from asterism.fitting.solve_for import solve_for
+    from asterism.fitting.solve_needle import solve_for_point
     from asterism.fitting.target import TargetSurface
     from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
@@ -84,6 +85,7 @@ _HOMES = {
     "simulate": ("asterism.exact.simulation", "simulate"),
     "simulate_both": ("asterism.verification.both_starts", "simulate_both"),
     "solve_for": ("asterism.fitting.solve_for", "solve_for"),
+    "solve_for_point": ("asterism.fitting.solve_needle", "solve_for_point"),
     "sweep": ("asterism.sweeps.run", "sweep_design"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
@@ -124,6 +126,7 @@ __all__ = [
     "simulate",
     "simulate_both",
     "solve_for",
+    "solve_for_point",
     "sweep",
     "verify",
     "write_comparison",

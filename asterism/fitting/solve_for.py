@@ -41,6 +41,7 @@ def solve_for(
     """Scale one size of all stars so that the preview has a wanted height or radius.
 
     Every trial is a fresh preview. Of several solutions, the one with the smallest change of the sizes is returned.
+    `solve_for_point` moves a needle instead, so that the sheet comes to a wanted point.
 
     Parameters
     ----------
