@@ -34,13 +34,21 @@ class Raster:
     pixels: Ints
     functions: tuple[Floats, Floats, Floats]
 
-    def interpolate(self, values: Floats, triangles: Ints) -> Floats:
-        """Interpolate values (V, m) of the vertices to the pixels that show a triangle: (P, m)."""
+    def affine(self, values: Floats, triangles: Ints) -> tuple[Floats, Floats, Floats]:
+        """Values (V, m) of the vertices as affine functions of the pixel, like `functions`: three arrays (T, m)."""
+        across, upwards, constant = (np.einsum("tk,tkm->tm", part, values[triangles]) for part in self.functions)
+        return across, upwards, constant
+
+    def at_pixels(self, affine: tuple[Floats, Floats, Floats]) -> Floats:
+        """(P, m) values of affine functions at the pixels that show a triangle."""
         seen = self.face.ravel()[self.pixels]
         row, column = np.divmod(self.pixels, self.face.shape[1])
-        across, upwards, constant = (function[seen] for function in self.functions)
-        weights = across * (column + 0.5)[:, None] + upwards * (row + 0.5)[:, None] + constant
-        return np.asarray(np.einsum("pk,pkm->pm", weights, values[triangles[seen]]))
+        across, upwards, constant = affine
+        values = across[seen]
+        values *= (column + 0.5)[:, None]
+        values += upwards[seen] * (row + 0.5)[:, None]
+        values += constant[seen]
+        return values
 
     def pieces(self) -> Iterator[Raster]:
         """Yield the same raster with one piece of the pixels at a time."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter, maximum_filter
@@ -11,11 +11,12 @@ from asterism.draw.pin_marks import pin_marks
 from asterism.draw.raster import Raster, rasterise
 from asterism.draw.ribbons import ribbons
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats, Ints
+from equilibrium.arrays import Bools, Floats, Ints
 from pattern.geometry.normals import vertex_normals
 
 PLASTIC_SIDE = (0.985, 0.92, 0.80)
 FABRIC_SIDE = (0.63, 0.725, 0.845)
+SIDES = np.array([FABRIC_SIDE, PLASTIC_SIDE], dtype=np.float32)
 ARMS = (0.20, 0.205, 0.24)
 PINS = (0.86, 0.25, 0.16)
 OUTLINE_COLOUR = (0.16, 0.16, 0.18)
@@ -23,6 +24,9 @@ OUTLINE_COLOUR = (0.16, 0.16, 0.18)
 KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
 # unit vector halfway between light and viewer, for the specular highlight
 HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
+# brightness of the key light and of the highlight, by the cosine that each of them needs
+KEY_TABLE = (np.linspace(0.0, 1.0, 4096) ** 1.6).astype(np.float32)
+GLOSS_TABLE = (np.linspace(0.0, 1.0, 4096) ** 40).astype(np.float32)
 # (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
 OBLIQUE = (-62.0, 30.0)
 # distance of the viewer in the perspective view, in diagonals of the box around the sheet
@@ -120,9 +124,19 @@ def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
 
     image = np.zeros((rows * columns, 4), dtype=np.float32)
     plastic_side, around = _turns_left(places, triangles), _depth_around(raster)
-    turned = replace(thing, normals=thing.normals @ view.axes.T)
+    normals = raster.affine(thing.normals @ view.axes.T, triangles)
+    colours = None if thing.colours is None else raster.affine(thing.colours, triangles)
     for piece in raster.pieces():
-        colour = _shaded(turned, view, piece, triangles, marks, plastic_side)
+        face = piece.face.ravel()[piece.pixels]
+        front = plastic_side[face]
+        if colours is None:
+            colour = SIDES[front.astype(np.intp)]
+        else:
+            colour = piece.at_pixels(colours)
+        arm = face >= thing.sheet_triangles
+        colour[arm] = ARMS
+        colour[face >= len(triangles) - marks] = PINS
+        colour = _lit(colour, piece.at_pixels(normals), front, arm, view.axes[:, 2])
         image[piece.pixels, :3] = colour * _open_sky(piece, around, fine)[:, None]
     image[raster.pixels, 3] = 1.0
     image = image.reshape(rows, columns, 4)
@@ -140,32 +154,31 @@ def _coarser(image: Floats) -> Floats:
     return np.asarray(sum(parts[1:], start=parts[0]) / len(parts))
 
 
-def _shaded(
-    thing: Scene, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
-) -> Floats:
-    """(P, 3) colours: a key light from the upper left, soft light from the sky, a weak highlight.
+def _lit(colour: Floats, normals: Floats, front: Bools, arm: Bools, up: Floats) -> Floats:
+    """(P, 3) colours in a key light from the upper left, soft light from the sky, with a weak highlight.
 
-    Normals are given in the axes of the view. The last `marks` triangles are marks.
+    Parameters
+    ----------
+    colour : (P, 3) of the surface.
+    normals : (P, 3) on the plastic side, in the axes of the view, of any length.
+    front : (P,) whether the plastic side is seen.
+    arm : (P,) whether an arm is seen.
+    up : (3,) direction of the sky, in the axes of the view.
     """
-    normals = raster.interpolate(thing.normals, triangles)
-    face = raster.face.ravel()[raster.pixels]
-    front = plastic_side[face]
-    normals *= np.where(front, 1.0, -1.0)[:, None]
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    directions = np.stack([KEY_LIGHT, up, HALFWAY], axis=1)
+    length = np.sqrt(np.einsum("pk,pk->p", normals, normals))
+    towards = (normals @ directions).astype(np.float32)
+    towards *= (np.where(front, 1.0, -1.0) / np.maximum(length, 1e-12)).astype(np.float32)[:, None]
     # wrapped diffuse light: a large source such as a window also lights surfaces that turn slightly away
-    key = np.maximum(0.5 + 0.5 * (normals @ KEY_LIGHT), 0.0) ** 1.6
-    sky = 0.5 + 0.5 * (normals @ view.axes[:, 2])
-    light = 0.36 + 0.54 * key + 0.13 * sky
-    gloss = np.maximum(normals @ HALFWAY, 0.0) ** 40
-    arm = face >= thing.sheet_triangles
-    if thing.colours is None:
-        colour = np.where(front[:, None], PLASTIC_SIDE, FABRIC_SIDE)
-    else:
-        colour = raster.interpolate(thing.colours, triangles)
-    colour[arm] = ARMS
-    colour[face >= len(triangles) - marks] = PINS
-    shine = np.where(arm, 0.10, 0.03) * gloss
+    key = _tabulated(KEY_TABLE, 0.5 + 0.5 * towards[:, 0])
+    light = 0.36 + 0.54 * key + 0.13 * (0.5 + 0.5 * towards[:, 1])
+    shine = np.where(arm, 0.10, 0.03) * _tabulated(GLOSS_TABLE, towards[:, 2])
     return np.asarray(np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0))
+
+
+def _tabulated(table: Floats, values: Floats) -> Floats:
+    """A function of values from 0 to 1 from its table, finer than the shades of a screen; powers would take longer."""
+    return np.asarray(table[np.clip(values * (len(table) - 1), 0, len(table) - 1).astype(np.intp)])
 
 
 def _depth_around(raster: Raster) -> Floats:

@@ -37,7 +37,7 @@ def test_a_mesh_has_no_holes_and_its_weights_give_the_pixel_back() -> None:
     assert np.array_equal(raster.face >= 0, inside)
     row, column = np.divmod(raster.pixels, 190)
     centres = np.column_stack([column, row]) + 0.5
-    assert np.allclose(raster.interpolate(places, triangles), centres, atol=1e-9)
+    assert np.allclose(raster.at_pixels(raster.affine(places, triangles)), centres, atol=1e-9)
 
 
 def test_what_lies_outside_or_edge_on_is_left_out() -> None:
