@@ -11,7 +11,7 @@ from asterism.draw.pin_marks import pin_marks
 from asterism.draw.raster import Raster, rasterise
 from asterism.draw.ribbons import ribbons
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Bools, Floats, Ints
+from equilibrium.arrays import Array, Bools, Floats, Ints
 from pattern.geometry.normals import vertex_normals
 
 PLASTIC_SIDE = (0.985, 0.92, 0.80)
@@ -129,10 +129,7 @@ def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
     for piece in raster.pieces():
         face = piece.face.ravel()[piece.pixels]
         front = plastic_side[face]
-        if colours is None:
-            colour = SIDES[front.astype(np.intp)]
-        else:
-            colour = piece.at_pixels(colours)
+        colour: Array = SIDES[front.astype(np.intp)] if colours is None else piece.at_pixels(colours)
         arm = face >= thing.sheet_triangles
         colour[arm] = ARMS
         colour[face >= len(triangles) - marks] = PINS
@@ -154,7 +151,7 @@ def _coarser(image: Floats) -> Floats:
     return np.asarray(sum(parts[1:], start=parts[0]) / len(parts))
 
 
-def _lit(colour: Floats, normals: Floats, front: Bools, arm: Bools, up: Floats) -> Floats:
+def _lit(colour: Array, normals: Floats, front: Bools, arm: Bools, up: Floats) -> Floats:
     """(P, 3) colours in a key light from the upper left, soft light from the sky, with a weak highlight.
 
     Parameters
@@ -176,7 +173,7 @@ def _lit(colour: Floats, normals: Floats, front: Bools, arm: Bools, up: Floats) 
     return np.asarray(np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0))
 
 
-def _tabulated(table: Floats, values: Floats) -> Floats:
+def _tabulated(table: Array, values: Array) -> Array:
     """A function of values from 0 to 1 from its table, finer than the shades of a screen; powers would take longer."""
     return np.asarray(table[np.clip(values * (len(table) - 1), 0, len(table) - 1).astype(np.intp)])
 

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from asterism.fitting.errors import ReachError, place_text
+from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
-from asterism.previews.session import Preview, paper_law
+from asterism.previews.session import Preview
 from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
 from homogenize.law.law import Law
