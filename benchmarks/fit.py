@@ -1,10 +1,12 @@
 """How near fitted designs come to target surfaces: first guess, fit and exact shape, and the time that each takes.
 
-python -m benchmarks.fit FOLDER [--no-exact] [NAME ...]
+python -m benchmarks.fit FOLDER [--no-exact] [--first-guess] [NAME ...]
 
 Each target is a row, kept in FOLDER as soon as it is done; a further run goes on from there. Distances are rms over the
-printed area in % of the diameter of the target. The preview is a fresh one of the design as written, rounded to layers.
-The exact shape has triangles of 1.15 mm.
+printed area in % of the diameter of the target. Previews are fresh ones: of the fit by the
+preview alone, and of the design as written, corrected by the exact model and rounded to layers.
+The exact shape has triangles of 1.15 mm; that of the first guess is computed with --first-guess only. A target that is
+refused is fitted again with `nearest`, by the preview. The name `own shape` stands for the inverse crime.
 """
 
 from __future__ import annotations
@@ -17,74 +19,109 @@ from typing import Any
 
 import numpy as np
 
+from asterism.exact.simulation import simulate
+from asterism.fitting.distance import target_distance
 from asterism.fitting.errors import ReachError
 from asterism.fitting.fit import fit
+from asterism.fitting.residual import FitPlaces
+from asterism.fitting.result import Fit
+from asterism.previews.run import preview
 from asterism.print.profiles import load_printer
+from benchmarks.fit_own_shape import own_shape
 from benchmarks.fit_targets import TARGETS
 from benchmarks.report import markdown, write_report
+from pattern.layout.build import layout
 
 HEADER = [
     "target",
-    "stars, needles, stretch",
+    "stars, held by, stretch",
     "ratio needed, available",
     "first guess",
-    "preview",
-    "loss by rounding",
-    "exact, mean over a cell",
+    "its exact shape",
+    "fit by preview",
+    "preview as written",
+    "exact before corrections",
+    "exact, unrounded",
+    "exact, as written",
     "with bumps",
     "largest",
-    "minimum",
-    "restarts",
+    "minimum, starts agree",
     "CPU s",
 ]
 SHARES = (0.4, 0.8, 1.0)
+OWN_SHAPE = "own shape"
 
 
-def row(name: str, exact: bool) -> dict[str, Any]:
+def row(name: str, exact: bool, first_guess: bool) -> dict[str, Any]:
     """Fit one target."""
     make, needles = TARGETS[name]
-    begun = time.process_time()
+    target, printer, begun = make(), load_printer("ultimaker2"), time.process_time()
+    refused = None
     try:
-        fitted = fit(make(), needles=needles, printer=load_printer("ultimaker2"), exact=exact)
+        fitted = fit(target, needles=needles, printer=printer, exact=exact)
     except ReachError as error:
-        return {"refused": str(error), "cpu_s": time.process_time() - begun}
+        refused = str(error)
+        fitted = fit(target, needles=needles, printer=printer, exact=False, nearest=True)
+    data: dict[str, Any] = {"cpu_s": time.process_time() - begun}
+    if refused is not None:
+        data["refused"] = refused
+    elif first_guess:
+        data["first_guess_exact"] = _exact_first_guess(fitted)
     summary = fitted.summary.to_json()
-    return {key: value for key, value in summary.items() if key not in ("design", "motion", "shift_mm")} | {
-        "cpu_s": time.process_time() - begun
-    }
+    return data | {key: value for key, value in summary.items() if key not in ("design", "motion", "shift_mm")}
+
+
+def _exact_first_guess(fitted: Fit) -> dict[str, Any]:
+    """Distance of the exact shape of the first guess, started from its preview."""
+    guess, plan = fitted.guess, layout(fitted.guess.design)
+    shape = simulate(guess.design, near=preview(guess.design))
+    places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
+    distance = target_distance(shape, guess.target, places, plan.lattice_vectors)
+    return {"mean_percent": distance.mean_percent, "is_minimum": bool(shape.summary["is_minimum"])}
 
 
 def cells(name: str, data: dict[str, Any]) -> list[str]:
     """One line of the table."""
-    if "refused" in data:
-        return [name, "refused", *[""] * (len(HEADER) - 3), f"{data['cpu_s']:.0f}"]
-    exact, preview = data["exact"], data["preview"]
+    exact, corrections = data["exact"], data["corrections"]
+    guess = data.get("first_guess_exact")
+    held = "border" if data["held_border"] else f"{data['needles']} needles"
+    unrounded = exact["mean_percent"] - data["rounding_loss_percent"] if exact else None
+    certificate = ("yes" if exact["is_minimum"] else "no", "yes" if data["exact_agrees"] else "no") if exact else ()
     return [
-        name,
-        f"{data['stars']}, {data['needles']}, {data['stretch']:g}",
+        name + (", nearest" if "refused" in data else ""),
+        f"{data['stars']}, {held}, {data['stretch']:g}",
         f"{data['needed_ratio']:.3f}, {data['available_ratio']:.3f}",
         f"{data['first_guess']['mean_percent']:.2f}",
-        f"{preview['mean_percent']:.2f}",
-        "-" if data["rounding_loss_percent"] is None else f"{data['rounding_loss_percent']:.3f}",
+        f"{guess['mean_percent']:.2f}" if guess else "",
+        f"{data['unrounded']['mean_percent']:.2f}",
+        f"{data['preview']['mean_percent']:.2f}",
+        f"{corrections[0]['mean_percent']:.2f}" if corrections else "",
+        "" if unrounded is None else f"{unrounded:.2f}",
         *([f"{exact[key]:.2f}" for key in ("mean_percent", "surface_percent")] if exact else ["", ""]),
         f"{exact['largest_percent']:.1f}" if exact else "",
-        ("yes" if exact["is_minimum"] else "no") if exact else "",
-        str(data["restarts"]),
+        ", ".join(certificate),
         f"{data['cpu_s']:.0f}",
     ]
 
 
 def write(rows: dict[str, dict[str, Any]]) -> None:
     """Write the report of all finished rows."""
-    made = {name: data for name, data in rows.items() if "refused" not in data}
-    lines = [markdown(HEADER, [cells(name, rows[name]) for name in TARGETS if name in rows])]
-    for model, label in (("preview", "fresh preview"), ("exact", "exact shape")):
-        values = np.array([data[model]["mean_percent"] for data in made.values() if data[model]])
+    fits = {name: data for name, data in rows.items() if name != OWN_SHAPE}
+    made = {name: data for name, data in fits.items() if "refused" not in data}
+    lines = [markdown(HEADER, [cells(name, fits[name]) for name in TARGETS if name in fits])]
+    for key, label in (("unrounded", "fresh preview of the fit by the preview"), ("exact", "exact shape")):
+        values = np.array([data[key]["mean_percent"] for data in made.values() if data[key]])
         if len(values):
             within = ", ".join(f"{int((values <= share).sum())} within {share:g} %" for share in SHARES)
             median = float(np.median(values))
             lines.append(f"{label.capitalize()} of {len(values)} targets: median {median:.2f} %, {within}.")
-    lines += [f"Refused: {data['refused']}." for data in rows.values() if "refused" in data]
+    if OWN_SHAPE in rows:
+        own = rows[OWN_SHAPE]
+        lines.append(
+            f"Inverse crime, outline and needles given: first guess {own['first_rms_percent']:.2f} %, preview "
+            f"{own['preview_rms_percent']:.3f} %, exact {own['exact_mean_percent']:.2f} %."
+        )
+    lines += [f"Refused: {data['refused']}." for data in fits.values() if "refused" in data]
     lines += [f"{name}: {line}." for name, data in made.items() for line in data["warnings"]]
     write_report("fit", [{"row": name, **data} for name, data in rows.items()], "\n\n".join(lines))
 
@@ -94,15 +131,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--no-exact", action="store_true")
+    parser.add_argument("--first-guess", action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
     given = parser.parse_intermixed_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    for name in given.names or TARGETS:
+    names = [*TARGETS, OWN_SHAPE]
+    for name in given.names or names:
         file = given.folder / f"{name.replace(' ', '-')}.json"
         if not file.exists():
-            file.write_text(json.dumps(row(name, not given.no_exact), indent=1))
+            data = own_shape() if name == OWN_SHAPE else row(name, not given.no_exact, given.first_guess)
+            file.write_text(json.dumps(data, indent=1))
         print(name, "done", flush=True)
-    done = {name: given.folder / f"{name.replace(' ', '-')}.json" for name in TARGETS}
+    done = {name: given.folder / f"{name.replace(' ', '-')}.json" for name in names}
     write({name: json.loads(file.read_text()) for name, file in done.items() if file.exists()})
 
 

@@ -78,6 +78,18 @@ def _bump(x: Floats, y: Floats, at: tuple[float, float], width: float) -> Floats
     return np.asarray(np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / width**2))
 
 
+def face_mask() -> TargetSurface:
+    """An oval mask, 112 by 150 mm, with nose, brows, cheeks and chin; its rim bends back."""
+    plane, triangles = round_mesh(36)
+    x, y = 56.0 * plane[:, 0], 75.0 * plane[:, 1]
+    inside = 1.0 - 0.92 * (plane**2).sum(axis=1)
+    heights = 44.0 * np.sqrt(inside) + 11.0 * _bump(x, y / 2.2, (0.0, 1.0), 11.0)
+    heights += 4.0 * _bump(x, y, (0.0, -46.0), 16.0) + 3.0 * _bump(x, y, (-27.0, -8.0), 16.0)
+    heights += 3.0 * _bump(x, y, (27.0, -8.0), 16.0) - 4.0 * _bump(x, y, (-20.0, 20.0), 12.0)
+    heights -= 4.0 * _bump(x, y, (20.0, 20.0), 12.0)
+    return TargetSurface.of_triangles(np.column_stack([x, y, heights]), triangles, "face mask")
+
+
 # name: target, and number of needles (None: chosen by the fit)
 TARGETS: dict[str, tuple[Callable[[], TargetSurface], int | None]] = {
     "cap 35 deg": (lambda: cap(35.0, "cap 35 deg"), None),
@@ -108,4 +120,5 @@ TARGETS: dict[str, tuple[Callable[[], TargetSurface], int | None]] = {
     "three-legged shell": (three_legged_shell, None),
     "torus part": (torus_part, None),
     "hemisphere": (lambda: cap(85.0, "hemisphere"), None),
+    "face mask": (face_mask, None),
 }

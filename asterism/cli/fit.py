@@ -48,6 +48,13 @@ def fit(
         int | None, typer.Option(min=0, max=1000, help="Number of needles along the outline (default: by its length).")
     ] = None,
     free: Annotated[bool, typer.Option("--free", help="No needles; the same as --needles 0.")] = False,
+    border: Annotated[
+        bool | None,
+        typer.Option(
+            "--border/--no-border",
+            help="Hold the whole border along that of the target, in place of needles (default: on saddles).",
+        ),
+    ] = None,
     printer: Annotated[
         str, typer.Option(help="Printer to whose layers and lines sizes are rounded (see asterism printers).")
     ] = "ultimaker2",
@@ -55,6 +62,9 @@ def fit(
         bool, typer.Option("--rounding/--no-rounding", help="Round sizes to the layers and lines of the printer.")
     ] = True,
     exact: Annotated[bool, typer.Option("--exact/--no-exact", help="Check the design with the exact model.")] = True,
+    corrections: Annotated[
+        int, typer.Option(min=0, max=20, help="Largest number of corrections by the exact model.")
+    ] = 3,
     nearest: Annotated[
         bool, typer.Option("--nearest", help="If the target is out of reach, make the sheet that comes nearest.")
     ] = False,
@@ -83,6 +93,8 @@ def fit(
         raise Mistake(f"--output: {str(file)!r} must end with .toml")
     if free and needles:
         raise Mistake(f"--free: conflicts with --needles {needles}")
+    if border and (free or needles is not None):
+        raise Mistake(f"--border: conflicts with {'--free' if free else f'--needles {needles}'}")
     if needles in (1, 2):
         raise Mistake(f"--needles: {needles} needles hold no sheet; must be 0, or 3 or more")
     surface = load_target(
@@ -106,6 +118,8 @@ def fit(
             within,
             say=run.say,
             report=run.report,
+            border=border,
+            corrections=corrections,
         )
     files = write_fit(fitted, directory)
     write_file(file, table_text(fitted.design.to_dict(), file))

@@ -37,6 +37,8 @@ MIDDLE_ARMS_MM = (3.0, 12.5)
 MIN_MIXED_SHARE = 0.1
 # rad, sum of the absolute Gauss curvatures below which a target counts as developable
 MIN_GAUSS_RAD = 1e-3
+# the border is held if at least this share of all absolute Gauss curvature is negative: needles leave saddles soft
+MIN_HELD_SADDLE_SHARE = 0.25
 # decimals of mm in the design
 FITTED_SIZE_DECIMALS = 3
 
@@ -67,6 +69,7 @@ def guess_design(
     needles: int | None = None,
     nearest: bool = False,
     say: Say = ignore_line,
+    border: bool | None = None,
 ) -> FirstGuess:
     """The first guess of a design for a target.
 
@@ -78,6 +81,7 @@ def guess_design(
         every 1.6 spacings between.
     nearest : where the contractions do not suffice, go on with the nearest ones.
     say : called with a line of text at the beginning of each stage.
+    border : hold the whole border on that of the target; by default if much of the target is saddle-shaped.
 
     Raises
     ------
@@ -96,13 +100,16 @@ def guess_design(
     lattice = law.material.lattice
     target_map = placed(flat, _log_size(flat, menu), lattice)
     outline = choose_outline(target_map, needles)
+    if border is None:
+        border = needles is None and _saddle_share(target) > MIN_HELD_SADDLE_SHARE
     stars = star_sites(outline.corners, lattice)
     curvatures = target_map.principal_curvatures(stars)
     reach = target_reach(
-        target.name, target_map, stars, curvatures, menu, menus, len(outline.needles) > 0, nearest
+        target.name, target_map, stars, curvatures, menu, menus, border or len(outline.needles) > 0, nearest
     )  # fmt: skip
-    say(f"{len(stars)} stars, {len(outline.needles)} needles, stretch {menu.stretch:g}")
-    bare = _design(target, law, menu, outline)
+    held = "held border" if border else f"{len(outline.needles)} needles"
+    say(f"{len(stars)} stars, {held}, stretch {menu.stretch:g}")
+    bare = _design(target, law, menu, outline, border)
     plan = layout(bare)
     guessed = sizes_from_law(target_map, menu, plan.centres)
     sizes = np.column_stack([guessed, np.full(len(guessed), np.nan)]).round(FITTED_SIZE_DECIMALS)
@@ -129,6 +136,13 @@ def flatten_target(target: TargetSurface) -> FlatDisk:
     return flat
 
 
+def _saddle_share(target: TargetSurface) -> float:
+    """Share of negative Gauss curvature in the sum of its absolute values; 0 for developable targets."""
+    gauss = Flattener(target.disk).gauss_curvature
+    total = float(np.abs(gauss).sum())
+    return float(-gauss[gauss < 0.0].sum() / total) if total > MIN_GAUSS_RAD else 0.0
+
+
 def sizes_from_law(target_map: TargetMap, menu: StarMenu, centres: Floats) -> Floats:
     """(S, 2) length and thickness (mm) of stars at printed centres (S, 2)."""
     contraction = np.exp(target_map.interpolate(target_map.log_contraction, centres))
@@ -149,7 +163,7 @@ def _log_size(flat: FlatDisk, menu: StarMenu) -> float:
     return -middle - 0.5 * float(u.max() + u.min())
 
 
-def _design(target: TargetSurface, law: Law, menu: StarMenu, outline: OutlineChoice) -> Design:
+def _design(target: TargetSurface, law: Law, menu: StarMenu, outline: OutlineChoice, border: bool) -> Design:
     """The design without its star sizes."""
     material = law.material.model_dump(mode="json", by_alias=True, exclude_none=True)
     data = {
@@ -164,7 +178,10 @@ def _design(target: TargetSurface, law: Law, menu: StarMenu, outline: OutlineCho
         },
         "mesh": {"edge_mm": law.edge_mm},
     }
-    if len(outline.needles):
+    if border:
+        places = outline.places.round(FITTED_SIZE_DECIMALS)
+        data["pins"] = [{"where": "border", "target_mm": places.tolist()}]
+    elif len(outline.needles):
         places = outline.places[outline.needles].round(FITTED_SIZE_DECIMALS)
         data["pins"] = [{"corners": outline.needles.tolist(), "target_mm": places.tolist()}]
     return Design.from_dict(data)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import guess_design
@@ -36,12 +37,16 @@ from pattern.layout.build import layout
 REACHED_PERCENT = 1.0
 # steps on the lengths after thicknesses are rounded
 ROUNDED_STEPS = 4
+# corrections by the exact model: of all sizes, and of the lengths after thicknesses are rounded
+MAX_CORRECTIONS, ROUNDED_CORRECTIONS = 3, 1
 # a warning names the share of stars at the ends of the law's lengths from this one on
 MIN_SHARE_AT_BOUNDS = 0.1
 # % of the diameter, largest distance from which on a warning names its place
 MAX_QUIET_DISTANCE_PERCENT = 4.0
 # largest number of needles
 MAX_FITTED_NEEDLES = 1000
+# largest number of corrections
+MAX_ASKED_CORRECTIONS = 20
 
 
 def fit(
@@ -55,11 +60,14 @@ def fit(
     within_percent: float = REACHED_PERCENT,
     say: Say | None = None,
     report: Report | None = None,
+    border: bool | None = None,
+    corrections: int = MAX_CORRECTIONS,
 ) -> Fit:
     """Find star sizes whose sheet comes near to a target surface.
 
     The target is flattened conformally, which gives the contraction that each place needs; the law gives the stars.
-    Then star lengths and thicknesses are fitted through the preview, and the exact model checks the result.
+    Then star lengths and thicknesses are fitted through the preview. The exact model corrects them and checks the
+    result.
 
     Parameters
     ----------
@@ -67,13 +75,16 @@ def fit(
     law : of the material, whose lattice the design has; that of the paper's material by default.
     stretch : of the fabric; by default the smallest one of the law whose stars contract differently enough.
     needles : number of needles that hold the outline at their places on the target; 0 for a free sheet. By default they
-        stand at the corners of the target, and at distances of about 1.6 spacings between.
+        stand at the corners of the target, and at distances of about 1.6 spacings between, or `border` applies.
     printer : whose layers and lines the thicknesses and widths are rounded to; not rounded by default.
-    exact : check the design with the exact model, as `verify` does.
-    nearest : if stars cannot contract as differently as the target needs, make the sheet that comes nearest, in place
-        of an error.
+    exact : correct the sizes by the exact model, and check the design as `verify` does.
+    nearest : if stars cannot contract as differently or curve as tightly as the target needs, make the sheet that comes
+        nearest, in place of an error.
     within_percent : distance, in % of the diameter, within which the target counts as reached.
     say, report : as in `simulate`.
+    border : hold the whole border along that of the target, in place of needles. By default if needles are not given
+        and most of the target is saddle-shaped.
+    corrections : largest number of corrections by the exact model; 0 leaves the fit by the preview as it is.
 
     Returns
     -------
@@ -86,7 +97,8 @@ def fit(
     LawError
         The law has no table for the stretch.
     ValueError
-        `needles` is not a whole number from 0 to 1000, or between 1 and 2.
+        `needles` is not a whole number from 0 to 1000, or is 1 or 2, or is given with `border`; or `corrections` is not
+        a whole number from 0 to 20.
 
     Examples
     --------
@@ -98,10 +110,14 @@ def fit(
     check_type(target, TargetSurface, "load_target reads one from a file")
     if needles is not None and not (is_whole(needles) and 0 <= needles <= MAX_FITTED_NEEDLES and needles not in (1, 2)):
         raise ValueError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
+    if needles is not None and border:
+        raise ValueError(f"needles = {needles}: go without border")
+    if not (is_whole(corrections) and 0 <= corrections <= MAX_ASKED_CORRECTIONS):
+        raise ValueError(f"corrections = {corrections!r}: must be a whole number from 0 to {MAX_ASKED_CORRECTIONS}")
     if law is not None:
         check_type(law, Law, "load_law reads one from a file")
     law, tell = law or paper_law(), say or ignore_line
-    guess = guess_design(target, law, stretch, needles, nearest, tell)
+    guess = guess_design(target, law, stretch, needles, nearest, tell, border)
     plan = layout(guess.design)
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
     is_free = not plan.pins
@@ -122,19 +138,27 @@ def fit(
         tell,
     )
     search.run()
-    design, unrounded = search.best.design(guess.design), None
+    by_preview = measured(search.best.design(guess.design))
+    of_exact = ExactCorrection(search, target, places, plan.lattice_vectors, report)
+    if exact and corrections:
+        of_exact.run(guess.design, corrections)
+    unrounded = by_preview.mean_percent if of_exact.distance is None else of_exact.distance.mean_percent
+    design = search.best.design(guess.design)
     if printer is not None:
-        unrounded = measured(design)
         rounding = choose_rounding(layout(design), printer)
         tell(f"rounding to layers of {rounding.layer_mm:g} mm on {rounding.first_layer_mm:g} mm")
-        search.refine_lengths(with_rounding(guess.design, rounding), ROUNDED_STEPS)
-        design = search.best.design(with_rounding(guess.design, rounding))
+        base = with_rounding(guess.design, rounding)
+        search.refine(base, ROUNDED_STEPS, of_exact.offset_mm, lengths_only=True)
+        if exact and corrections:
+            of_exact.run(base, ROUNDED_CORRECTIONS, lengths_only=True)
+        design = search.best.design(base)
     shape = preview(design, law)
-    verification = verify(design, law, report=report, say=tell, ready=shape) if exact else None
+    verification = verify(design, law, report=report, say=tell, ready=shape, near=of_exact.exact) if exact else None
     result = shape if verification is None else verification.exact[verification.result]
     of_preview = distance(shape)
     of_result = of_preview if verification is None else distance(result)
     record = _record(of_preview, shape)
+    rounded = of_preview if of_exact.distance is None else of_result
     summary: dict[str, Any] = {
         "model": "fit",
         "target": target.name,
@@ -144,17 +168,19 @@ def fit(
         "stretch": guess.menu.stretch,
         "stars": len(plan.centres),
         "needles": sum(len(pins.corners or ()) for pins in design.pins),
+        "held_border": any(pins.where == "border" for pins in design.pins),
         **{name: value for name, value in vars(guess.reach).items() if name != "warnings"},
         "share_at_bounds": search.best.share_at_bounds,
         "first_guess": measured(guess.design),
-        "unrounded": unrounded,
+        "unrounded": None if printer is None else by_preview,
         "preview": record,
         "exact": None if verification is None else _record(of_result, result),
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
         "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
         "within_percent": within_percent,
-        "rounding_loss_percent": None if unrounded is None else record.mean_percent - unrounded.mean_percent,
+        "rounding_loss_percent": None if printer is None else rounded.mean_percent - unrounded,
         "steps": [vars(step) for step in search.steps],
+        "corrections": [vars(step) for step in of_exact.done],
         "restarts": search.restarts,
         "warnings": [*guess.reach.warnings, *_warnings(search, of_result, verification)],
         "version": __version__,

@@ -69,7 +69,7 @@ def target_reach(
     menu : of the chosen stretch.
     menus : of all stretches of the law, for messages.
     has_needles : whether needles hold the sheet.
-    nearest : the sheet that comes nearest is wanted where the contractions do not suffice.
+    nearest : the sheet that comes nearest is wanted where contractions or curvatures do not suffice.
 
     Raises
     ------
@@ -88,11 +88,14 @@ def target_reach(
     size = np.abs(curvatures).max(axis=1)
     sharpest = int(size.argmax())
     if size[sharpest] > limit:
-        raise ReachError(
-            f"{name}: at {place_text(places[sharpest], 0)} the target curves by 1/{1.0 / size[sharpest]:.1f} mm; stars "
+        line = (
+            f"at {place_text(places[sharpest], 0)} the target curves by 1/{1.0 / size[sharpest]:.1f} mm; stars "
             f"{menu.spacing_mm:.1f} mm apart reach 1/{1.0 / limit:.1f} mm: make the target "
             f"{np.ceil(10 * size[sharpest] / limit) / 10:.1f} times larger, or smooth it there"
         )
+        if not nearest:
+            raise ReachError(f"{name}: {line}")
+        warnings.append(line)
     wrong = float((curvatures.sum(axis=1) < -MIN_WRONG_SIDE_CURVATURE * limit).mean())
     if wrong > MAX_WRONG_SIDE_SHARE and not has_needles:
         warnings.append(

@@ -110,10 +110,18 @@ class Residual:
     target : the surface.
     places : of the print.
     is_free : whether the sheet has no supports; then it is laid on the target.
+    offset_mm : (n, 3), added to the mean surface: the error of the preview as far as it is known.
     """
 
-    def __init__(self, target: TargetSurface, places: FitPlaces, is_free: bool) -> None:
+    def __init__(
+        self, target: TargetSurface, places: FitPlaces, is_free: bool, offset_mm: Floats | None = None
+    ) -> None:
         self._target, self.places, self._is_free = target, places, is_free
+        self._offset: Floats | float = 0.0 if offset_mm is None else offset_mm
+
+    def shifted(self, offset_mm: Floats | None) -> Residual:
+        """The residuals with another offset."""
+        return Residual(self._target, self.places, self._is_free, offset_mm)
 
     @cached_property
     def _normals(self) -> Floats:
@@ -124,7 +132,7 @@ class Residual:
         """The residuals of a preview, at its equilibrium or at degrees of freedom x (N, 3) of a stage."""
         shown = preview.lens(self.places.points)(x)
         count = self.places.count
-        surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps)
+        surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps) + self._offset
         rotation = np.eye(3)
         if self._is_free:
             rotation, shift = self.pose(surface)

@@ -50,9 +50,15 @@ def _parts(fitted: Fit) -> dict[str, tuple[float, str]]:
             f"at stretch {s.stretch:g}. A larger stretch, a flatter target or a cut helps."
         )
     parts = {"stars": (stars.mean_percent, cause)}
-    if s.unrounded is not None and (lost := _added(s.preview.mean_percent, s.unrounded.mean_percent)):
+    lost, between = _added(s.preview.mean_percent, stars.mean_percent), 0.0
+    if s.exact is not None:
+        between = _added(s.exact.mean_percent, s.preview.mean_percent)
+        if s.corrections:  # then the loss by rounding is that of the exact shape
+            unrounded = s.exact.mean_percent - (s.rounding_loss_percent or 0.0)
+            lost, between = _added(s.exact.mean_percent, unrounded), _added(unrounded, stars.mean_percent)
+    if lost:
         parts["rounding"] = (lost, "Thicknesses and widths are whole layers and lines of the printer.")
-    if s.exact is not None and (between := _added(s.exact.mean_percent, s.preview.mean_percent)):
+    if between:
         parts["model"] = (
             between,
             "The fit follows the preview, and the exact shape of the same design differs from it.",

@@ -17,6 +17,11 @@ def _preview(record: FitRecord) -> str:
     return f"{record.preview.mean_percent:.2f} %, first guess {record.first_guess.mean_percent:.2f} %"
 
 
+def _print(record: FitRecord) -> str:
+    held = "held border" if record.held_border else f"{record.needles} needles"
+    return f"{record.stars} stars, {held}, stretch {record.stretch:g}"
+
+
 def _contraction(record: FitRecord) -> str:
     return f"ratio {record.needed_ratio:.3f} needed, {record.available_ratio:.3f} available"
 
@@ -59,8 +64,9 @@ class FitRecord(Record):
     )
     shift_mm: list[float] = key("Shift of that pose.", unit="mm")
     stretch: float = key("Stretch of the fabric.")
-    stars: int = key("Number of stars.", label="print", show="{stars} stars, {needles} needles, stretch {stretch:g}")
-    needles: int = key("Number of needles; 0 for a free sheet.")
+    stars: int = key("Number of stars.", label="print", show=_print)
+    needles: int = key("Number of needles; 0 for a free sheet or a held border.")
+    held_border: bool = key("The whole border is held along that of the target.")
     needed_ratio: float = key(
         "Largest contraction that the target needs over the smallest one.", label="contraction", show=_contraction
     )
@@ -71,20 +77,32 @@ class FitRecord(Record):
     share_at_bounds: float = key("Share of the stars with the shortest or the longest arms that the law covers.")
     first_guess: TargetDistanceRecord = key("Preview of the first guess, from the flattening and the law alone.")
     unrounded: TargetDistanceRecord | None = key(
-        "Fresh preview of the fit before thicknesses are rounded to layers; null without rounding."
+        "Fresh preview of the fit by the preview alone, before corrections and rounding; null without rounding."
     )
-    preview: TargetDistanceRecord = key("Fresh preview of the design as written.", label="preview", show=_preview)
+    preview: TargetDistanceRecord = key(
+        "Fresh preview of the design as written. After corrections, its distance contains the error of the preview.",
+        label="preview",
+        show=_preview,
+    )
     exact: TargetDistanceRecord | None = key("Exact shape of the design as written; null if it was not computed.")
-    exact_agrees: bool | None = key("Both starts of the exact model lead to one minimum; null if it was not computed.")
+    exact_agrees: bool | None = key(
+        "The exact model finds one minimum from the flat print, and from the preview or by the corrections; null if it "
+        "was not computed."
+    )
     reached: bool = key("The distance is within the limit that was asked for.", label="distance", show=_reached)
     within_percent: float = key("That limit, for `mean_percent` of the exact shape, or of the preview.", unit="%")
     rounding_loss_percent: float | None = key(
-        "Increase of the preview's distance by rounding; null without rounding.",
+        "Increase of the distance by rounding: of the exact shape if there are corrections, else of the preview; null "
+        "without rounding.",
         unit="%",
         label="loss by rounding",
         show="{rounding_loss_percent:.3f} % of the diameter",
     )
     steps: list[dict[str, Any]] = key("Steps of the fit: `kind`, and `rms_percent` of the preview after it.")
+    corrections: list[dict[str, Any]] = key(
+        "Exact shapes on the way: `mean_percent`, the `share` of the preview's error that was added before, whether "
+        "the sizes were `kept`. Those of rounded thicknesses come last."
+    )
     restarts: int = key("How often a fresh preview took another form than the followed one.")
     warnings: list[str] = key("What limits the fit, one line each.")
     version: str = key("Version of asterism.")

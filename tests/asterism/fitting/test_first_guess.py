@@ -58,11 +58,25 @@ def test_needles_hold_the_outline_at_its_places_on_the_target(guess: FirstGuess)
 
 
 def test_the_needles_of_a_target_with_corners_stand_at_them() -> None:
-    guess = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law())
+    guess = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law(), border=False)
     corners = [[x, y] for x in (-40.0, 40.0) for y in (-40.0, 40.0)]
     places = np.array(guess.design.pins[0].target_mm)[:, :2]
     for corner in corners:
         assert np.linalg.norm(places - corner, axis=1).min() < 1.0
+
+
+def test_the_border_of_a_saddle_is_held_along_that_of_the_target() -> None:
+    target = TargetSurface.of_formula("9*x*y/1600", 80.0)
+    guess = guess_design(target, paper_law())
+    (pins,) = guess.design.pins
+    assert pins.where == "border"
+    (held,) = layout(guess.design).pins
+    outline = layout(guess.design).outline
+    middles = held.places(0.5 * (outline + np.roll(outline, -1, axis=0)))
+    assert np.abs(target.nearest(middles).distance).max() < 0.05
+    # asked for, a dome is held in the same way; needles are as before
+    assert guess_design(cap(30.0), paper_law(), border=True).design.pins[0].where == "border"
+    assert guess_design(target, paper_law(), needles=8).design.pins[0].corners is not None
 
 
 def test_a_number_of_needles_and_none() -> None:

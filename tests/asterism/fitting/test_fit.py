@@ -82,6 +82,35 @@ def test_a_free_sheet_is_laid_on_the_target(target: TargetSurface) -> None:
     assert heights[radius.argmin()] > heights[radius.argmax()] + 5.0
 
 
+@pytest.mark.slow
+def test_the_exact_model_corrects_the_fit(target: TargetSurface) -> None:
+    fitted = fit(target, printer=load_printer("ultimaker2"), corrections=2)
+    summary = fitted.summary
+    assert summary.exact is not None and summary.exact.is_minimum
+    # corrections of all sizes come first, those of the lengths after rounding begin with an uncorrected shape again
+    first = [step for step in summary.corrections if step["kept"]]
+    assert first[0]["share"] == 0.0 and len(summary.corrections) >= 2
+    best = min(step["mean_percent"] for step in first)
+    assert best <= first[0]["mean_percent"] and summary.exact.mean_percent < 0.5
+    # the verified design is the one whose exact shape was measured last
+    assert summary.exact.mean_percent <= summary.corrections[-1]["mean_percent"] + 0.3
+    assert fitted.verification is not None and fitted.verification.design.to_dict() == fitted.design.to_dict()
+
+
+def test_an_offset_moves_the_mean_surface(target: TargetSurface) -> None:
+    from asterism.fitting.first_guess import guess_design
+
+    guess = guess_design(target, paper_law())
+    plan = layout(guess.design)
+    places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
+    residual, preview = Residual(target, places, False), Preview(guess.design)
+    offset = np.tile([0.0, 0.0, 0.5], (places.count, 1))
+    before, after = residual.at(preview), residual.shifted(offset).at(preview)
+    np.testing.assert_allclose(after.places - before.places, offset, atol=1e-12)
+    # the plastic side is up: a sheet that is lifted is further out
+    assert np.all(after.normal_mm > before.normal_mm + 0.3)
+
+
 def test_derivatives_of_the_residuals_are_the_limit_of_edits(fitted: Fit, target: TargetSurface) -> None:
     from asterism.fitting.first_guess import guess_design
     from asterism.fitting.star_unknowns import StarUnknowns
@@ -109,6 +138,10 @@ def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
     for needles in (1, 2, -1, 2.5, 1001):
         with pytest.raises(ValueError, match="needles = "):
             fit(target, needles=needles)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="needles = 8: go without border"):
+        fit(target, needles=8, border=True)
+    with pytest.raises(ValueError, match="corrections = -1: must be a whole number from 0 to 20"):
+        fit(target, corrections=-1)
 
 
 def test_the_command_writes_a_design_and_its_evidence(
@@ -138,6 +171,7 @@ def test_the_command_writes_a_design_and_its_evidence(
         (["-o", "design.txt"], "must end with .toml"),
         (["--free", "--needles", "5"], "--free: conflicts with --needles 5"),
         (["--needles", "2"], "2 needles hold no sheet"),
+        (["--border", "--needles", "8"], "--border: conflicts with --needles 8"),
         (["--stretch", "1.5"], "fabric.stretch = 1.5"),
         (["--size-mm", "5000"], "mm large, allowed are 10 to 4000 mm"),
         (["--size-mm", "40"], "has room for"),

@@ -61,6 +61,7 @@ def fitted() -> Fit:
             "stretch": guess.menu.stretch,
             "stars": len(plan.centres),
             "needles": len(plan.pin_points),
+            "held_border": False,
             **reach,
             "share_at_bounds": 0.0,
             "first_guess": record,
@@ -72,6 +73,7 @@ def fitted() -> Fit:
             "within_percent": 1.0,
             "rounding_loss_percent": None,
             "steps": [],
+            "corrections": [],
             "restarts": 0,
             "warnings": ["a <line> that limits"],
             "version": "0",
@@ -110,6 +112,10 @@ def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
     page = fit_page(with_numbers(fitted, **values, exact_agrees=False))
     assert "exact model against preview" in page and "+0.050 %" in page
     assert "lead to different minima" in page
+    corrected = [{"mean_percent": 0.4, "share": 0.0, "kept": True}]
+    rest = remainder(with_numbers(fitted, **values, corrections=corrected))
+    assert rest.parts["rounding"][0] == pytest.approx(np.sqrt(0.6**2 - 0.55**2))
+    assert np.sqrt(sum(size**2 for size, _ in rest.parts.values())) == pytest.approx(0.7)
     gain = remainder(with_numbers(fitted, **values | {"exact": distances(0.1, 0.2)}))
     assert "model" not in gain.parts
 
