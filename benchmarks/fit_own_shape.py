@@ -15,8 +15,9 @@ from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
-from asterism.previews.session import Preview, paper_law
+from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
 from asterism.verification.run import verify
 from benchmarks.fit_targets import RINGS, round_mesh
