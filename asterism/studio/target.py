@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.fitting.rhino_file import RHINO_FORMAT, read_rhino
 from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
 from asterism.studio import frames
@@ -76,12 +77,13 @@ class Target:
 
 
 def read_target(path: Path, name: str) -> Target:
-    """The target in a file.
+    """The target in a file of triangles, or in a 3DM file, whose unit is converted to mm.
 
     Raises
     ------
-    ScanError
+    ScanError, TargetError
         The file holds no surface.
     """
-    vertices, triangles = read_surface(path)
+    is_rhino = path.suffix.lower() == RHINO_FORMAT
+    vertices, triangles = read_rhino(path, None) if is_rhino else read_surface(path)
     return Target(name or path.name, vertices, triangles)

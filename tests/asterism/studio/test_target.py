@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from starlette.testclient import TestClient
 
 from asterism.studio import frames
 from asterism.studio.messages import FitTarget, Parts, TargetPose
 from asterism.studio.studio import Studio
 from asterism.studio.target import TARGET
+from tests.asterism.fitting.test_load_target import nurbs_vault, rhino_file
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 
 # twelve by nine points
@@ -77,3 +80,16 @@ def test_the_engine_sends_the_sheet_without_bumps_while_a_page_shows_it(client: 
     page.send(type="bumps", shown=True)
     is_done(page)
     assert asked[-1] == Parts(asked[-1].seq, smooth=False)
+
+
+def test_a_surface_of_rhino_is_a_target_in_mm(client: TestClient, page: Page, studio: Studio, tmp_path: Path):
+    rhino3dm = pytest.importorskip("rhino3dm")
+    page.until("shape")
+    content = rhino_file(tmp_path / "vault.3dm", Surface=nurbs_vault(rhino3dm)).read_bytes()
+    headers = {"origin": f"http://{HOST}", "x-name": "vault.3dm"}
+    answer = client.post(f"/{TOKEN}/upload?kind=target", content=content, headers=headers)
+    assert answer.status_code == 200, answer.text
+    data = answer.json()["target"]
+    assert data["unit"] == "mm" and data["size_mm"][:2] == pytest.approx([100.0, 100.0])
+    answer = client.post(f"/{TOKEN}/upload?kind=target", content=content[:200], headers=headers)
+    assert answer.json()["problem"]["text"] == "cannot be read as 3DM: the file is damaged or cut short"

@@ -25,11 +25,11 @@ export function targetPart({ store, connection, actions }, { on }) {
       hint("Load the surface that the sheet should come to: it stands beside the sheet as a ghost, and the distance is measured."),
       button({
         icon: "upload",
-        text: "Load OBJ, STL or PLY",
+        text: "Load OBJ, STL, PLY or 3DM",
         kind: "wide",
         testid: "load-target",
         disabled: !isReady,
-        onclick: () => actions.upload("target", ".obj,.stl,.ply", () => {}),
+        onclick: () => actions.upload("target", ".obj,.stl,.ply,.3dm", () => {}),
       }),
     ];
   }
