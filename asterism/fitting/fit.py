@@ -142,7 +142,7 @@ def fit(
     of_exact = ExactCorrection(search, target, places, plan.lattice_vectors, report)
     if exact and corrections:
         of_exact.run(guess.design, corrections)
-    unrounded = by_preview.mean_percent if of_exact.distance is None else of_exact.distance.mean_percent
+    unrounded = of_exact.distance
     design = search.best.design(guess.design)
     if printer is not None:
         rounding = choose_rounding(layout(design), printer)
@@ -158,7 +158,7 @@ def fit(
     of_preview = distance(shape)
     of_result = of_preview if verification is None else distance(result)
     record = _record(of_preview, shape)
-    rounded = of_preview if of_exact.distance is None else of_result
+    rounded = of_preview if unrounded is None else of_result
     summary: dict[str, Any] = {
         "model": "fit",
         "target": target.name,
@@ -178,7 +178,9 @@ def fit(
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
         "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
         "within_percent": within_percent,
-        "rounding_loss_percent": None if printer is None else rounded.mean_percent - unrounded,
+        "rounding_loss_percent": None
+        if printer is None
+        else rounded.mean_percent - (unrounded or by_preview).mean_percent,
         "steps": [vars(step) for step in search.steps],
         "corrections": [vars(step) for step in of_exact.done],
         "restarts": search.restarts,
