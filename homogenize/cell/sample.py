@@ -33,47 +33,58 @@ class Sample:
 
     Energies are per area of the print, relative to the flat relaxed cell. "Natural" means the tube with zero moment. If
     its curvature is below `natural_curvature.MIN_NATURAL_CURL`, then stretches, corrugation and membrane are those of a
-    tube of small curvature. The mean surface is that of all points of the fabric, weighted by printed area. D is the
-    number of directions. Signs and angles are those of the room (`homogenize.cell`).
+    tube of small curvature. The mean surface is that of all points of the fabric, weighted by printed area. Signs and
+    angles are those of the room (`homogenize.cell`).
+
+    D is the number of directions, M that of the meshes of an arm (1 or 2), W that of the waves of the corrugation, and
+    P_d that of the solved tubes of direction d.
 
     Attributes
     ----------
-    length_mm, thickness_mm, width_mm, stretch, edge_mm, spacing_mm, vertices : the solved cell; the stretch is along x.
-    segments, segment_weights : mesh edges of an arm, and the weight of each mesh.
-    meshes_apart : difference of the mean natural curvatures of the two meshes over the larger one: 2 for opposite ones,
-    0
-        if neither curls, None with one mesh.
+    length_mm, thickness_mm, width_mm : mm, size of the star's arms.
+    stretch : of the fabric, the same along x and y.
+    edge_mm : mm, edges of the mesh.
+    spacing_mm : mm, distance of the star centres.
+    vertices : vertices of the mesh, or of both meshes.
+    segments : (M,) mesh edges along an arm.
+    segment_weights : (M,) weight of each mesh; the sum is 1.
+    meshes_apart : difference of the mean natural curvatures of the two meshes over the larger one: 2 for opposite
+        ones, 0 if neither curls, None with one mesh.
     failed : why some or all responses are missing, in one line; None for a complete sample.
-    rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates; lam = sqrt(det F).
+    rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates.
+    lam : sqrt(det F), its contraction.
     membrane : (3, 3) N/mm, tangent stiffness of the flat relaxed cell.
     anisotropy : distance of the membrane's or the bending's tangent from isotropy, the larger one.
-    angles_rad : (D,) of the tubes.
+    angles_rad : (D,) rad, directions of the tubes on the print.
     natural_curvature : (D,) 1/mm of the contracted sheet: one over the radius of the mean surface.
     natural_print_curvature : (D,) 1/mm, angle around the tube per printed length: natural curvature x hoop stretch.
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
     natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `tube_membrane`.
     relief : (2, W) amplitudes of the corrugation, see `corrugation_waves`: in mm on the flat cell, and in mm^2 the
-    change
-        per curvature of the contracted sheet up to the natural tubes (mean over the directions).
+        change per curvature of the contracted sheet up to the natural tubes (mean over the directions).
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
         curvature; 0 without natural curvature and without threefold symmetry.
-    curve_curvature, curve_energy, curve_moment, curve_hoop : for each direction, all solved tubes by growing curvature:
-        1/mm of the print, N/mm, N (derivative of the energy by that curvature), hoop stretch. The law does not use
-        them; they are the moment-curvature curves for a law that is not quadratic.
-    stiffness : (6, 6) `[A B; B^T D]` of the mean surface, see `effective_stiffness`.
+    curve_curvature : D arrays (P_d,) 1/mm of the print: for each direction, all solved tubes by growing curvature. The
+        law does not use these curves; they are for a law that is not quadratic.
+    curve_energy : D arrays (P_d,) N/mm.
+    curve_moment : D arrays (P_d,) N, derivative of the energy by that curvature.
+    curve_hoop : D arrays (P_d,), hoop stretches.
+    stiffness : (6, 6) `[A B; B^T D]` of the mean surface in N/mm, N and N mm, see `effective_stiffness`.
     rest_curvature : (3,) 1/mm, Voigt curvature at which the linear response has no moment.
     moment : (3,) N of the flat relaxed cell, conjugate to the Voigt curvature.
-    centre_offset_mm, natural_centre_offset_mm : star's centre over the mean surface, flat; and (D,) on the natural
-    tubes. bump_mm, natural_bump_mm : star's centre over its tips, flat; and (D,) on the natural tubes. eigenvalue,
-    eigenvalue_error : N/mm, smallest of the flat cell's Hessian. supercell_eigenvalue, supercell_eigenvalue_error :
-    N/mm, the same for 2 x 2 stars. natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
+    centre_offset_mm : mm, star's centre over the mean surface of the flat cell.
+    natural_centre_offset_mm : (D,) mm, the same on the natural tubes.
+    bump_mm : mm, star's centre over its tips on the flat cell.
+    natural_bump_mm : (D,) mm, the same on the natural tubes.
+    eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian, and a bound of its error.
+    supercell_eigenvalue, supercell_eigenvalue_error : N/mm, the same for 2 x 2 stars.
+    natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
     down_energy : N/mm, of the flat cell with its star down; None if the flat cell has one equilibrium only. Its
-    `bump_mm`
-        may then be negative; the side of the star is that of `natural_bump_mm`.
-    iterations : of Newton's method, all solves.
-    seconds : wall time by part.
+        `bump_mm` may then be negative; the side of the star is that of `natural_bump_mm`.
+    iterations : iterations of Newton's method in all solves.
+    seconds : s, wall time by part.
     """
 
     length_mm: float
