@@ -16,6 +16,7 @@ import asterism
 from pattern import gallery
 from pattern.design.design import Design, save_design
 from pattern.layout.load_design import load_design
+from tests.pattern.design.rhino_drawing import Drawing
 
 ROOT = Path(__file__).parents[1]
 # a drawing of two layers: a closed rim, and a rib across it
@@ -108,6 +109,11 @@ def test_links_lead_somewhere(page: Path, link: str) -> None:
 def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> None:
     Image.new("L", (4, 3)).save(tmp_path / "sizes.png")
     (tmp_path / "leaf.svg").write_text(LEAF, encoding="utf-8")
+    if "roof.3dm" in block:
+        roof = Drawing()
+        roof.polyline([(0, 0), (200, 0), (200, 150), (0, 150), (0, 0)], "sheet::cut")
+        roof.polyline([(100, 40), (100, 110)], "ribs")
+        roof.saved(tmp_path, "roof.3dm")
     for text in whole_designs(block):
         file = tmp_path / "design.toml"
         file.write_text(text, encoding="utf-8")

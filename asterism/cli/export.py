@@ -45,6 +45,9 @@ def export(
     turn: Annotated[float, typer.Option(help="Rotation of the print on the bed in degrees, counterclockwise.")] = 0.0,
     needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on supported edges in mm.")] = 20.0,
     border: Annotated[bool, typer.Option("--border/--no-border", help="Print a line to cut along.")] = True,
+    formats: Annotated[
+        list[str] | None, typer.Option("--format", help="Also write this format: 3dm for Rhino (requires rhino3dm).")
+    ] = None,
 ) -> None:
     """Write all files for a print: solids, layout at 1:1, needles, start code, instructions.
 
@@ -87,6 +90,7 @@ def export(
             turn_deg=turn,
             needle_spacing_mm=needle_spacing,
             border=border,
+            formats=formats or (),
             report=run.report,
             say=run.say,
         )

@@ -9,27 +9,12 @@ import numpy as np
 
 from asterism.fitting.errors import TargetError
 from equilibrium.arrays import Floats, Ints
+from pattern.design.rhino_model import open_rhino_model
 
-RHINO_FORMAT = ".3dm"
-# larger files are refused
-MAX_RHINO_BYTES = 200_000_000
 # points along each parameter of a NURBS surface: at least, and for each span between knots
 MIN_SURFACE_POINTS = 60
 POINTS_A_SPAN = 8
 MAX_SURFACE_POINTS = 200
-# mm, by the names of `rhino3dm.UnitSystem`
-RHINO_UNITS_MM = {
-    "Microns": 1e-3,
-    "Millimeters": 1.0,
-    "Centimeters": 10.0,
-    "Decimeters": 100.0,
-    "Meters": 1000.0,
-    "Inches": 25.4,
-    "Feet": 304.8,
-    "Yards": 914.4,
-    "None": 1.0,
-    "Unset": 1.0,
-}
 
 
 def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
@@ -51,33 +36,16 @@ def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
     TargetError
         `rhino3dm` is not installed, or the file holds no surface that can be read.
     """
-    if not path.is_file():
-        raise TargetError(path, "is no file" if path.exists() else "is not there")
-    if path.stat().st_size > MAX_RHINO_BYTES:
-        raise TargetError(path, f"is larger than {MAX_RHINO_BYTES // 1_000_000} MB")
-    try:
-        import rhino3dm
-    except ImportError:
-        raise TargetError(path, 'reading 3DM needs rhino3dm: pip install "asterism-fabric[rhino]"') from None
-    file: Any
-    try:
-        file = rhino3dm.File3dm.Read(str(path))
-    except Exception:  # errors of the binding have no common class
-        file = None
-    if file is None:
-        raise TargetError(path, "cannot be read as 3DM: the file is damaged or cut short")
-    unit = file.Settings.ModelUnitSystem.name
-    if mm is None and unit not in RHINO_UNITS_MM:
-        raise TargetError(path, f"its unit is {unit}: save it in mm, or give the unit of its numbers")
-    meshes = [mesh for thing in file.Objects if thing.Attributes.Visible for mesh in _meshes(path, thing.Geometry)]
+    model = open_rhino_model(path, mm, lambda problem: TargetError(path, problem))
+    meshes = [mesh for geometry, _ in model.visible() for mesh in _meshes(path, geometry)]
     if not meshes:
-        kinds = sorted({type(thing.Geometry).__name__ for thing in file.Objects})
+        kinds = sorted({type(thing.Geometry).__name__ for thing in model.file.Objects})
         held = f"only {', '.join(kinds)}" if kinds else "nothing"
         raise TargetError(path, f"holds no visible surface or mesh, {held}")
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
     vertices = np.concatenate([vertices for vertices, _ in meshes])
     triangles = np.concatenate([triangles + start for (_, triangles), start in zip(meshes, starts, strict=False)])
-    return (RHINO_UNITS_MM[unit] if mm is None else mm) * vertices, triangles
+    return model.mm * vertices, triangles
 
 
 def _meshes(path: Path, geometry: Any) -> list[tuple[Floats, Ints]]:

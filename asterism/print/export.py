@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.print.adjusted_printer import adjusted_printer
+from asterism.print.formats.registry import demanded_formats
 from asterism.print.job import Job, prepare
 from asterism.print.known_printers import frame_warning
 from asterism.print.needles import NEEDLE_SPACING_MM
@@ -65,6 +66,7 @@ def export(
     turn_deg: float = 0.0,
     needle_spacing_mm: float = NEEDLE_SPACING_MM,
     border: bool = True,
+    formats: Sequence[str] = (),
     report: Callable[[str, Any], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> PrintExport:
@@ -86,6 +88,7 @@ def export(
     turn_deg : counterclockwise turn of the print on the bed.
     needle_spacing_mm : largest distance between needles on supported edges.
     border : print a line to cut along, if it fits on the bed.
+    formats : further formats: `3dm` for Rhino (requires rhino3dm), with the sheet in space if its shape is known.
     report, say : called with the progress of the exact model.
 
     Raises
@@ -107,6 +110,7 @@ def export(
     (True, 4.5)
     """
     check_shape_request(directory, shape, preview, simulate)
+    demanded = demanded_formats(formats)
     machine = load_printer(printer) if isinstance(printer, str) else printer
     frame_is_known = frame_mm is None and "frame" in machine.model_fields_set
     machine = adjusted_printer(machine, first_layer_mm, layer_mm, plate_mm, frame_mm)
@@ -139,7 +143,7 @@ def export(
         warnings += [f"the shape by the {by}: {line}" for line in change.get("warnings", ())]
     if computed is not None:
         job = job_with(computed) if preview or simulate else replace(job, glance=computed)
-    return PrintExport(job, write_export(job, directory, change), tuple(warnings))
+    return PrintExport(job, write_export(job, directory, change, demanded), tuple(warnings))
 
 
 def check_shape_request(

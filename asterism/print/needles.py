@@ -20,6 +20,8 @@ from pattern.rods.graph import CORNER_DEG
 MIN_EDGE_DISTANCE_MM = 2.0
 # largest distance of needles on supported edges, unless another one is chosen
 NEEDLE_SPACING_MM = 20.0
+# diameter of the hole for a needle in the base
+HOLE_DIAMETER_MM = 1.0
 # a needle at a lower height holds the sheet on the base
 BASE_TOLERANCE_MM = 0.05
 # largest distance of a mesh, which has chords, from a curved outline

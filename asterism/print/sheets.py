@@ -23,12 +23,12 @@ from asterism.print.layers import (
     STARS,
     TEXT,
 )
+from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.print.sheet_page import DrawingItems, sheet_page
 from asterism.print.solid import Terrace
 from equilibrium.arrays import Floats
+from pattern.geometry.planar import dense_outline
 
-# diameter of a hole in the drilling template
-_HOLE_MM = 1.0
 # rows of the table of needles
 _MAX_TABLE_ROWS = 40
 # width of the words in a check square
@@ -113,7 +113,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     items: DrawingItems = []
     points = np.array([place[:2] for _, place in known])
     if job.shape is not None:
-        outline = job.shape.at(_dense(job.plan.outline))[:, :2]
+        outline = job.shape.at(dense_outline(job.plan.outline))[:, :2]
         items.append(Polyline(OUTLINE_IN_SPACE, outline, closed=True))
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)
@@ -131,7 +131,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     if len(table) > _MAX_TABLE_ROWS:
         table = ["All needles are in needles.csv."]
     paragraphs = [
-        f"Glue this page on the base, drill {_HOLE_MM:g} mm holes at the circles, set the needles upright.",
+        f"Glue this page on the base, drill {HOLE_DIAMETER_MM:g} mm holes at the circles, set the needles upright.",
         "The numbers are those of the layout: push every needle through the sheet at its place there.",
         "z is the height of the sheet above the base; beside a hole without one it is 0"
         + (", or the sheet slides." if any(needle.height_mm is None for needle, _ in known) else "."),
@@ -182,13 +182,7 @@ def _marks(frame: tuple[float, float], bed: tuple[float, float]) -> DrawingItems
 
 def _needle(at: Floats, label: str) -> DrawingItems:
     return [
-        Circle(NEEDLES, at, _HOLE_MM / 2),
+        Circle(NEEDLES, at, HOLE_DIAMETER_MM / 2),
         *cross_mark(NEEDLES, at, 2.5),
         Label(NEEDLES, offset_points(at, (1.6, 1.6)), label, 3.2),
     ]
-
-
-def _dense(border: Floats) -> Floats:
-    """Points on the border at most 2 mm apart."""
-    ring = shapely.segmentize(shapely.linearrings(border), 2.0)
-    return np.asarray(shapely.get_coordinates(ring)[:-1])

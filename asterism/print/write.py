@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from asterism.print import instructions, sheets
-from asterism.print.formats.registry import FormatKind, export_formats, write_all
+from asterism.print.formats.registry import ExportFormat, FormatKind, export_formats, write_all
 from asterism.print.job import Job
 from asterism.print.middle_lines import middle_lines
 from asterism.print.rounded import better_layers, tiny_pieces
@@ -27,6 +28,8 @@ from pattern.design.design import save_design
 
 # name of the rounded design
 ROUNDED = "rounded.toml"
+# name of the files on demand, without their ending
+MODEL_STEM = "model"
 # files of some exports; those of an earlier export are removed
 OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "stars": ("solid", "script"),
@@ -35,15 +38,22 @@ OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "middle-lines": ("drawing",),
     "needles": ("table", "drawing"),
     "shape": ("shape",),
+    MODEL_STEM: ("model",),
 }
 
 
-def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | None = None) -> ExportRecord:
+def write_export(
+    job: Job,
+    directory: str | Path,
+    change: ShapeChangeRecord | None = None,
+    formats: Sequence[ExportFormat] = (),
+) -> ExportRecord:
     """Write everything for printing a job into a directory, all or none; returns the content of export.json.
 
     Parameters
     ----------
     change : change of the shape by rounding, from `printed_shape`; None if it was not computed.
+    formats : further formats of the whole job, from `demanded_formats`.
 
     Raises
     ------
@@ -64,6 +74,8 @@ def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | No
         save_design(job.design, folder / ROUNDED)
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)
+        for each in formats:
+            each.write(folder / f"{MODEL_STEM}{each.suffix}", job)
         summary = _summary(job, tiny, change, sorted([EXPORT_SUMMARY_FILE, *(file.name for file in folder.iterdir())]))
         (folder / EXPORT_SUMMARY_FILE).write_text(summary.json_text(), encoding="utf-8")
     return summary

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from asterism.fitting.rhino_file import RHINO_FORMAT, read_rhino
+from asterism.fitting.rhino_file import read_rhino
 from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
 from asterism.studio import frames
 from asterism.studio.messages import Surface, TargetPose
 from equilibrium.arrays import Floats, Ints
+from pattern.design.rhino_model import RHINO_FORMAT
 
 TARGET = 4  # kind of the binary frame of a target
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import shapely
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.holes import MAX_HOLES, Hole
-from pattern.design.section import Line, Number, Point, Section, Whole
+from pattern.design.outline_file import with_outline
+from pattern.design.section import Line, Number, Point, Section, Text, Whole
 from pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
@@ -24,13 +26,18 @@ MIN_SPIKE_ASPECT = 20.0
 
 
 class Border(Section):
-    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm` and `rods`.
+    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `file` and `rods`.
 
     Attributes
     ----------
     rings : hexagon around this many rings of stars about the central one (triangular lattice only).
     rectangle_mm : width and height, centred on the origin.
     polygon_mm : corners in order, clockwise or counterclockwise.
+    file : SVG, DXF or 3DM file, whose largest closed line is the outline; closed lines within it are holes. It is read
+        once: the outline is stored as `polygon_mm`, and the holes as `holes`.
+    layer : of the file; by default all closed lines.
+    origin : `middle` moves the middle of the outline's box to the origin; `drawing` keeps the file's own origin.
+    units : unit of a file that gives none.
     rods : name of a closed line of `[rods]` that is the outline: the fabric is cut along its outer edge.
     holes : holes in the sheet; lines and arms are cut there as at the outline.
     star_margin_mm : smallest distance from a star's centre to the outline of a rectangle or polygon, and to holes. By
@@ -47,15 +54,27 @@ class Border(Section):
     rings: Whole | None = Field(None, ge=0, le=40)
     rectangle_mm: Point | None = None
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
+    file: Text | None = None
+    layer: Text | None = None
+    origin: Literal["middle", "drawing"] = "middle"
+    units: Literal["mm", "cm", "in", "px"] | None = None
     rods: Line | None = None
     holes: tuple[Hole, ...] = Field((), max_length=MAX_HOLES)
     star_margin_mm: Number | None = Field(None, ge=1, le=1000)
     overhang: Literal["cut", "refuse"] = "cut"
     tip_margin_mm: Number = Field(0.5, ge=0.1, le=100)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any, info: ValidationInfo) -> Any:
+        return with_outline(data, (info.context or {}).get("folder", Path())) if isinstance(data, dict) else data
+
     @model_validator(mode="after")
     def _one_outline(self) -> Border:
         self._check_one_of("rings", "rectangle_mm", "polygon_mm", "rods")
+        for name in ("layer", "units"):
+            if self.file is None and getattr(self, name) is not None:
+                raise DesignError(name, "goes with file", getattr(self, name))
         if self.rectangle_mm is not None and not all(1 <= side <= MAX_SHEET_MM for side in self.rectangle_mm):
             raise DesignError("rectangle_mm", f"must be two sides from 1 to {MAX_SHEET_MM:g} mm", self.rectangle_mm)
         if self.polygon_mm is not None:

@@ -1,4 +1,4 @@
-"""Lines in drawings of other programs, SVG and DXF, in mm with y upwards."""
+"""Lines in drawings of other programs, SVG, DXF and 3DM, in mm with y upwards."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ import numpy as np
 
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
+from pattern.design.rhino_lines import rhino_lines
+from pattern.design.rhino_model import RHINO_FORMAT, open_rhino_model
 from pattern.geometry.flattening import flattened
 
 MAX_FILE_BYTES = 20_000_000
@@ -59,7 +61,7 @@ def read_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
 
     Parameters
     ----------
-    path : file that ends in .svg or .dxf.
+    path : file that ends in .svg, .dxf or .3dm.
     curve_mm : largest distance of a curve from the polyline that stands for it.
     units : unit of a file that gives none; a key of `MM_OF_UNITS`.
 
@@ -72,9 +74,9 @@ def read_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
         raise _error(f"there is no such file in {path.parent.absolute()}", path)
     if path.stat().st_size > MAX_FILE_BYTES:
         raise _error(f"must be at most {MAX_FILE_BYTES // 1_000_000} MB", path)
-    readers = {".svg": _svg_lines, ".dxf": _dxf_lines}
+    readers = {".svg": _svg_lines, ".dxf": _dxf_lines, RHINO_FORMAT: _rhino_lines}
     if (reader := readers.get(path.suffix.lower())) is None:
-        raise _error("must end in .svg or .dxf", path)
+        raise _error("must end in .svg, .dxf or .3dm", path)
     lines = [replace(line, points=_cleaned(line.points)) for line in reader(path, curve_mm, units)]
     lines = [line for line in lines if len(line.points) > 1]
     if not lines:
@@ -192,6 +194,11 @@ def _dxf_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
         if len(points) > 1:
             lines.append(FileLine(points * scale, str(entity.dxf.layer), width * scale or None))
     return lines
+
+
+def _rhino_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]:
+    model = open_rhino_model(path, MM_OF_UNITS[units] if units else None, lambda problem: _error(problem, path))
+    return [FileLine(points, layer, None) for points, layer in rhino_lines(model, curve_mm)]
 
 
 def _entities(space: Any) -> list[Any]:

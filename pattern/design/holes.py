@@ -23,7 +23,7 @@ class Hole(Section):
     ----------
     circle_mm, polygon_mm, spline_mm : the edge of the hole; the polygon and the spline return to their first point.
     rods : name of a closed line of `[rods]` that is the edge: the fabric within it is cut out along its inner edge.
-    file : SVG or DXF file. Its closed lines are edges of holes.
+    file : SVG, DXF or 3DM file. Its closed lines are edges of holes.
     layer : of the file; by default all closed lines.
     origin, units : as of `[[rods.import]]`.
     rings_mm : the edges that were read from the file.

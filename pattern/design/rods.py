@@ -102,7 +102,7 @@ class StoredLine(Section):
 
 
 class ImportedDrawing(Section):
-    """Lines of an SVG or DXF file.
+    """Lines of an SVG, DXF or 3DM file.
 
     The file is read once. Its lines are stored in the design (`lines`), so that saved designs and results need no file.
 

@@ -12,6 +12,8 @@ from equilibrium.arrays import Floats
 MAX_TABLE_ENTRIES = 2_000_000
 # an outline that turns by less has no corner there
 STRAIGHT_TURN_RAD = 1e-6
+# points of an outline whose places in space are drawn
+OUTLINE_STEP_MM = 2.0
 
 
 def cross_2d(a: Floats, b: Floats) -> Floats:
@@ -22,6 +24,18 @@ def cross_2d(a: Floats, b: Floats) -> Floats:
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
     """Signed area of a polygon (n, 2): positive if counterclockwise."""
     return float(cross_2d(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
+
+
+def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = OUTLINE_STEP_MM) -> Float[np.ndarray, "m 2"]:
+    """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart.
+
+    Examples
+    --------
+    >>> dense_outline(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])).shape
+    (5, 2)
+    """
+    closed = shapely.segmentize(shapely.linearrings(ring), step_mm)
+    return np.asarray(shapely.get_coordinates(closed)[:-1])
 
 
 def turning_angles(ring: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-FormatKind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape"]
+from pattern.design.errors import DesignError
+
+FormatKind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape", "model"]
 Writer = TypeVar("Writer", bound=Callable[..., None])
 
 
@@ -22,28 +24,33 @@ class ExportFormat:
     name : name in messages.
     suffix : end of its file names, with the point.
     kind : content of a file: one `solid`, all solids of a `print`, one `drawing`, drawings as `pages`, the needles as a
-        `table`, stars and rods as a `script`, or the sheet in space as a `shape`.
+        `table`, stars and rods as a `script`, the sheet in space as a `shape`, or both as a `model`, which is
+        written on demand.
     write : function that writes one file.
+    check : raises an error if the format cannot be written, because a package is missing.
     """
 
     name: str
     suffix: str
     kind: FormatKind
     write: Callable[..., None]
+    check: Callable[[], Any] = lambda: None
 
 
 _FORMATS: list[ExportFormat] = []
 
 
-def export_format(name: str, suffix: str, *kinds: FormatKind) -> Callable[[Writer], Writer]:
+def export_format(
+    name: str, suffix: str, *kinds: FormatKind, check: Callable[[], Any] = lambda: None
+) -> Callable[[Writer], Writer]:
     """Register the decorated function as the writer of a format.
 
     The function takes the path, and by its kind: a `Solid`; solids and a title (print); a `Drawing`; drawings (pages);
-    needles (table); a `Job` (script); or a `Shape` and the design's name.
+    needles (table); a `Job` (script, model); or a `Shape` and the design's name.
     """
 
     def register(write: Writer) -> Writer:
-        _FORMATS.extend(ExportFormat(name, suffix, kind, write) for kind in kinds)
+        _FORMATS.extend(ExportFormat(name, suffix, kind, write, check) for kind in kinds)
         return write
 
     return register
@@ -69,3 +76,19 @@ def write_all(kind: FormatKind, folder: Path, stem: str, *content: Any) -> None:
     """Write one file in each format of a kind."""
     for each in export_formats(kind):
         each.write(folder / f"{stem}{each.suffix}", *content)
+
+
+def demanded_formats(names: Sequence[str]) -> list[ExportFormat]:
+    """The formats of the kind `model` with these names, such as `3dm`, in any case.
+
+    Raises
+    ------
+    DesignError
+        There is no such format, or its package is not installed.
+    """
+    known = {each.name.lower(): each for each in export_formats("model")}
+    for name in names:
+        if name.lower() not in known:
+            raise DesignError("--format", f"must be {' or '.join(known)}; all other formats are always written", name)
+        known[name.lower()].check()
+    return [known[name] for name in dict.fromkeys(map(str.lower, names))]

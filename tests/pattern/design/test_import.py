@@ -101,7 +101,7 @@ def test_stroke_gives_the_width_and_a_saved_design_needs_no_file(tmp_path: Path)
 
 REFUSED = [
     ("none.svg", None, {}, "there is no such file"),
-    ("leaf.ai", "x", {}, "must end in .svg or .dxf"),
+    ("leaf.ai", "x", {}, "must end in .svg, .dxf or .3dm"),
     ("leaf.svg", SVG.replace('width="100mm" height="80mm"', ""), {}, "has no size in mm: give it one"),
     ("leaf.svg", SVG.replace("scale(2)", "scale(2,3)"), {}, "with a stroke stretched 1.5 to 1"),
     ("leaf.svg", "<svg", {}, "cannot be read as SVG"),

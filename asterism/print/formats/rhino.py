@@ -1,0 +1,156 @@
+"""3DM of Rhino: the print and the sheet in space on named layers, in mm."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from asterism.print.formats.registry import export_format
+from asterism.print.job import Job
+from asterism.print.layers import CUT, NEEDLES, STARS
+from asterism.print.needles import HOLE_DIAMETER_MM
+from asterism.shape.off_sheet import off_sheet_mm
+from asterism.shape.shape import Shape
+from equilibrium.arrays import Floats
+from pattern.design.errors import DesignError
+from pattern.design.rhino_model import RHINO_NEEDED
+from pattern.geometry.planar import dense_outline
+
+# version of the file: Rhino 7 and later read it
+RHINO_VERSION = 7
+# colours of layers that the sheets do not have
+SHEET_COLOUR = "#e6dcc4"
+DRILLING_COLOUR = "#0a7d32"
+
+
+def rhino3dm_module() -> Any:
+    """The package `rhino3dm`.
+
+    Raises
+    ------
+    DesignError
+        It is not installed.
+    """
+    try:
+        return importlib.import_module("rhino3dm")
+    except ImportError:
+        raise DesignError("--format", RHINO_NEEDED, "3dm") from None
+
+
+@export_format("3DM", ".3dm", "model", check=rhino3dm_module)
+def write_rhino(path: Path, job: Job) -> None:
+    """Write a job for Rhino; layers without content are left out.
+
+    `print` holds the sheet as it lies on the printer, in the coordinates of the layout: `outline` with the holes of the
+    sheet, `plastic` as its edges, `needles` as points. `space` holds the sheet in space, if its shape is known: `sheet`
+    as a mesh, `arms` as middle lines of stars and rods, `outline`, `needles` from the base to the sheet. `base` holds
+    `drilling`: a circle and a point for each needle. Needles carry their numbers as names.
+    """
+    model = _Model(rhino3dm_module())
+    _print(model, job)
+    if job.seen is not None:
+        _space(model, job, job.seen)
+    _needles(model, job, job.seen)
+    model.write(path)
+
+
+def _print(model: _Model, job: Job) -> None:
+    for ring in job.cut:
+        model.polyline("print::outline", CUT.colour, _flat(job.placement.points(ring)), closed=True)
+    # the lowest layer is the widest
+    for polygon in shapely.get_parts(job.pattern[0].region):
+        for ring in (polygon.exterior, *polygon.interiors):
+            model.polyline("print::plastic", STARS.colour, _flat(shapely.get_coordinates(ring)))
+    for needle in job.needles:
+        place = _flat(job.placement.points(needle.printed)[None])[0]
+        model.point("print::needles", NEEDLES.colour, place, f"needle {needle.number}")
+
+
+def _space(model: _Model, job: Job, shape: Shape) -> None:
+    model.mesh("space::sheet", SHEET_COLOUR, shape.positions, shape.triangles, job.design.name)
+    for rod in shape.rods:
+        model.polyline("space::arms", STARS.colour, shape.positions[rod])
+    off = off_sheet_mm(job.plan, len(shape.printed))
+    for ring in (job.plan.outline, *job.plan.holes):
+        model.polyline("space::outline", CUT.colour, shape.at(dense_outline(ring), off), closed=True)
+
+
+def _needles(model: _Model, job: Job, shape: Shape | None) -> None:
+    """Holes in the base, and needles from there to the sheet. The base lies at z = 0 if the shape is not known."""
+    off = 0.0 if shape is None else off_sheet_mm(job.plan, len(shape.printed))
+    for needle in job.needles:
+        if needle.place is None:
+            continue
+        name, centre = f"needle {needle.number}", np.array([*needle.place[:2], 0.0])
+        if shape is not None and needle.height_mm is not None:
+            upper = shape.at(needle.printed[None], off)[0]
+            centre[2] = upper[2] - needle.height_mm
+            if needle.is_raised:
+                model.polyline("space::needles", NEEDLES.colour, np.array([centre, upper]), name=name)
+        model.point("base::drilling", DRILLING_COLOUR, centre, name)
+        model.circle("base::drilling", DRILLING_COLOUR, centre, HOLE_DIAMETER_MM / 2, name)
+
+
+class _Model:
+    """A 3DM file that makes its layers when they are first used."""
+
+    def __init__(self, rhino3dm: Any) -> None:
+        self._rhino = rhino3dm
+        self._file = rhino3dm.File3dm()
+        self._file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Millimeters
+        self._layers: dict[str, int] = {}
+
+    def polyline(self, layer: str, colour: str, points: Floats, closed: bool = False, name: str = "") -> None:
+        places = np.concatenate([points, points[:1]]) if closed else points
+        line = self._rhino.Polyline(len(places))
+        for place in places:
+            line.Add(*map(float, place))
+        self._file.Objects.AddPolyline(line, self._on(layer, colour, name))
+
+    def point(self, layer: str, colour: str, place: Floats, name: str) -> None:
+        self._file.Objects.AddPoint(self._rhino.Point3d(*map(float, place)), self._on(layer, colour, name))
+
+    def circle(self, layer: str, colour: str, centre: Floats, radius: float, name: str) -> None:
+        circle = self._rhino.Circle(self._rhino.Point3d(*map(float, centre)), radius)
+        self._file.Objects.AddCircle(circle, self._on(layer, colour, name))
+
+    def mesh(self, layer: str, colour: str, points: Floats, triangles: Iterable[Any], name: str) -> None:
+        mesh = self._rhino.Mesh()
+        for point in points:
+            mesh.Vertices.Add(*map(float, point))
+        for corners in triangles:
+            mesh.Faces.AddFace(*map(int, corners))
+        mesh.Normals.ComputeNormals()
+        self._file.Objects.AddMesh(mesh, self._on(layer, colour, name))
+
+    def write(self, path: Path) -> None:
+        if not self._file.Write(str(path), RHINO_VERSION):
+            raise OSError(f"rhino3dm cannot write {path.name}")
+
+    def _on(self, layer: str, colour: str, name: str) -> Any:
+        attributes = self._rhino.ObjectAttributes()
+        attributes.LayerIndex = self._layer(layer, colour)
+        attributes.Name = name
+        return attributes
+
+    def _layer(self, full_name: str, colour: str) -> int:
+        """Number of a layer; those above it are made too."""
+        if full_name not in self._layers:
+            above, _, name = full_name.rpartition("::")
+            layer = self._rhino.Layer()
+            layer.Name = name
+            layer.Color = (*bytes.fromhex(colour[1:]), 255)
+            if above:
+                layer.ParentLayerId = self._file.Layers[self._layer(above, colour)].Id
+            self._layers[full_name] = self._file.Layers.Add(layer)
+        return self._layers[full_name]
+
+
+def _flat(points: Floats) -> Floats:
+    """(n, 3) points on the plane z = 0."""
+    return np.column_stack([points, np.zeros(len(points))])
