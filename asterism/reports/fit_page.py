@@ -73,12 +73,12 @@ def _headline(s: FitRecord) -> dict[str, str]:
         "largest distance, with bumps": f"{result.largest_percent:.1f} %",
         "ratio of contractions: needed, available": f"{s.needed_ratio:.2f}, {s.available_ratio:.2f}",
         **({} if loss is None else {"loss by rounding to the printer": f"{loss:+.3f} %"}),
-        "stars, needles": f"{s.stars}, {s.needles}",
+        "stars, held by": f"{s.stars}, {s.held_by}",
     }
 
 
 def _how(s: FitRecord) -> str:
-    laid = "" if s.needles else " The free sheet is first laid on the target."
+    laid = "" if s.needles or s.held_border else " The free sheet is first laid on the target."
     return (
         "Distances are those of places on the sheet from the nearest point of the target, positive on the plastic side."
         f"{laid} Percentages refer to the largest distance of two points of the target, {s.diameter_mm:.0f} mm. "

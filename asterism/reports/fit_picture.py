@@ -32,7 +32,7 @@ def draw_target_fit(fitted: Fit, path_or_file: str | Path | IO[bytes]) -> None:
     words = (
         f"{by}: rms {distance.mean_percent:.2f} % of the diameter ({summary.diameter_mm:.1f} mm), with bumps "
         f"{distance.surface_percent:.2f} %, largest {distance.largest_percent:.1f} %   ·   {summary.stars} stars, "
-        f"{summary.needles} needles, stretch {summary.stretch:g}"
+        f"{summary.held_by}, stretch {summary.stretch:g}"
     )
     figure.text(0.03, 0.915, words, fontsize=10, color=PALE, parse_math=False)
     for row, along in enumerate((0, 1)):

@@ -43,7 +43,7 @@ def remainder(fitted: Fit) -> Remainder:
 def _parts(fitted: Fit) -> dict[str, tuple[float, str]]:
     s = fitted.summary
     stars = s.preview if s.unrounded is None else s.unrounded
-    cause = "The stars cannot come nearer: features smaller than a cell remain, and so does what needles do not hold."
+    cause = "The stars cannot come nearer: features smaller than a cell remain, and so does what supports do not hold."
     if s.needed_ratio > s.available_ratio:
         cause = (
             f"The target needs contractions of a ratio of {s.needed_ratio:.3f}, and stars give {s.available_ratio:.3f} "

@@ -18,8 +18,7 @@ def _preview(record: FitRecord) -> str:
 
 
 def _print(record: FitRecord) -> str:
-    held = "held border" if record.held_border else f"{record.needles} needles"
-    return f"{record.stars} stars, {held}, stretch {record.stretch:g}"
+    return f"{record.stars} stars, {record.held_by}, stretch {record.stretch:g}"
 
 
 def _contraction(record: FitRecord) -> str:
@@ -107,3 +106,8 @@ class FitRecord(Record):
     warnings: list[str] = key("What limits the fit, one line each.")
     version: str = key("Version of asterism.")
     design: dict[str, Any] = key("The design as written.")
+
+    @property
+    def held_by(self) -> str:
+        """What holds the sheet: its border, or so many needles."""
+        return "held border" if self.held_border else f"{self.needles} needles"

@@ -65,7 +65,7 @@ function numbers(s, isOld) {
   const rows = [
     ["Distance, rms", `${percent(s.preview.mean_percent, 2)} of the diameter`],
     ["Largest distance", percent(s.preview.largest_percent, 1)],
-    ["Stars, needles", `${s.stars}, ${s.needles}`],
+    ["Stars, held by", `${s.stars}, ${s.held_border ? "border" : `${s.needles} needles`}`],
     ["Contraction needed, available", `${s.needed_ratio.toFixed(2)}, ${s.available_ratio.toFixed(2)}`],
     ["Loss by rounding", s.rounding_loss_percent === null ? "–" : percent(s.rounding_loss_percent, 2)],
   ];
