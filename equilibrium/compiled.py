@@ -30,7 +30,7 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     if not HAVE_NUMBA:
         return function
-    folder = Path(function.__code__.co_filename).parent / "__pycache__" / f"formulas-{_digest(_package_of(function))}"
+    folder = Path(function.__code__.co_filename).parent / "__pycache__" / _folder_name(_package_of(function))
     default_folder = config.CACHE_DIR  # type: ignore[attr-defined]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -42,6 +42,15 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
         return njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
         config.CACHE_DIR = default_folder  # type: ignore[attr-defined]
+
+
+def has_machine_code(package: Path) -> bool:
+    """Whether an earlier run compiled loops of a top-level package, given by its folder, with its present formulas."""
+    return not HAVE_NUMBA or any(package.rglob(f"{_folder_name(package)}/**/*.nbi"))
+
+
+def _folder_name(package: Path) -> str:
+    return f"formulas-{_digest(package)}"
 
 
 def _package_of(function: Callable[..., Any]) -> Path:

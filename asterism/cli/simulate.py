@@ -76,7 +76,7 @@ def simulate(
     directory = results_folder(design, output, design.with_suffix(""))
     default_starts = BOTH_STARTS if changed.rods is None else 1
     run.cost(exact_cost(changed, default_starts if starts is None else starts))
-    with run.computing():
+    with run.computing(compile_ahead="fem" if starts is None and changed.rods is None else None):
         if starts is None:
             shape = simulate_both(changed, given_law, backend, run.report, run.say)
         else:

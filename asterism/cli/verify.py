@@ -50,7 +50,7 @@ def verify(
     directory = results_folder(design, output, design.with_name(f"{design.stem}-verified"))
     chosen_law = law_for_design(chosen, law, design, material)  # check the law before the computation
     run.cost(exact_cost(chosen, shapes=2))
-    with run.computing():
+    with run.computing(compile_ahead="discrete"):
         line = shlex.join(["asterism", *sys.argv[1:]])
         verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)
         run.say("writing the report")

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 
 import typer
 
@@ -53,12 +53,18 @@ class Run:
         self._report: Callable[[str, Iteration], None] = lambda stage, iteration: None
 
     @contextmanager
-    def computing(self) -> Iterator[None]:
-        """Show progress on standard error within the block, and announce the compilation of a first run."""
+    def computing(self, compile_ahead: Literal["discrete", "fem"] | None = None) -> Iterator[None]:
+        """Show progress on standard error within the block, and announce the compilation of a first run.
+
+        Parameters
+        ----------
+        compile_ahead : package of the model that the block uses last.
+        """
+        from asterism.cli.common.compile_ahead import compiling_ahead
         from asterism.cli.common.progress import Progress
         from asterism.process.compiling import announce_compiling
 
-        with Progress(self.stream) as progress, announce_compiling(progress.say):
+        with compiling_ahead(compile_ahead), Progress(self.stream) as progress, announce_compiling(progress.say):
             self._say, self._report = progress.say, progress.report
             yield
 

@@ -1,0 +1,42 @@
+"""Machine code on disk counts for the formulas that it was compiled from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop
+
+LOOPS = """
+from equilibrium.compiled import formula
+
+
+@formula
+def twice(x):
+    return 2.0 * x
+
+
+def total(values):
+    s = 0.0
+    for value in values:
+        s += twice(value)
+    return s
+"""
+
+
+@pytest.mark.skipif(not HAVE_NUMBA, reason="nothing is compiled without numba")
+def test_changed_formulas_have_no_machine_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "sums"
+    package.mkdir()
+    (package / "__init__.py").write_text("", encoding="utf-8")
+    (package / "total.py").write_text(LOOPS, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    from sums.total import total  # type: ignore[import-not-found]
+
+    assert not has_machine_code(package)
+    assert loop(total)(np.array([1.0, 2.0])) == 6.0
+    assert has_machine_code(package)
+    monkeypatch.setattr("equilibrium.compiled._digest", lambda package: "of-other-formulas")
+    assert not has_machine_code(package)
