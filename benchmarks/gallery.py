@@ -17,7 +17,7 @@ from asterism.draw.picture import draw_shape, small_png
 from asterism.exact.simulation import simulate
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
-from benchmarks.report import markdown, write_report
+from benchmarks.report import RESULTS, markdown, write_report
 from pattern import gallery
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -30,6 +30,16 @@ their sizes: each design states which of its values come from the paper and whic
 The table has the shapes of the [exact model](../explanation/exact-model.md) on a mesh with edges of 2 mm. A design with
 an eigenvalue is a certified minimum. The seconds are from two cores, with compiled loops.
 `python -m benchmarks.gallery` prints the table and writes this page.
+"""
+# names of pictures of drawn patterns
+PATTERN_PICTURE = "pattern-{}"
+PATTERNS_INTRODUCTION = """## Drawn patterns
+
+Patterns of other works on printed textiles, [drawn line by line](../how-to/patterns.md). `asterism new NAME` writes
+these too. Each names its source and what is chosen.
+
+The table has the lowest minimum from three starts, and how much higher the next one is. Processor seconds are those of
+all three starts. `python -m benchmarks.pattern_gallery` prints the table and writes this page.
 """
 HEADER = [
     "design", "stars up", "vertices", "energy N mm", "height mm", "extent mm", "contraction",
@@ -49,7 +59,7 @@ def main(names: list[str]) -> None:
     if not names:
         table = markdown(HEADER, [row(r) for r in rows])
         write_report("gallery", rows, table)
-        write_file(PAGE, page(table))
+        write_file(PAGE, whole_page())
 
 
 def row(r: dict[str, Any]) -> list[str]:
@@ -70,15 +80,26 @@ def row(r: dict[str, Any]) -> list[str]:
     ]
 
 
-def page(table: str) -> str:
-    """docs/reference/gallery.md: the table, then each design with the comment of its file."""
-    parts = [INTRODUCTION, table, ""]
-    for name in gallery.names():
-        lines = gallery.path(name).read_text(encoding="utf-8").splitlines()
-        comment = takewhile(lambda line: line.startswith("#"), lines)
-        parts += [f"## {name}", "", *(line.removeprefix("#").strip() for line in comment), ""]
-        parts += [f"![{name}: perspective, from above, from the front](../pictures/{name}.png)", ""]
+def whole_page() -> str:
+    """docs/reference/gallery.md: the stored tables, then each design with the comment of its file."""
+    parts = [INTRODUCTION, stored_table("gallery"), ""]
+    parts += [part for name in gallery.names() for part in section(name, "##")]
+    parts += [PATTERNS_INTRODUCTION, stored_table("pattern_gallery"), ""]
+    parts += [part for name in gallery.pattern_names() for part in section(name, "###", PATTERN_PICTURE)]
     return "\n".join(parts)
+
+
+def stored_table(name: str) -> str:
+    """The table of a benchmark's last results."""
+    return (RESULTS / f"{name}.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
+
+
+def section(name: str, level: str, picture_name: str = "{}") -> list[str]:
+    """Lines on one design: heading, comment and picture."""
+    lines = gallery.path(name).read_text(encoding="utf-8").splitlines()
+    comment = [line.removeprefix("#").strip() for line in takewhile(lambda line: line.startswith("#"), lines)]
+    shown = f"![{name}: perspective, from above, from the front](../pictures/{picture_name.format(name)}.png)"
+    return [f"{level} {name}", "", *comment, "", shown, ""]
 
 
 def picture(shape: Shape, name: str, title: str | None = None) -> None:

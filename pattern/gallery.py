@@ -1,4 +1,4 @@
-"""Designs ready to use: those of the paper's figures, and templates to start from."""
+"""Designs ready to use: those of the paper's figures, drawn patterns of other works, and templates to start from."""
 
 from __future__ import annotations
 
@@ -9,12 +9,22 @@ from pattern.design.design import Design
 from pattern.layout.load_design import load_design
 
 _FOLDER = Path(__file__).parent / "gallery"
+_PATTERNS = Path(__file__).parent / "patterns"
 _TEMPLATES = Path(__file__).parent / "templates"
 
 
 def names() -> list[str]:
     """Names of the designs of the paper's figures, in alphabetical order."""
     return sorted(path.stem for path in _FOLDER.glob("*.toml"))
+
+
+def pattern_names() -> list[str]:
+    """Names of the drawn patterns, in alphabetical order.
+
+    >>> pattern_names()[:2]
+    ['diamond-auxetic', 'honeycomb']
+    """
+    return sorted(path.stem for path in _PATTERNS.glob("*.toml"))
 
 
 def template_names() -> list[str]:
@@ -27,7 +37,7 @@ def template_names() -> list[str]:
 
 
 def path(name: str) -> Path:
-    """File of a design or a template, with comments that say what the paper says and what was chosen.
+    """File of a design, a pattern or a template, with comments on its source and on what was chosen.
 
     Raises
     ------
@@ -36,13 +46,16 @@ def path(name: str) -> Path:
     """
     if name in names():
         return _FOLDER / f"{name}.toml"
+    if name in pattern_names():
+        return _PATTERNS / f"{name}.toml"
     if name in template_names():
         return _TEMPLATES / f"{name}.toml"
-    raise KeyError(f"no design {name!r} in the gallery; there are {', '.join([*template_names(), *names()])}")
+    known = ", ".join([*template_names(), *names(), *pattern_names()])
+    raise KeyError(f"no design {name!r} in the gallery; there are {known}")
 
 
 def load(name: str) -> Design:
-    """A design of the gallery, or a template."""
+    """A design of the gallery, a pattern, or a template."""
     return load_design(path(name))
 
 

@@ -1,4 +1,4 @@
-"""`asterism new`: a template, or a design of the gallery."""
+"""`asterism new`: a template, a drawn pattern, or a design of the gallery."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def new(
     ] = None,
     output: Annotated[Path | None, output_option("File of the design (default: NAME.toml).")] = None,
 ) -> None:
-    """Write a template, or a design of the paper's figures, to a file that you can change."""
+    """Write a template, a design of the paper's figures, or a drawn pattern, to a file that you can change."""
     from asterism.cli.common.mistake import Mistake
     from asterism.results.files import write_file
     from pattern import gallery
@@ -31,8 +31,10 @@ def new(
         run.table({name: gallery.words(name) for name in gallery.template_names()}, width=24)
         run.lines(["figures of the paper:"])
         run.table({name: gallery.words(name) for name in gallery.names()}, width=24)
+        run.lines(["drawn patterns:"])
+        run.table({name: gallery.words(name) for name in gallery.pattern_names()}, width=24)
         return
-    known = [*gallery.template_names(), *gallery.names()]
+    known = [*gallery.template_names(), *gallery.names(), *gallery.pattern_names()]
     if name not in known:
         raise Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(known)}")
     path = output or Path(f"{name}.toml")
@@ -43,4 +45,9 @@ def new(
         raise Mistake(f"--output: {str(path)!r} exists and is kept; choose another name")
     write_file(path, content)
     where = quote(str(path))
+    if name in gallery.pattern_names():
+        run.lines(
+            [f"{path}: run  asterism simulate {where}  for its shape, or  asterism export {where}  for the print"]
+        )
+        return
     run.lines([f"{path}: run  asterism preview {where}  for its shape at once, or  asterism verify {where}"])

@@ -19,7 +19,7 @@ from pattern.layout.support_samples import SupportSamples, support_samples
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6
 # two curves that are equal are apart by at most this many of the distances from their straight pieces
-CURVE_TOLERANCES = 2.5
+CURVE_TOLERANCES = 4.0
 
 
 @dataclass(frozen=True)

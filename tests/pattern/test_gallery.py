@@ -1,5 +1,6 @@
 """The gallery holds the paper's figures, each of which can be laid out and printed."""
 
+import re
 import subprocess
 import sys
 
@@ -10,6 +11,8 @@ from pattern import gallery
 from pattern.design.design import save_design
 from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
+from pattern.layout.print_layout import print_layout
+from pattern.mesh.meshing import mesh_layout
 
 FRAME_MM = 260
 
@@ -55,3 +58,22 @@ def test_reading_a_design_imports_nothing_slow():
         "assert not {'scipy', 'numba', 'matplotlib', 'PIL'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", check], check=True)
+
+
+def test_drawn_patterns_are_there():
+    wanted = {"ring-saddle", "wavy-loop", "leaf", "parallel-lines", "skew-grid", "honeycomb", "diamond-auxetic"}
+    assert wanted | {"stress-line-shell"} == set(gallery.pattern_names())
+    assert not set(gallery.pattern_names()) & {*gallery.names(), *gallery.template_names()}
+
+
+@pytest.mark.parametrize("name", gallery.pattern_names())
+def test_drawn_pattern(name, tmp_path):
+    design = gallery.load(name)
+    text = gallery.path(name).read_text(encoding="utf-8")
+    comment = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
+    assert design.name == name and "Chosen:" in comment and re.search(r"\b20[12]\d\b|Varinlioglu", comment)
+    sheet = print_layout(design)
+    assert np.ptp(sheet.outline, axis=0).max() <= FRAME_MM and sheet.drawn is not None
+    assert len(mesh_layout(sheet, design.mesh.edge_mm).points) < 2500
+    save_design(design, tmp_path / "again.toml")
+    assert load_design(tmp_path / "again.toml") == design

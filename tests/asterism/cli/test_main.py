@@ -47,6 +47,8 @@ def test_new_lists_and_writes(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert "tube" in run("new", cwd=tmp_path).stdout.split()
+    drawn = command(["new", "leaf"], capsys, monkeypatch)
+    assert drawn.status == 0 and "asterism simulate leaf.toml" in drawn.out and "preview" not in drawn.out
     assert command(["new", "tube"], capsys, monkeypatch).status == 0
     assert command(["new", "tube"], capsys, monkeypatch).status == 0  # nothing is lost by writing the same again
     (tmp_path / "tube.toml").write_text("mine")

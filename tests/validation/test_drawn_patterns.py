@@ -1,0 +1,126 @@
+"""Drawn patterns against closed forms, finer meshes and stars: a turned ring, a solid layer, a grid, a motif."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from asterism.exact.simulation import simulate
+from asterism.shape.shape import Shape
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import State
+from discrete.model.system import System
+from pattern.design.design import Design
+from pattern.design.materials import rest_curvature
+from pattern.layout.print_layout import print_layout
+from pattern.mesh.meshing import mesh_layout
+from tests.validation.rods import Material, solve
+
+RADIUS_MM, EDGE_MM = 40.0, 3.0
+RODS = ("rod_bending", "rod_stretch", "rod_twist")
+
+
+@pytest.mark.parametrize(("width", "thickness", "kappa"), [(1.2, 0.6, 0.02), (1.2, 0.4, 0.015), (1.6, 1.2, 0.01)])
+def test_a_bilayer_ring_turns_its_section_by_the_angle_of_least_energy(
+    width: float, thickness: float, kappa: float
+) -> None:
+    """The ring alone, whose circle stays. A turn by phi costs `B (sin phi/R - k0)^2 + C (cos phi - 1)^2/R^2`."""
+    rods = {"draw": [{"name": "rim", "circle_mm": {"radius": RADIUS_MM}}], "thickness_mm": thickness, "width_mm": width}
+    plastic = {"rest_curvature": "none", "kappa_bar_per_mm": kappa}
+    design = Design.from_dict({"rods": rods, "border": {"rods": "rim"}, "plastic": plastic})
+    plan = print_layout(design)
+    model = DiscreteModel(design, plan, mesh_layout(plan, EDGE_MM))
+    path = model.mesh.rods[0][:-1]
+    n, third = model.n_vertices, len(path) // 3
+    held = np.ones(model.n_dofs, dtype=bool)
+    held[(3 * path[:, None] + np.arange(3)).ravel()] = False
+    held[3 * n :] = False
+    # six components that take out the rigid motions
+    held[3 * path[0] + np.arange(3)] = True
+    held[[3 * path[third] + 2, 3 * path[2 * third] + 2, 3 * path[len(path) // 2] + 1]] = True
+    ring = System({name: model.parts[name] for name in RODS}, n, model.edges, held)
+
+    of = Material(width, thickness)
+    b, c = of.about_width, of.in_plane
+    expected = minimize_scalar(
+        lambda a: b * (np.sin(a) / RADIUS_MM - kappa) ** 2 + c * (np.cos(a) - 1.0) ** 2 / RADIUS_MM**2,
+        bounds=(0.0, np.pi / 2),
+        method="bounded",
+        options={"xatol": 1e-10},
+    ).x
+    flat = model.printed_state()
+    middle = flat.positions[model.edges].mean(axis=1)
+    outwards = middle / np.linalg.norm(middle, axis=1, keepdims=True)
+    turned = [
+        State(flat.positions, np.cos(expected) * flat.directors + sign * np.sin(expected) * outwards, flat.frames)
+        for sign in (1.0, -1.0)
+    ]
+    start = min(turned, key=lambda state: sum(ring.energies(state).values()))
+    state = solve(ring, start, [np.zeros(3 * n)]).state
+    angle = np.arccos(np.clip(state.directors[:, 2], -1.0, 1.0))
+    assert np.ptp(angle) < 1e-3 * expected
+    assert angle.mean() == pytest.approx(expected, rel=2e-3)
+
+
+def parallel(bending: str) -> Shape:
+    """A layer without gaps: lines as far apart as they are wide."""
+    lines = [{"line_mm": [(-15.0, y), (15.0, y)]} for y in 1.2 * (np.arange(11) - 5)]
+    return simulate(
+        Design.from_dict(
+            {
+                "fabric": {"bending": bending},
+                "plastic": {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0},
+                "rods": {"draw": lines, "thickness_mm": 0.4, "width_mm": 1.1999},
+                "border": {"rectangle_mm": (31.0, 13.2)},
+                "mesh": {"edge_mm": 1.5},
+            }
+        )
+    )
+
+
+@pytest.mark.slow
+def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer() -> None:
+    """And it contracts across the lines as fabric that is stretched along them."""
+    shape = parallel("paper")
+    design = Design.from_dict(shape.summary["design"])
+    expected = float(rest_curvature(0.4, design.fabric, design.plastic))
+    inner = np.isin(shape.rod_fields["arm"], np.arange(2, 9))
+    curvature = float(np.nanmean(shape.rod_fields["curvature_per_mm"][inner]))
+    assert shape.summary.is_minimum
+    assert 0.97 < curvature / expected < 1.0
+
+
+@pytest.mark.slow
+def test_a_skew_grid_on_coarse_edges_has_the_energy_and_contraction_of_fine_ones() -> None:
+    a = [9.0 * np.cos(np.pi / 6), 4.5]
+    lines = [{"line_mm": [(0, 0), (a[0], sign * a[1])]} for sign in (1, -1)]
+    data: dict[str, Any] = {
+        "lattice": {"kind": "custom", "vectors_mm": [a, [a[0], -a[1]]]},
+        "rods": {"motif": lines, "thickness_mm": 0.4},
+        "border": {"rectangle_mm": (36.0, 36.0)},
+    }
+    coarse, fine = (simulate(Design.from_dict(data | {"mesh": {"edge_mm": edge}})).summary for edge in (2.5, 1.0))
+    assert coarse.is_minimum and fine.is_minimum
+    assert coarse.energy_n_mm == pytest.approx(fine.energy_n_mm, rel=5e-3)
+    assert coarse.contraction == pytest.approx(fine.contraction, rel=5e-3)
+
+
+def test_stars_written_as_a_motif_are_stars() -> None:
+    sheet = {"rectangle_mm": (45.0, 22.0), "star_margin_mm": 1.0}
+    common: dict[str, Any] = {"mesh": {"edge_mm": 2.0, "kind": "delaunay"}}
+    stars = Design.from_dict(common | {"stars": {"length_mm": 5.0, "thickness_mm": 0.4}, "border": sheet})
+    arms = [{"line_mm": [(0.0, 0.0), tuple(5.0 * arm)]} for arm in stars.lattice.arm_directions]
+    motif = Design.from_dict(
+        common | {"rods": {"motif": arms, "thickness_mm": 0.4}, "border": {"rectangle_mm": (45.0, 22.0)}}
+    )
+    one, other = (print_layout(each) for each in (stars, motif))
+    ends = one.arm_tip, np.array([rod.points[-1] for rod in other.graph.rods])
+    np.testing.assert_allclose(*(np.array(sorted(map(tuple, tips.round(6)))) for tips in ends), atol=1e-6)
+    first, second = (simulate(each).summary for each in (stars, motif))
+    assert first.is_minimum and second.is_minimum
+    assert second.contraction == pytest.approx(first.contraction, abs=1e-3)
+    assert second.energy_n_mm == pytest.approx(first.energy_n_mm, rel=2e-3)
+    assert second.height_mm == pytest.approx(first.height_mm, rel=1e-2)
