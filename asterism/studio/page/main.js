@@ -56,7 +56,7 @@ try {
   studio.view.target = new Target(studio.view.renderer, store, () => studio.view.invalidate());
   listenToView(studio.view, studio);
 } catch (error) {
-  toast(error.message, { isBad: true, stay: 0 });
+  console.warn(error.message);
 }
 studio.actions = createActions(studio);
 Object.assign(handlers, listen(studio));
@@ -65,8 +65,10 @@ buildTop($("top"), studio);
 buildTools($("tools"), studio);
 buildStatus($("status"), studio);
 buildPlanBar($("plan-bar"), studio);
-buildViewBar($("view-bar"), studio);
-buildCompare($("compare"), studio);
+if (studio.view) {
+  buildViewBar($("view-bar"), studio);
+  buildCompare($("compare"), studio);
+}
 buildViewNote($("view-note"), studio);
 buildStart($("start"), studio);
 buildInspector($("inspector"), {

@@ -131,11 +131,14 @@ export function listen(studio) {
   return {
     message: (message) => takers[message.type]?.(message),
     frame(frame) {
-      if (studio.view) studio.view.take(frame);
-      else if (frame.kind === 2) {
-        store.set({ frame: frame.header });
-        connection.acknowledge(frame.header.frame);
+      if (studio.view) return studio.view.take(frame);
+      const { kind, header, arrays } = frame; // nothing is drawn, but numbers and verifications are shown
+      if (kind === 2) store.set({ frame: header });
+      if (kind === 3) {
+        const isOld = header.revision !== store.get("document")?.revision;
+        store.set({ comparison: { ...arrays, mesh: header.mesh, revision: header.revision, isOld } });
       }
+      if (kind === 2 || kind === 3) connection.acknowledge(header.frame);
     },
     status(connected) {
       const before = store.get("connection");

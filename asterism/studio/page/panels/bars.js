@@ -123,11 +123,15 @@ function viewMenu({ store, view }) {
   return menu;
 }
 
+const WITHOUT_VIEW =
+  "This browser does not draw in space: WebGL 2 is missing or switched off. Plan, numbers, verification and export work.";
+
 /** One line below the view: why there is no shape yet, or why the last good one is shown. */
-export function buildViewNote(element, { store, actions }) {
+export function buildViewNote(element, { store, actions, view }) {
   const update = () => {
     const { problem, busy, engine } = store.get("state");
     const parts = [];
+    if (!view) parts.push(h("span", { class: "strong", role: "alert", testid: "no-view" }, WITHOUT_VIEW));
     if (store.get("document") && problem) {
       const isInMaterial = /^(fabric|plastic)\./.test(problem.field ?? "");
       const place =

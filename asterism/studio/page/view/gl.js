@@ -12,7 +12,7 @@ export class Renderer {
       premultipliedAlpha: true,
       preserveDrawingBuffer: false,
     });
-    if (!gl) throw new Error("This browser has no WebGL 2. The plan works; the sheet in space cannot be drawn.");
+    if (!gl) throw new Error("This browser has no WebGL 2. The sheet in space cannot be drawn.");
     this.gl = gl;
     this.canvas = canvas;
     this.surface = program(gl, SURFACE);

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.asterism.studio.browser import StudioPage
+from tests.asterism.studio.browser import VIEWPORT, StudioPage
 
 IS_MEASURED = "studio.targetDistance?.version === studio.target?.version"
 
@@ -114,3 +114,24 @@ def test_a_legend_has_round_numbers(shared: StudioPage, largest: float, ticks: s
         largest,
     )
     assert shown == ticks
+
+
+@pytest.mark.slow
+def test_a_browser_that_cannot_draw_shows_plan_numbers_and_verification(browser: Any, address: str) -> None:
+    context = browser.new_context(viewport=VIEWPORT)
+    context.add_init_script(
+        """const getContext = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
+            return kind === "webgl2" ? null : getContext.call(this, kind, ...options);
+        };"""
+    )
+    page = StudioPage(context.new_page(), address)
+    page.open("gallery-star")
+    page.summarised()
+    assert "does not draw in space" in page.item("no-view").inner_text() and not page.item("view-colour").count()
+    page.item("verify").click()
+    page.wait("studio.comparison && document.querySelector('[data-testid=verified]')")
+    page.changed(lambda: page.drag((-1.0, 0.0), (1.0, 1.0)))
+    page.summarised()
+    assert page.complaints == []
+    context.close()
