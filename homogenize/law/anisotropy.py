@@ -9,7 +9,8 @@ with the mean bending stiffness D of the tubes. A tube around the direction n ha
 `q = Q[n n, n n]` and `m = m[n n]`: its natural curvature is m/q and its gain of energy `D m^2/(2 q)`. A least-squares
 fit gives Q and m, from the natural curvatures and gains of the cells. Tubes determine a symmetric Q up to one number,
 the stiffness against Gaussian curvature: a weight keeps `mean_q12`, the mean of Q12 over all axes, near Poisson's
-ratio. The model is the same in all axes, but the fit may end in another minimum for a sheet that is printed turned.
+ratio. Model, unknowns and starts of the fit are the same in all axes. It starts from the isotropic plate and from the
+linear fit of q and q c, and keeps the lower minimum.
 """
 
 from __future__ import annotations
@@ -44,6 +45,12 @@ MOMENT_COLUMNS = np.arange(6, ANISOTROPY_SIZE)
 # the same curvature in all directions, components 11, 22, 12
 SPHERICAL = np.array([1.0, 1.0, 0.0])
 _LOWER = np.tril_indices(3)
+# smallest eigenvalue of S S in a start of the fit: at 0 it could not grow
+MIN_START_RATIO = 1e-3
+# W, and how often symmetric matrices and curvatures have each entry, as square roots
+_KELVIN = np.array([1.0, 1.0, np.sqrt(0.5)])
+_LOWER_NORM = np.where(_LOWER[0] == _LOWER[1], 1.0, np.sqrt(2.0))
+_MOMENT_NORM = np.array([1.0, 1.0, np.sqrt(2.0)])
 
 
 def anisotropy_size(lattice: Lattice) -> int:
@@ -120,9 +127,11 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
     from scipy.optimize import least_squares  # slow to import; previews of three-armed stars do without it
 
     def unpacked(x: Floats) -> tuple[Floats, Floats]:
-        half = np.zeros((3, 3))
-        half[_LOWER] = x[:6]
-        return MIN_BENDING_RATIO * ISOTROPIC_PLATE + half @ half.T, curvature_scale * x[6:]
+        root = np.zeros((3, 3))
+        root[_LOWER] = x[:6] / _LOWER_NORM
+        root = root + np.tril(root, -1).T
+        rest = root @ root * np.outer(_KELVIN, _KELVIN)
+        return MIN_BENDING_RATIO * ISOTROPIC_PLATE + rest, curvature_scale * x[6:] / _MOMENT_NORM
 
     def errors(x: Floats) -> Floats:
         q, m = unpacked(x)
@@ -137,9 +146,44 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
             ]
         )
 
-    half = np.linalg.cholesky((1.0 - MIN_BENDING_RATIO) * ISOTROPIC_PLATE)[_LOWER]
     moment = np.linalg.lstsq(_squares(directions), curvature / curvature_scale, rcond=None)[0]
-    return unpacked(least_squares(errors, np.concatenate([half, moment])).x)
+    starts = [
+        (ISOTROPIC_PLATE, moment),
+        _linear_fit(directions, curvature / curvature_scale, gain / gain_scale, gain_scale / curvature_scale**2),
+    ]
+    fits = [least_squares(errors, _packed(*start)) for start in starts]
+    return unpacked(min(fits, key=lambda fit: fit.cost).x)
+
+
+def _packed(q: Floats, m: Floats) -> Floats:
+    """(9,) unknowns of the fit: six of S and three of m, each orthonormal, so that a turn of the axes is orthogonal.
+
+    `Q = MIN_BENDING_RATIO ISOTROPIC_PLATE + W S S W` with a symmetric S and `W = diag(1, 1, 1/sqrt 2)`.
+    """
+    rest = (q - MIN_BENDING_RATIO * ISOTROPIC_PLATE) / np.outer(_KELVIN, _KELVIN)
+    sizes, axes = np.linalg.eigh(rest)
+    root = (axes * np.sqrt(np.maximum(sizes, MIN_START_RATIO))) @ axes.T
+    return np.concatenate([root[_LOWER] * _LOWER_NORM, m * _MOMENT_NORM])
+
+
+def _linear_fit(directions: Floats, curvature: Floats, gain: Floats, gain_per_square: float) -> tuple[Floats, Floats]:
+    """Q (3, 3) and m (3,) of the linear least squares `c^2 q = 2 gain` and `c m = 2 gain`, in units of the scales.
+
+    Parameters
+    ----------
+    curvature, gain : (D,) over their scales.
+    gain_per_square : scale of the gains over the squared scale of the curvatures.
+    """
+    along = _squares(directions)
+    pairs = np.array([along[:, i] * along[:, j] * (1.0 if i == j else 2.0) for i, j in VOIGT_ENTRIES]).T
+    entries = np.array([_NORM[i, j] * (1.0 if i == j else np.sqrt(2.0)) for i, j in VOIGT_ENTRIES])
+    plate = np.array([ISOTROPIC_PLATE[i, j] for i, j in VOIGT_ENTRIES])
+    mean = np.array([mean_q12(voigt_matrices(row)) for row in np.eye(6)])
+    rows = np.vstack([curvature[:, None] ** 2 * pairs, PLATE_WEIGHT * np.diag(entries), Q12_WEIGHT * mean])
+    doubled = 2.0 * gain * gain_per_square
+    wish = np.concatenate([doubled, PLATE_WEIGHT * entries * plate, [Q12_WEIGHT * BENDING_POISSON]])
+    q = voigt_matrices(np.linalg.lstsq(rows, wish, rcond=None)[0])
+    return q, np.linalg.lstsq(curvature[:, None] * along, doubled, rcond=None)[0]
 
 
 def mean_q12(q: Floats) -> Floats:

@@ -18,12 +18,11 @@ from homogenize.law.anisotropy import (
     voigt_matrices,
 )
 
-# search for the direction of largest energy gain: angles tried around the best one, relative to the half width
+# Search for the direction of largest energy gain. The first pass separates two maxima of nearly equal height:
+FIRST_ANGLES: Floats = np.radians(np.arange(-90.0, 90.0, 2.5))
+# later passes try angles around the best one, relative to the last step
 ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)
-# the half width starts at 90 degrees and is divided by this factor after each pass
-ANGLE_REFINEMENT = 6.0
-# number of passes
-ANGLE_PASSES = 4
+LATER_PASSES = 2
 
 
 def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
@@ -50,9 +49,15 @@ def tube_of_largest_gain(kappa: Floats, anisotropy: Floats) -> Floats:
     if anisotropy.shape[-1] == 0:
         return kappa
     q, m = tensors(kappa, anisotropy)
-    best, half = np.zeros((len(kappa), 1)), 0.5 * np.pi
-    for _ in range(ANGLE_PASSES):
-        tried = best + half * ANGLE_STEPS
-        chosen = natural_curvatures(q, m, tried)[1].argmax(axis=-1)[:, None]
-        best, half = np.take_along_axis(tried, chosen, axis=-1), half / ANGLE_REFINEMENT
+    tried, step = np.broadcast_to(FIRST_ANGLES, (len(kappa), len(FIRST_ANGLES))), FIRST_ANGLES[1] - FIRST_ANGLES[0]
+    best = _of_largest_gain(q, m, tried)
+    for _ in range(LATER_PASSES):
+        best = _of_largest_gain(q, m, best + step * ANGLE_STEPS)
+        step *= ANGLE_STEPS[1] - ANGLE_STEPS[0]
     return np.asarray(natural_curvatures(q, m, best)[0][:, 0])
+
+
+def _of_largest_gain(q: Floats, m: Floats, tried: Floats) -> Floats:
+    """(n, 1) rad, of the directions tried (n, D), the one whose tube gains most."""
+    chosen = natural_curvatures(q, m, tried)[1].argmax(axis=-1)[:, None]
+    return np.take_along_axis(tried, chosen, axis=-1)

@@ -129,3 +129,22 @@ def test_no_curvature_is_free_however_little_a_cell_resists() -> None:
     }
     q, _ = tensors(cell)
     assert MIN_BENDING_RATIO - 1e-9 <= min_bending_ratio(q) < 0.6
+
+
+# cells of random tubes whose fit, from one start in axes that are not orthonormal, depended on the axes of the print
+HARD_CELLS = 6
+
+
+@pytest.mark.parametrize("number", range(HARD_CELLS))
+def test_the_fit_of_an_uneven_cell_does_not_depend_on_the_axes(number: int) -> None:
+    """Natural curvatures and stiffnesses that differ by a factor of several between directions."""
+    rng = np.random.default_rng([5, number])
+    kappa, stiff = 0.05 * np.exp(0.9 * rng.normal(size=6)), np.exp(0.9 * rng.normal(size=6))
+    cell = sample(ISOTROPIC_PLATE, 0.03 * SPHERICAL)
+    q, m = tensors(cell | {"natural_curvature": kappa.tolist(), "bending": stiff.tolist()})
+    for steps in range(1, 6):
+        rolled = {"natural_curvature": np.roll(kappa, steps).tolist(), "bending": np.roll(stiff, steps).tolist()}
+        own, moment = tensors(cell | rolled)
+        turn = turned(steps * np.pi / 6)
+        np.testing.assert_allclose(own, turn.T @ q @ turn, atol=1e-3 * np.abs(q).max())
+        np.testing.assert_allclose(moment, turn.T @ m, atol=1e-3 * np.abs(m).max())
