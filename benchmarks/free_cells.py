@@ -1,10 +1,13 @@
 """Cells whose arms lie on no lattice lines: what their meshes cost in accuracy, and how much directions differ.
 
-python -m benchmarks.free_cells
+python -m benchmarks.free_cells [grid] [lengths] [directions]
+
+Without a word all three tables are printed.
 """
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -37,8 +40,8 @@ def star(length: float, thickness: float, **lattice: Any) -> Design:
     return Design.from_dict({"stars": sizes, "lattice": lattice, "border": {"rings": 1}})
 
 
-def main() -> None:
-    """Print three tables."""
+def grid_table() -> None:
+    """The free mesh against the aligned one, with stars turned by so little that only the mesh changes."""
     print("free mesh against the grid, three arms\n")
     print("| star, mm | edge mm | lambda % | kappa % | D % |\n| --- | ---: | ---: | ---: | ---: |")
     for length, thickness in STARS:
@@ -46,6 +49,10 @@ def main() -> None:
             grid, free = (solve_cell(star(length, thickness, orientation_deg=turn), edge) for turn in (0.0, OFF))
             off = [_percent(f, g) for f, g in zip(_mean(free), _mean(grid), strict=True)]
             print(f"| h {thickness:g}, l {length:g} | {edge:g} | " + " | ".join(f"{x:+.2f}" for x in off) + " |")
+
+
+def lengths_table() -> None:
+    """How smooth the responses are over the length of the arms."""
     print("\noff a cubic over the length, 6 to 8.4 mm in steps of .2, h 0.4; rms and largest\n")
     print("| star | edge mm | lambda % | kappa % |\n| --- | ---: | ---: | ---: |")
     for name, lattice in NOISY.items():
@@ -54,17 +61,34 @@ def main() -> None:
             off = np.array([100.0 * (row - Polynomial.fit(LENGTHS, row, 3)(LENGTHS)) for row in rows.T])
             cells = [f"{np.sqrt((x**2).mean()):.2f}, {np.abs(x).max():.2f}" for x in off]
             print(f"| {name} | {edge:g} | " + " | ".join(cells) + " |")
+
+
+def directions_table() -> None:
+    """Natural curvatures in six directions."""
     print("\nnatural curvature by direction, 1/mm, h 0.4, edges of 1.15 mm\n")
     print(
-        "| arms, lattice | l mm | " + " | ".join(f"{np.degrees(a):.0f}" for a in ALL_ANGLES_RAD) + " | anisotropy % |"
+        "| arms, lattice | l mm | "
+        + " | ".join(f"{np.degrees(a):.0f}" for a in ALL_ANGLES_RAD)
+        + " | anisotropy % | asymmetry % |"
     )
-    print("| --- | ---: |" + " ---: |" * 7)
+    print("| --- | ---: |" + " ---: |" * 8)
     for name, lattice, lengths in DIRECTED:
         for length in lengths:
             found = solve_cell(star(length, 0.4, **lattice), 1.15)
-            assert found.natural_curvature is not None and found.anisotropy is not None
+            assert found.natural_curvature is not None and found.anisotropy is not None, found.failed
+            assert found.asymmetry is not None
             values = " | ".join(f"{x:.4f}" for x in found.natural_curvature)
-            print(f"| {name} | {length:g} | {values} | {100.0 * found.anisotropy:.1f} |")
+            ends = f"{100.0 * found.anisotropy:.1f} | {100.0 * found.asymmetry:.1f}"
+            print(f"| {name} | {length:g} | {values} | {ends} |", flush=True)
+
+
+TABLES = {"grid": grid_table, "lengths": lengths_table, "directions": directions_table}
+
+
+def main(words: list[str]) -> None:
+    """Print the tables."""
+    for word in words or TABLES:
+        TABLES[word]()
 
 
 def _mean(found: Sample) -> tuple[float, float, float]:
@@ -78,4 +102,4 @@ def _percent(one: float, other: float) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -6,7 +6,7 @@ from collections import Counter
 
 from asterism.laws.law_record import law_record
 from asterism.previews.directions_warning import directions_warning
-from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
 from asterism.process.count_line import without_numbers
 from asterism.results.words import table_lines
 from homogenize.law.axes import AXES
@@ -99,7 +99,13 @@ def _stability(law: Law) -> list[str]:
 
 
 def _warnings(law: Law) -> list[str]:
-    warnings = directions_warning(law), held_out_warning(law), mesh_warning(law), pleat_warning(law)
+    warnings = (
+        directions_warning(law),
+        held_out_warning(law),
+        mesh_warning(law),
+        symmetry_warning(law),
+        pleat_warning(law),
+    )
     lines = [line for line in warnings if line]
     return ["", *(f"  {line}" for line in lines)] if lines else []
 

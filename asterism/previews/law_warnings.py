@@ -16,6 +16,8 @@ MAX_HELD_OUT_ERROR_PERCENT = 5.0
 MAX_MESH_DIFFERENCE_PERCENT = 25.0
 # of the cells, above which a law warns; in the paper's law 1.4 % are unstable, none of them scale-separated
 MAX_UNSTABLE_SHARE = 0.1
+# of natural curvatures in directions that are equal by symmetry, above which a law warns
+MAX_ASYMMETRY_PERCENT = 10.0
 CHECKED_QUANTITIES = {"kappa": "curvature", "bending": "bending stiffness"}
 
 
@@ -42,6 +44,19 @@ def mesh_warning(law: Law) -> str | None:
     sizes = sizes_text([worst[axis.key] for axis in AXES], digits=4)
     differ = "curls to the other side" if percent > 100.0 else f"curls by {percent:.0f} % more or less"
     return f"the cell of {sizes} {differ} on a second mesh: the mesh edges are too long for such stars"
+
+
+def symmetry_warning(law: Law) -> str | None:
+    """Cells whose stars break the symmetry of star and lattice, so that equal directions curl differently."""
+    percent = max(
+        (kinds["symmetry"]["largest_percent"] for kinds in law.residuals.values() if "symmetry" in kinds), default=0.0
+    )
+    if percent <= MAX_ASYMMETRY_PERCENT:
+        return None
+    return (
+        f"stars of the law's cells bend out of their symmetry: natural curvatures of equal directions differ by up to "
+        f"{percent:.0f} %, and the law takes the direction of lower energy"
+    )
 
 
 def pleat_warning(law: Law) -> str | None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asterism.previews.directions_warning import directions_warning
-from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import PreviewState
@@ -67,7 +67,7 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
     yield from site_warnings(state.layout)
     yield from sizing_warnings(state.design, state.layout)
     yield from _about_bonds(state)
-    for line in (directions_warning, held_out_warning, mesh_warning, pleat_warning):
+    for line in (directions_warning, held_out_warning, mesh_warning, symmetry_warning, pleat_warning):
         if text := line(state.law):
             yield text
     if values.not_scale_separated and not state.is_supported:  # supported sheets are as accurate with them

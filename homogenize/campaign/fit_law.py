@@ -17,7 +17,7 @@ from homogenize.errors import CampaignError
 from homogenize.law.anisotropy import anisotropy_size
 from homogenize.law.axes import AXES, coordinates
 from homogenize.law.law import Law
-from homogenize.law.law_residuals import law_residuals, mesh_differences, unstable_tubes
+from homogenize.law.law_residuals import broken_symmetry, law_residuals, mesh_differences, unstable_tubes
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, quantity_units, to_stored
 from homogenize.law.material import Material
 from homogenize.law.plan import Sizes
@@ -52,6 +52,7 @@ def fit_law(material: Material, records: Sequence[SampleRecord], made: dict[str,
     for name, entry in errors.items():
         own_samples = [each for each in samples if f"{each['stretch']:g}" == name]
         entry |= {"meshes": mesh_differences(own_samples), "tubes": unstable_tubes(own_samples)}
+        entry |= {"symmetry": broken_symmetry(own_samples)}
     return Law(material, tuple(tables), samples, errors, made or {})
 
 

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from homogenize.cell.aligned_cell_mesh import edges_per_spacing
-from homogenize.cell.cell_mesh import lattice_lines, star_size
+from homogenize.cell.cell_mesh import aligned_lines, star_size
 from pattern.design.design import Design
 
 # of an edge: an arm that is so near to a whole number of edges has one mesh
@@ -31,7 +31,7 @@ def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...
     [(4, 0.323), (5, 0.677)]
     """
     vectors = np.asarray(design.lattice.vectors)
-    length, on_lines = star_size(design, "length_mm"), lattice_lines(design.lattice)
+    length, on_lines = star_size(design, "length_mm"), aligned_lines(design.lattice)
     if on_lines is None:
         return ((max(1, round(length / edge_mm)), 1.0),)
     k = edges_per_spacing(vectors, on_lines, np.full(len(on_lines), length), edge_mm)

@@ -1,4 +1,4 @@
-"""The mesh of a design's unit cell: aligned if all arms lie on lattice lines, free otherwise."""
+"""The mesh of a design's unit cell, with the symmetry of star and lattice: aligned if that fits, free otherwise."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from equilibrium.arrays import Floats, Ints
 from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from homogenize.cell.point_group import arm_directions, keeps_grid_lines, point_group
 from pattern.design.design import Design
 from pattern.design.errors import MeshError
 from pattern.design.lattice import Lattice
@@ -33,20 +34,26 @@ def cell_mesh(
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
-    on_lines = lattice_lines(lattice)
+    on_lines = aligned_lines(lattice)
     if on_lines is not None:
         directions = on_lines if length else on_lines[:0]
         lengths = np.full(len(directions), length)
         return aligned_cell_mesh(vectors, directions, lengths, edge_mm, repeat, segments, surrounded)
-    free = _directions(lattice) if length else np.empty((0, 2))
+    free = arm_directions(lattice) if length else np.empty((0, 2))
     if length > lattice.spacing_mm * (1.0 + TOUCHING_TOLERANCE):
         raise MeshError(f"arms of {length:g} mm are longer than the spacing, {lattice.spacing_mm:g} mm")
     _check_clear(vectors, free, length, star_size(design, "width_mm"))
-    return free_cell_mesh(vectors, free, length, edge_mm, repeat, segments, surrounded)
+    return free_cell_mesh(vectors, free, length, edge_mm, repeat, segments, surrounded, point_group(lattice))
 
 
-def lattice_lines(lattice: Lattice) -> Ints | None:
-    """(arms,) the line of each arm, an index into `GRID_DIRECTIONS`; None unless all arms lie on such lines."""
+def aligned_lines(lattice: Lattice) -> Ints | None:
+    """(arms,) the grid line of each arm, an index into `GRID_DIRECTIONS`; None if the aligned mesh does not fit.
+
+    It fits if all arms lie on such lines, and if the grid has the symmetry of star and lattice. The grid of a square
+    lattice has one of its two diagonals only.
+    """
+    if not keeps_grid_lines(lattice):
+        return None
     along = GRID_DIRECTIONS @ np.asarray(lattice.vectors)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     match = np.asarray(lattice.arm_directions) @ along.T
@@ -74,14 +81,6 @@ def star_size(design: Design, name: str) -> float:
         rounded = stars.rounding.thickness if name == "thickness_mm" else stars.rounding.width
         value = rounded(np.asarray(value))
     return float(value)
-
-
-def _directions(lattice: Lattice) -> Floats:
-    """(arms, 2) unit vectors. A star that is turned onto itself has the same ones, digit by digit."""
-    sector = 360.0 / lattice.arms
-    turn = round(lattice.orientation_deg % sector, 9) % sector
-    angle = np.radians(turn - 90.0 + sector * np.arange(lattice.arms))
-    return np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def _check_clear(vectors: Floats, directions: Floats, length: float, width: float) -> None:

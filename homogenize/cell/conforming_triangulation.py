@@ -3,6 +3,8 @@
 The free points begin as a triangular grid. Each sweep triangulates all points and moves the free ones to the mean
 circumcentre of their triangles. Some sweeps also drop points that are too close to an arm or to each other, and add
 points to large triangles. The best sweep is the result.
+
+Free points come in orbits of the cell's point group, and only symmetric triangulations count.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Bools, Floats, Ints
+from homogenize.cell.orbits import Orbits, home, in_one_domain, is_symmetric
 from homogenize.cell.periodic_delaunay import PeriodicTriangles, periodic_delaunay
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import distance_to_segment
@@ -34,6 +37,8 @@ GOOD_ANGLE_DEG = 35.0
 MAX_IDLE_SWEEPS = 6
 # margin around the cell in which images count, in edges
 IMAGE_MARGIN_EDGES = 3.0
+# a group without symmetries
+IDENTITY: Floats = np.eye(2)[None]
 _STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
 
@@ -47,6 +52,9 @@ class MeshConstraints:
     points : (F, 2) mm, in the cell.
     size : (F,) mm, target length of the edges at the points.
     a, b, step : (E,), (E,), (E, 2) segments from point a to the image `step` of point b, at most one cell long.
+    group : (G, 2, 2) rotations and reflections about the origin that keep points, segments and lattice; the identity
+        first.
+    wall_a, wall_b : (W, 2) mm, pieces of the mirror lines. Free points keep a distance from them.
     """
 
     vectors: Floats
@@ -55,6 +63,9 @@ class MeshConstraints:
     a: Ints
     b: Ints
     step: Ints
+    group: Floats
+    wall_a: Floats
+    wall_b: Floats
 
 
 def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> PeriodicTriangles:
@@ -63,18 +74,19 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
     Raises
     ------
     MeshError
-        No sweep has all segments as edges.
+        No sweep has all segments as edges, and the symmetry of the group.
     """
-    beside = _Beside(frame, edge_mm)
-    free = _grid(frame.vectors, edge_mm)
-    free = free[~beside.too_near(free)]
+    beside, vectors, group = _Beside(frame, edge_mm), frame.vectors, frame.group
+    seeds = _grid(vectors, edge_mm)
+    seeds = seeds[~beside.too_near(seeds)]
+    seeds = seeds[in_one_domain(seeds, group, vectors)]
     best, best_angle, last = None, 0.0, REFINEMENT_SWEEPS.stop
     for sweep in range(MAX_SMOOTHING_SWEEPS):
-        points = np.vstack([frame.points, free])
-        triangulation = periodic_delaunay(points, frame.vectors, edge_mm)
+        orbits = Orbits.of(seeds, group, vectors, edge_mm)
+        triangulation = periodic_delaunay(np.vstack([frame.points, orbits.points]), vectors, edge_mm, group)
         mend = sweep in REFINEMENT_SWEEPS
         angle = float(triangulation.angles.min())
-        if not mend and sweep > REFINEMENT_SWEEPS.start and angle > best_angle and _has_segments(triangulation, frame):
+        if not mend and sweep > REFINEMENT_SWEEPS.start and angle > best_angle and _is_conforming(triangulation, frame):
             best, best_angle, last = triangulation, angle, max(sweep, last)
         if (
             best is not None
@@ -82,12 +94,12 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
             and (best_angle > GOOD_ANGLE_DEG or sweep > last + MAX_IDLE_SWEEPS)
         ):
             break
-        free = triangulation.smoothed()[len(frame.points) :]
+        seeds = orbits.moved(triangulation.smoothed()[len(frame.points) :], group, vectors)
         if mend:
-            free = np.vstack([free, _missing(beside, triangulation)])
-            free = free[~_crowded(beside, frame.vectors, free)]
-        free = _home(free, frame.vectors)
-        free = free[~beside.too_near(free)]
+            seeds = np.vstack([seeds, _missing(beside, triangulation)])
+            seeds = _mended(beside, seeds, group, vectors, edge_mm)
+        seeds = home(seeds, vectors)
+        seeds = seeds[~beside.too_near(seeds)]
     if best is None:
         raise MeshError("no mesh follows the arms: use a shorter edge")
     return best
@@ -99,7 +111,7 @@ def _grid(vectors: Floats, edge_mm: float) -> Floats:
     height = abs(np.linalg.det(vectors)) / along
     n, rows = max(3, round(along / edge_mm)), max(3, round(height / (edge_mm * np.sqrt(0.75))))
     reach = float(vectors[1] @ vectors[0]) / along**2 * n  # of A2, in edges along A1
-    shift = (round(0.5 * rows - reach) + reach) / rows
+    shift = (round(round(0.5 * rows - reach, 9)) + reach) / rows
     j, i = (index.ravel() for index in np.indices((rows, n)))
     fraction = np.column_stack([(i + (shift - reach / rows) * j) / n, j / rows])
     return (fraction - np.floor(fraction + 1e-9)) @ vectors
@@ -108,11 +120,6 @@ def _grid(vectors: Floats, edge_mm: float) -> Floats:
 def _copies(vectors: Floats, of: Floats) -> Floats:
     """(9 n, 2) points of the cell and of the eight cells around it; those of the cell are in the middle."""
     return np.asarray((of + (_STEPS @ vectors)[:, None]).reshape(-1, 2))
-
-
-def _home(places: Floats, vectors: Floats) -> Floats:
-    """(n, 2) mm, the images of places that lie in the cell."""
-    return np.asarray(places - np.floor(places @ np.linalg.inv(vectors) + 1e-9) @ vectors)
 
 
 class _Beside:
@@ -133,7 +140,9 @@ class _Beside:
         a = _copies(frame.vectors, frame.points[frame.a])
         b = _copies(frame.vectors, frame.points[frame.b] + frame.step @ frame.vectors)
         known = near(a) | near(b)
-        self._a, self._b = a[known], b[known]
+        wall_a, wall_b = _copies(frame.vectors, frame.wall_a), _copies(frame.vectors, frame.wall_b)
+        beside = near(wall_a) | near(wall_b)
+        self._a, self._b = np.vstack([a[known], wall_a[beside]]), np.vstack([b[known], wall_b[beside]])
 
     def size(self, places: Floats) -> Floats:
         """(n,) mm, target length of the edges at places (n, 2) of the cell."""
@@ -154,21 +163,33 @@ class _Beside:
         return near
 
 
-def _crowded(beside: _Beside, vectors: Floats, free: Floats) -> Bools:
-    """(n,) True for the later one of two free points that are too close."""
-    size = beside.size(free)
-    n, copies = len(free), _copies(vectors, free)
+def _mended(beside: _Beside, seeds: Floats, group: Floats, vectors: Floats, edge_mm: float) -> Floats:
+    """(n, 2) mm, seeds whose orbits keep a distance from themselves and from those before them."""
+    seeds = home(seeds, vectors)
+    near = MIN_POINT_DISTANCE_RATIO * beside.size(seeds)
+    if len(group) > 1:
+        seeds = home(Orbits.of(seeds, group, vectors, edge_mm).gathered(near, vectors), vectors)
+    orbits = Orbits.of(seeds, group, vectors, edge_mm)
+    return np.asarray(seeds[~_crowded(beside, vectors, orbits)])
+
+
+def _crowded(beside: _Beside, vectors: Floats, orbits: Orbits) -> Bools:
+    """(n,) True for the later one of two orbits that are too close, and for one too close to itself."""
+    size = beside.size(orbits.points)
+    n, copies = len(orbits.points), _copies(vectors, orbits.points)
     middle = len(_STEPS) // 2
-    pairs = cKDTree(copies).query_pairs(MIN_POINT_DISTANCE_RATIO * float(size.max()), output_type="ndarray")
-    out = np.zeros(n, dtype=bool)
+    reach = MIN_POINT_DISTANCE_RATIO * float(size.max(initial=0.0))
+    pairs = cKDTree(copies).query_pairs(reach, output_type="ndarray")
+    out = np.zeros(len(orbits.seeds), dtype=bool)
     for one, other in pairs[np.lexsort(pairs.T[::-1])]:
         if middle not in (one // n, other // n):
             continue
-        p, q = sorted((one % n, other % n))
+        i, j = one % n, other % n
+        p, q = sorted((int(orbits.orbit[i]), int(orbits.orbit[j])))
         if (
-            p != q
+            i != j
             and not out[p]
-            and np.linalg.norm(copies[one] - copies[other]) < MIN_POINT_DISTANCE_RATIO * min(size[p], size[q])
+            and np.linalg.norm(copies[one] - copies[other]) < MIN_POINT_DISTANCE_RATIO * min(size[i], size[j])
         ):
             out[q] = True
     return out
@@ -181,9 +202,13 @@ def _missing(beside: _Beside, triangulation: PeriodicTriangles) -> Floats:
     ratio = radius / beside.size(middle)
     large = np.flatnonzero(ratio > MAX_CIRCUMRADIUS_RATIO)
     places = middle[large[np.argsort(-ratio[large], kind="stable")]]
-    return _home(places, triangulation.vectors)
+    return home(places, triangulation.vectors)
 
 
-def _has_segments(triangulation: PeriodicTriangles, frame: MeshConstraints) -> bool:
-    """Whether every given segment is an edge."""
-    return bool(np.isin(triangulation.name(frame.a, frame.b, frame.step), triangulation.edges()[0]).all())
+def _is_conforming(triangulation: PeriodicTriangles, frame: MeshConstraints) -> bool:
+    """Whether every given segment is an edge, and the triangles have the symmetry of the group."""
+    has_segments = np.isin(triangulation.name(frame.a, frame.b, frame.step), triangulation.edges()[0]).all()
+    if not has_segments or len(frame.group) == 1:
+        return bool(has_segments)
+    middles = triangulation.places.reshape(-1, 3, 2).mean(axis=1)
+    return is_symmetric(middles, frame.group, frame.vectors, float(frame.size.max()))

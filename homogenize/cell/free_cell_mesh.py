@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from equilibrium.arrays import Floats, Ints
-from homogenize.cell.conforming_triangulation import MeshConstraints, conforming_triangulation
+from homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
+from homogenize.cell.graded_steps import MAX_EDGE_TO_GAP_RATIO, graded_steps
 from homogenize.cell.image_numbering import ImageNumbering, new_triangles
+from homogenize.cell.mirror_points import NearbyArms, with_symmetry
 from homogenize.cell.periodic_delaunay import PeriodicTriangles
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
 from pattern.design.errors import MeshError
@@ -17,12 +18,6 @@ from pattern.geometry.planar import distance_to_segment
 
 # smallest angle of a triangle
 MIN_CELL_ANGLE_DEG = 20.0
-# length of an edge on an arm, over the distance to the arms of other stars
-MAX_EDGE_TO_GAP_RATIO = 1.5
-# growth of the edges along an arm, per distance
-ARM_EDGE_GROWTH = 0.6
-# of an edge: an arm may lack so much to one edge more
-EDGE_COUNT_SLACK = 0.25
 # stars whose arms, up to the spacing long, may come close, as numbers of lattice vectors
 NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 # steps along an arm, for the distance to other arms
@@ -37,6 +32,7 @@ def free_cell_mesh(
     repeat: tuple[int, int] = (1, 1),
     segments: int | None = None,
     surrounded: bool = False,
+    group: Floats | None = None,
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells with equal stars: the mesh of one cell, repeated.
 
@@ -47,7 +43,8 @@ def free_cell_mesh(
     length : mm, of every arm, at most the spacing. Tips may meet; other parts of different stars keep a distance.
     edge_mm : about, of the mesh; edges are shorter where arms of different stars come close.
     segments : edges of an arm far from other arms; by default the number nearest to its length.
-    surrounded : the mesh includes the adjacent triangles, whose points are then unfolded too.
+    surrounded : the mesh includes the triangles around, whose points are then unfolded too.
+    group : (G, 2, 2) rotations and reflections of star and lattice, whose symmetry the mesh has; none by default.
 
     Raises
     ------
@@ -57,6 +54,8 @@ def free_cell_mesh(
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     frame, arms = _frame(vectors, directions, length, edge_mm, segments)
+    if group is not None:
+        frame = with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
     triangulation = conforming_triangulation(frame, edge_mm)
     least = float(triangulation.angles.min())
     if least < MIN_CELL_ANGLE_DEG:
@@ -103,7 +102,16 @@ def _frame(
     a = np.concatenate([none, *(arm.point[:-1] for arm in arms)])
     b = np.concatenate([none, *(arm.point[1:] for arm in arms)])
     steps = np.concatenate([none.reshape(0, 2), *(np.diff(arm.image, axis=0) for arm in arms)])
-    return MeshConstraints(vectors, np.array(points), np.array(sizes), a, b, steps), arms
+    walls = np.empty((0, 2))
+    return MeshConstraints(vectors, np.array(points), np.array(sizes), a, b, steps, IDENTITY, walls, walls), arms
+
+
+def _nearby_arms(frame: MeshConstraints, directions: Floats, length: float) -> NearbyArms:
+    """The arms of the star and of its neighbours."""
+    centres = np.vstack([np.zeros((1, 2)), NEIGHBOUR_STEPS @ frame.vectors])
+    a = np.repeat(centres, len(directions), axis=0)
+    points = (frame.points + centres[:, None]).reshape(-1, 2)
+    return NearbyArms(a, a + length * np.tile(directions, (len(centres), 1)), points, centres)
 
 
 def _stations(
@@ -116,12 +124,9 @@ def _stations(
     tips = stars + length * np.tile(directions, (len(NEIGHBOUR_STEPS), 1))
     apart = np.linalg.norm(tips - length * direction, axis=1) > TOUCHING_TOLERANCE * np.linalg.norm(vectors)
     gap = distance_to_segment((along[:, None] * direction)[:, None], stars[apart], tips[apart]).min(axis=1)
-    wish = np.minimum(even, MAX_EDGE_TO_GAP_RATIO * gap)
-    wish = (wish + ARM_EDGE_GROWTH * np.abs(along[:, None] - along)).min(axis=1)
-    if wish.min() < 1e-3 * edge_mm:
+    if MAX_EDGE_TO_GAP_RATIO * gap.min() < 1e-3 * edge_mm:
         raise MeshError("arms of neighbouring stars overlap")
-    count = np.concatenate([[0.0], np.cumsum(0.5 * (1.0 / wish[1:] + 1.0 / wish[:-1]) * np.diff(along))])
-    return np.interp(np.linspace(0.0, count[-1], max(1, math.ceil(count[-1] - EDGE_COUNT_SLACK)) + 1), count, along)
+    return graded_steps(along, even, gap)
 
 
 class _Tiles:
@@ -153,7 +158,7 @@ class _Tiles:
         rods = [self._all(arm.point[None], arm.image[None]) for arm in arms]
         around: Ints = np.empty((0, 3), dtype=np.int64)
         if surrounded:
-            around = new_triangles(self._all(point[:, [1, 0, 3]], image[:, [1, 0, 3]]), triangles)
+            around = new_triangles(self._all(*_touching(mesh)), triangles)
         stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
         base, away = self._number.unfolded()
         cell = mesh.vectors * self._repeat[:, None]
@@ -171,6 +176,19 @@ class _Tiles:
             cell_vectors=cell,
             n_base=len(tiled),
         )
+
+
+def _touching(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
+    """Points (M, 3) and images (M, 3, 2) of all triangles that share a point with a triangle of the cell."""
+    at = mesh.corner.ravel()
+    order = np.argsort(at, kind="stable")
+    first = np.searchsorted(at[order], np.arange(len(mesh.points) + 1))
+    count = np.diff(first)[at]
+    own = np.repeat(np.arange(len(at)), count)  # a corner of the cell, once for each triangle at its point
+    within = np.arange(len(own)) - np.repeat(np.cumsum(count) - count, count)
+    other = order[first[at[own]] + within]
+    step = mesh.image.reshape(-1, 2)[own] - mesh.image.reshape(-1, 2)[other]
+    return mesh.corner[other // 3], mesh.image[other // 3] + step[:, None]
 
 
 def _pairs(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:

@@ -87,10 +87,17 @@ class PeriodicTriangles:
         return np.asarray(((a * len(self.points) + b) * 9 + step[..., 0] + 4) * 9 + step[..., 1] + 4)
 
 
-def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> PeriodicTriangles:
+def periodic_delaunay(
+    points: Floats, vectors: Floats, edge_mm: float, group: Floats | None = None
+) -> PeriodicTriangles:
     """Delaunay triangles of the points (N, 2) of one cell; N is at least 3.
 
-    Of several Delaunay triangulations the result depends on the numbers of the points only.
+    Of several Delaunay triangulations the result depends on the numbers of the points only. With a point group of more
+    than one element it is a symmetric one, wherever that is possible.
+
+    Parameters
+    ----------
+    group : (G, 2, 2) rotations and reflections about the origin that map the points and the lattice onto themselves.
 
     Raises
     ------
@@ -98,7 +105,10 @@ def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Period
         The points leave a hole of several edges.
     """
     inverse = np.linalg.inv(vectors)
-    tie = TIE_BREAK_RATIO * edge_mm * np.random.default_rng(0).normal(size=points.shape)
+    if group is None or len(group) == 1:
+        tie = TIE_BREAK_RATIO * edge_mm * np.random.default_rng(0).normal(size=points.shape)
+    else:
+        tie = TIE_BREAK_RATIO * edge_mm * _symmetric_field(points, vectors, group)
     base = np.tile(np.arange(len(points)), len(_STEPS))
     image = np.repeat(_STEPS, len(points), axis=0)
     copies = points[base] + image @ vectors
@@ -117,3 +127,12 @@ def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Period
     if not (len(own) == 2 * len(points) and abs(triangles.areas.sum() - area) < 1e-9 * area):
         raise MeshError("the points of the cell leave a hole")
     return triangles
+
+
+def _symmetric_field(points: Floats, vectors: Floats, group: Floats) -> Floats:
+    """(N, 2) an irregular vector field that the lattice and the group map onto itself, at points (N, 2)."""
+    fraction = np.einsum("gij,nj->gni", group, points) @ np.linalg.inv(vectors)
+    phase = 2.0 * np.pi * fraction @ np.array([[3, 5, 7], [7, -4, 2]])
+    waves = np.sin(phase + np.array([0.3, 1.7, 4.1]))
+    field = waves @ np.random.default_rng(0).normal(size=(3, 2)) @ vectors / np.linalg.norm(vectors[0])
+    return np.asarray(np.einsum("gji,gnj->ni", group, field))

@@ -20,7 +20,7 @@ class PeriodicMesh:
     base : (U,) base point of each point.
     image : (U, 2) numbers of cell vectors A1 and A2 from the base point to the point.
     triangles : (T, 3) counterclockwise, one of each class of images.
-    around : (R, 3) images of triangles that share an edge with those; none if the elements need no neighbours.
+    around : (R, 3) images of triangles around those; none if the elements need no neighbours.
     hinges : (H, 4) edge, left apex, right apex; one of each class.
     rods : paths of vertices along the arms, from the star's centre; each star is in one piece.
     arm_star : (rods,) star of each arm.

@@ -19,7 +19,9 @@ from homogenize.cell.effective_stiffness import EffectiveStiffness, effective_st
 from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from homogenize.cell.isotropy import distance_from_isotropy
 from homogenize.cell.natural_curvature import TubeBranch, trace_tubes
+from homogenize.cell.point_group import point_group
 from homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
+from homogenize.cell.symmetric_responses import symmetric_responses
 from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, is_threefold, tube_angles
 from homogenize.cell.tube_membrane import tube_membrane_stiffness
 from homogenize.cell.unit_cell import UnitCell
@@ -81,6 +83,8 @@ class Sample:
     eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian, and a bound of its error.
     supercell_eigenvalue, supercell_eigenvalue_error : N/mm, the same for 2 x 2 stars.
     natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
+    asymmetry : largest difference of natural curvatures in directions that are equal by symmetry, before they were made
+        equal (`symmetric_responses`), over the largest curvature; 0 if the star keeps its symmetry.
     down_energy : N/mm, of the flat cell with its star down; None if the flat cell has one equilibrium only. Its
         `bump_mm` may then be negative; the side of the star is that of `natural_bump_mm`.
     iterations : iterations of Newton's method in all solves.
@@ -129,6 +133,7 @@ class Sample:
     supercell_eigenvalue_error: float | None = None
     natural_eigenvalue: Array | None = None
     natural_supercell_eigenvalue: Array | None = None
+    asymmetry: float | None = None
     down_energy: float | None = None
     iterations: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
@@ -199,6 +204,9 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
             cell.close()
         each.append(response)
     weights = np.array([weight for _, weight in cuts])
+    responses = blend_responses(each, weights)
+    if "failed" not in responses:
+        responses = symmetric_responses(responses, point_group(design.lattice), (sx, sy))
     return Sample(
         length_mm=star_size(design, "length_mm"),
         thickness_mm=star_size(design, "thickness_mm"),
@@ -211,7 +219,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         segment_weights=weights,
         meshes_apart=_apart(each, cell.spacing),
         seconds=clock.seconds,
-        **blend_responses(each, weights),
+        **responses,
     )
 
 

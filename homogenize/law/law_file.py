@@ -146,6 +146,8 @@ def load_law(path: str | Path | None = None) -> Law:
             raise LawError(f"{path}: lacks the differences between directions; {_REMEDY}")
         if columns and not all("tubes" in kinds for kinds in residuals.values()):
             raise LawError(f"{path}: lacks the number of stable cells; {_REMEDY}")
+        if columns and not all("symmetry" in kinds for kinds in residuals.values()):
+            raise LawError(f"{path}: its cells lack the symmetry of star and lattice; {_REMEDY}")
         return law
     except OSError as error:
         if error.filename is None:  # no error of the disk: the archive points to places outside of its file

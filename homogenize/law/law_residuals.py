@@ -65,6 +65,13 @@ def unstable_tubes(samples: Sequence[dict[str, Any]]) -> dict[str, int]:
     return {"count": len(solved), "unstable": sum(not _has_stable_tubes(sample) for sample in solved)}
 
 
+def broken_symmetry(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Count of the cells with arms and an answer, and the largest `Sample.asymmetry` among them, in percent."""
+    solved = [each["sample"] for each in samples if each["problem"] is None and each["length_mm"] > 0]
+    largest = max((sample.get("asymmetry") or 0.0 for sample in solved), default=0.0)
+    return {"count": len(solved), "largest_percent": 100.0 * largest}
+
+
 def _has_stable_tubes(sample: dict[str, Any]) -> bool:
     """Whether the natural tubes are minima among all states of 2 x 2 stars."""
     return bool(min(sample["natural_supercell_eigenvalue"]) > 0.0)

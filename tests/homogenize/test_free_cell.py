@@ -182,7 +182,7 @@ def test_free_and_aligned_meshes_agree(monkeypatch: pytest.MonkeyPatch, thicknes
     star = design(10.0, thickness)
     aligned = solve_cell(star, 1.92, (0.0, np.pi / 6))
     for module in ("cell_mesh", "arm_segments"):
-        monkeypatch.setattr(f"homogenize.cell.{module}.lattice_lines", lambda lattice: None)
+        monkeypatch.setattr(f"homogenize.cell.{module}.aligned_lines", lambda lattice: None)
     free = solve_cell(star, 1.92, (0.0, np.pi / 6))
     assert len(free.segments) == 1
     assert free.lam == pytest.approx(aligned.lam, rel=2e-3)

@@ -28,6 +28,7 @@ def five(tmp_path_factory: pytest.TempPathFactory) -> tuple[Law, str]:
     """A law of five-armed stars, whose longest arms overlap, and what its command printed."""
     folder: Path = tmp_path_factory.mktemp("five")
     plan = PLAN.replace("[3.0, 10.0]", "[4.0, 7.0, 12.0]").replace("held_out = 1", "held_out = 0")
+    plan = plan.replace("[0.3, 0.5]", "[0.3, 0.4]").replace("edge_mm = 4.0", "edge_mm = 2.2")
     (folder / "five.toml").write_text(plan + "[lattice]\narms = 5\n")
     result = run("calibrate", "five.toml", "--jobs", "2", cwd=folder)
     assert result.returncode == 0, result.stderr
@@ -83,10 +84,14 @@ def test_the_law_holds_what_differs_between_directions(five: tuple[Law, str], tm
     (tmp_path / "old.npz").write_bytes(law_bytes(without))
     with pytest.raises(LawError, match=r"old\.npz: lacks the differences between directions; make it again"):
         load_law(tmp_path / "old.npz")
-    residuals = {"1.35": {name: entry for name, entry in law.residuals["1.35"].items() if name != "tubes"}}
-    (tmp_path / "old.npz").write_bytes(law_bytes(replace(law, residuals=residuals)))
-    with pytest.raises(LawError, match=r"old\.npz: lacks the number of stable cells; make it again"):
-        load_law(tmp_path / "old.npz")
+    for lacking, message in (
+        ("tubes", r"old\.npz: lacks the number of stable cells; make it again: asterism calibrate"),
+        ("symmetry", r"old\.npz: its cells lack the symmetry of star and lattice; make it again: asterism calibrate"),
+    ):
+        residuals = {"1.35": {name: entry for name, entry in law.residuals["1.35"].items() if name != lacking}}
+        (tmp_path / "old.npz").write_bytes(law_bytes(replace(law, residuals=residuals)))
+        with pytest.raises(LawError, match=message):
+            load_law(tmp_path / "old.npz")
 
 
 def test_a_sheet_of_five_arms_bends_differently_in_each_direction(five: tuple[Law, str]) -> None:

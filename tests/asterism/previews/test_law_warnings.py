@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import asterism
 from asterism.laws.law_text import law_lines
-from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
-from homogenize.law.law_residuals import unstable_tubes
+from homogenize.law.law_residuals import broken_symmetry, unstable_tubes
 
 
 def missed(kappa: float, bending: float) -> Law:
@@ -58,6 +58,24 @@ def test_a_law_of_cells_that_depend_on_their_mesh_says_so_wherever_it_is_used() 
 
 def test_a_law_of_cells_that_do_not_is_silent() -> None:
     assert mesh_warning(load_law()) is None and mesh_warning(differing(12.0)) is None
+
+
+def test_a_law_whose_stars_bend_out_of_their_symmetry_says_so_wherever_it_is_used() -> None:
+    """The difference is that of the worst cell."""
+    cells = [0.02, 0.4, 0.1]
+    samples = [{"problem": None, "length_mm": 7.0, "sample": {"asymmetry": each}} for each in cells]
+    law = load_law()
+    residuals = {name: {**kinds, "symmetry": broken_symmetry(samples)} for name, kinds in law.residuals.items()}
+    broken = replace(law, residuals=residuals)
+    line = symmetry_warning(broken)
+    assert line is not None and "equal directions differ by up to 40 %" in line
+    assert f"  {line}" in law_lines(broken)
+    assert line in asterism.preview(asterism.new("dome"), broken).summary["warnings"]
+
+
+def test_a_law_of_cells_that_keep_their_symmetry_is_silent() -> None:
+    kept = {name: {**kinds, "symmetry": broken_symmetry([])} for name, kinds in load_law().residuals.items()}
+    assert symmetry_warning(replace(load_law(), residuals=kept)) is None and symmetry_warning(load_law()) is None
 
 
 def unstable(count: int) -> Law:

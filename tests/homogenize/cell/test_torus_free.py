@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from homogenize.cell.cell_mesh import cell_mesh, lattice_lines
+from homogenize.cell.cell_mesh import aligned_lines, cell_mesh
 from homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
 from homogenize.cell.periodic_delaunay import periodic_delaunay
 from homogenize.cell.periodic_mesh import PeriodicMesh
@@ -31,7 +31,7 @@ STARS = [
 
 def mesh(lattice: dict[str, Any], length: float, edge: float = 1.92, repeat: tuple[int, int] = (1, 1)) -> PeriodicMesh:
     star = design(length, lattice=lattice)
-    assert lattice_lines(star.lattice) is None
+    assert aligned_lines(star.lattice) is None
     return cell_mesh(star, edge, repeat)
 
 

@@ -1,0 +1,94 @@
+"""The common point group of a star and its lattice, and the mirror lines of the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from equilibrium.arrays import Floats
+from pattern.design.lattice import Lattice
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+
+# of unit vectors, and of lattice coordinates
+POINT_GROUP_TOLERANCE = 1e-6
+
+
+def arm_directions(lattice: Lattice) -> Floats:
+    """(arms, 2) unit vectors. A star that is turned onto itself has the same ones, digit by digit."""
+    sector = 360.0 / lattice.arms
+    turn = round(lattice.orientation_deg % sector, 9) % sector
+    angle = np.radians(turn - 90.0 + sector * np.arange(lattice.arms))
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def point_group(lattice: Lattice) -> Floats:
+    """(G, 2, 2) rotations and reflections about a star's centre that map its arms and the lattice onto themselves.
+
+    The identity comes first, then the other rotations, then the reflections.
+
+    Examples
+    --------
+    >>> [len(point_group(Lattice(arms=arms))) for arms in (3, 4, 5, 6)]
+    [6, 4, 2, 12]
+    >>> [len(point_group(Lattice(kind="square", arms=4, orientation_deg=turn))) for turn in (0, 45, 10)]
+    [8, 8, 4]
+    """
+    arms, vectors = arm_directions(lattice), np.asarray(lattice.vectors)
+    inverse = np.linalg.inv(vectors)
+    first = arms[0]
+    cos, sin = arms @ first, arms @ np.array([-first[1], first[0]])
+    rotations = np.array([[[c, -s], [s, c]] for c, s in zip(cos, sin, strict=True)])
+    along = 2.0 * np.outer(first, first) - np.eye(2)  # reflection that keeps the first arm
+    candidates = np.concatenate([rotations, rotations @ along])
+    steps = vectors @ candidates.transpose(0, 2, 1) @ inverse
+    keeps = np.abs(steps - np.rint(steps)).max(axis=(1, 2)) < POINT_GROUP_TOLERANCE
+    return np.asarray(candidates[keeps])
+
+
+def keeps_grid_lines(lattice: Lattice) -> bool:
+    """Whether the point group maps the lines of the aligned grid (`GRID_DIRECTIONS`) onto themselves."""
+    vectors = np.asarray(lattice.vectors)
+    lines = GRID_DIRECTIONS @ vectors
+    moved = np.einsum("gij,lj->gli", point_group(lattice), lines)
+    distance = np.linalg.norm(moved[:, :, None] - lines, axis=-1).min(axis=-1)
+    return bool(distance.max() < POINT_GROUP_TOLERANCE * np.linalg.norm(vectors[0]))
+
+
+@dataclass(frozen=True)
+class MirrorLine:
+    """One class of mirror lines of the sheet: all others of the class are images by lattice vectors.
+
+    Attributes
+    ----------
+    point : (2,) mm, on the line; direction : (2,) unit vector along it.
+    length : mm, after which the line repeats; offset_step : mm, smallest distance of two lines of the class.
+    """
+
+    point: Floats
+    direction: Floats
+    length: float
+    offset_step: float
+
+    @property
+    def normal(self) -> Floats:
+        """(2,) unit vector."""
+        return np.array([-self.direction[1], self.direction[0]])
+
+
+def mirror_lines(vectors: Floats, group: Floats) -> list[MirrorLine]:
+    """All classes of mirror lines of a sheet with these lattice vectors (2, 2) and this point group (G, 2, 2)."""
+    steps = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)]) @ vectors
+    tolerance = POINT_GROUP_TOLERANCE * float(np.linalg.norm(vectors[0]))
+    lines = []
+    for reflection in group[np.linalg.det(group) < 0.0]:
+        values, axes = np.linalg.eigh(0.5 * (reflection + reflection.T))
+        direction, normal = axes[:, values.argmax()], axes[:, values.argmin()]
+        across, along = np.abs(steps @ normal), np.abs(steps @ direction)
+        height = float(across[along < tolerance].min())  # shortest lattice vector across the line
+        length = float(along[across < tolerance].min())
+        step = float(across[across > tolerance].min())
+        lines.append(MirrorLine(np.zeros(2), direction, length, step))
+        if step > 0.75 * height:  # otherwise a centred lattice shifts the line to the middle
+            lines.append(MirrorLine(0.5 * height * normal, direction, length, step))
+    return lines

@@ -1,0 +1,179 @@
+"""Cells keep the symmetry of star and lattice, for all numbers of arms and kinds of lattices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from equilibrium.arrays import Floats
+from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from homogenize.cell.cell_mesh import aligned_lines, cell_mesh
+from homogenize.cell.flat_cell import relax_flat_cell
+from homogenize.cell.orbits import nearest_image
+from homogenize.cell.periodic_mesh import PeriodicMesh
+from homogenize.cell.point_group import keeps_grid_lines, mirror_lines, point_group
+from homogenize.cell.sample import solve_cell
+from homogenize.cell.symmetric_responses import CURVE_KEYS, SCALAR_KEYS, symmetric_responses
+from homogenize.cell.unit_cell import UnitCell
+from pattern.design.lattice import Lattice
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from tests.homogenize.cells import EDGE, design
+
+KINDS: dict[str, dict[str, Any]] = {
+    "triangular": {},
+    "square": {"kind": "square"},
+    "rectangular": {"kind": "custom", "vectors_mm": [[17.0, 0.0], [0.0, 22.0]]},
+    "rhombic": {"kind": "custom", "vectors_mm": [[16.0, 0.0], [8.0, 18.0]]},
+    "oblique": {"kind": "custom", "vectors_mm": [[16.0, 0.0], [5.0, 19.0]]},
+}
+FOUR = {"arms": 4, "kind": "square"}
+
+
+def moved_misfit(mesh: PeriodicMesh, symmetry: Floats) -> tuple[int, int]:
+    """Numbers of edges of triangles and of arms whose images under a symmetry are none of the mesh."""
+    rods = np.concatenate([np.column_stack([rod[:-1], rod[1:]]) for rod in mesh.rods])
+    misfits = []
+    for ends in (mesh.hinges[:, :2], rods):
+        middles = mesh.points[ends].mean(axis=1)
+        known, asked = (each @ np.linalg.inv(mesh.cell_vectors) % 1.0 % 1.0 for each in (middles, middles @ symmetry.T))
+        distance = cKDTree(known, boxsize=1.0).query(asked)[0]
+        misfits.append(int((distance > 1e-6).sum()))
+    return misfits[0], misfits[1]
+
+
+def test_the_group_is_that_of_star_and_lattice() -> None:
+    """Counted by hand: orders with an arm along a lattice line, and with arms off all lines."""
+    counts = {
+        kind: [len(point_group(Lattice(arms=arms, orientation_deg=turn, **lattice))) for arms in range(3, 9)]
+        for kind, lattice, turn in (
+            ("triangular", KINDS["triangular"], 0.0),
+            ("triangular, turned", KINDS["triangular"], 7.0),
+            ("square", KINDS["square"], 0.0),
+            ("oblique", KINDS["oblique"], 0.0),
+        )
+    }
+    assert counts == {
+        "triangular": [6, 4, 2, 12, 2, 4],
+        "triangular, turned": [3, 2, 1, 6, 1, 2],
+        "square": [2, 8, 2, 4, 2, 8],
+        "oblique": [1, 2, 1, 2, 1, 2],
+    }
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_reflection_about_a_mirror_line_maps_the_lattice_onto_itself(kind: str) -> None:
+    lattice = Lattice(arms=4, **KINDS[kind])
+    vectors = np.asarray(lattice.vectors)
+    lines = mirror_lines(vectors, point_group(lattice))
+    assert len(lines) == {"triangular": 2, "square": 6, "rectangular": 4, "rhombic": 2, "oblique": 0}[kind]
+    for line in lines:
+        for site in np.array([[0, 0], [1, 0], [2, 1]]) @ vectors:
+            image = site - 2.0 * ((site - line.point) @ line.normal) * line.normal
+            np.testing.assert_allclose(nearest_image(image, vectors), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "turn", [0.0, pytest.param(7.0, marks=pytest.mark.slow), pytest.param(45.0, marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("arms", range(3, 9))
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_mesh_has_the_symmetry(kind: str, arms: int, turn: float) -> None:
+    star = design(5.0, lattice={"arms": arms, "orientation_deg": turn, **KINDS[kind]})
+    mesh = cell_mesh(star, EDGE)
+    for symmetry in point_group(star.lattice):
+        assert moved_misfit(mesh, symmetry) == (0, 0)
+
+
+def test_the_grid_of_a_square_lattice_has_not_all_of_it() -> None:
+    """Its triangles have one diagonal of each square; only the arms have the symmetry."""
+    vectors = np.asarray(Lattice(kind="square").vectors)
+    grid = aligned_cell_mesh(vectors, np.array([0, 1, 3, 4]), np.full(4, 7.0), EDGE)
+    quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
+    triangles, arms = moved_misfit(grid, quarter)
+    assert triangles > 0 and arms == 0
+
+
+@pytest.mark.parametrize("arms", [3, 6])
+def test_the_papers_stars_keep_the_grid(arms: int) -> None:
+    """The mesh of the paper's law is the aligned one, digit by digit."""
+    star = design(7.0, lattice={"arms": arms})
+    assert keeps_grid_lines(star.lattice)
+    lines = aligned_lines(star.lattice)
+    assert lines is not None
+    along = GRID_DIRECTIONS[lines] @ np.asarray(star.lattice.vectors)
+    np.testing.assert_allclose(along / np.linalg.norm(along, axis=1)[:, None], star.lattice.arm_directions, atol=1e-12)
+    grid = aligned_cell_mesh(np.asarray(star.lattice.vectors), lines, np.full(arms, 7.0), EDGE)
+    np.testing.assert_array_equal(cell_mesh(star, EDGE).points, grid.points)
+    np.testing.assert_array_equal(cell_mesh(star, EDGE).triangles, grid.triangles)
+
+
+def test_four_arms_on_a_square_lattice_curl_alike_after_a_quarter_turn() -> None:
+    """And in a mirror; the rest metric has no shear. All of it before responses are made equal."""
+    angles = tuple(np.radians([0.0, 30.0, 60.0, 90.0, 120.0]))
+    sample = solve_cell(design(7.0, lattice=FOUR), EDGE, angles)
+    assert sample.failed is None
+    kappa = sample.natural_curvature
+    assert sample.asymmetry < 1e-4
+    assert kappa[3] == pytest.approx(kappa[0], rel=1e-4)
+    np.testing.assert_allclose(kappa[[2, 4]], kappa[1], rtol=1e-4)
+    assert abs(kappa[1] - kappa[0]) > 0.01 * kappa[0]
+
+
+def test_a_flat_cell_that_bends_to_a_saddle_gets_the_symmetry_back() -> None:
+    """On this mesh arms of 6 mm break the symmetry by themselves."""
+    star = design(6.0, lattice=FOUR)
+    flat = relax_flat_cell(UnitCell(star, EDGE))[0]
+    assert abs(flat.deformation[0, 1]) > 1e-3
+    sample = solve_cell(star, EDGE, tuple(np.radians([0.0, 30.0, 60.0, 90.0])))
+    metric, stiffness = sample.rest_metric, sample.membrane
+    assert metric is not None and stiffness is not None
+    np.testing.assert_allclose(metric, metric[0, 0] * np.eye(2), atol=1e-12)
+    assert stiffness[0, 0] == pytest.approx(stiffness[1, 1]) and stiffness[0, 2] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_cell_that_keeps_its_symmetry_keeps_its_digits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The paper's star, three arms on a triangular lattice."""
+    star = design(8.0)
+    found = solve_cell(star, EDGE).to_dict()
+    monkeypatch.setattr("homogenize.cell.sample.symmetric_responses", lambda responses, *_: responses)
+    plain = solve_cell(star, EDGE).to_dict()
+    for name in found.keys() - {"asymmetry", "seconds"}:
+        np.testing.assert_equal(found[name], plain[name])
+    assert found["asymmetry"] == 0.0
+
+
+def test_equal_directions_get_the_responses_of_lowest_energy() -> None:
+    """Those at 120 and 150 degrees here, as a star that broke the symmetry would have them."""
+    kappa = np.array([0.1, -0.02, -0.02, 0.1, 0.09, 0.08])
+    energy = np.array([-3.0, -1.0, -1.0, -3.1, -2.0, -2.5])
+    membrane = np.random.default_rng(1).normal(size=(6, 3, 3))
+    membrane += membrane.transpose(0, 2, 1)
+    known: dict[str, Any] = {name: np.arange(6.0) for name in SCALAR_KEYS} | {
+        name: [np.arange(3)] * 6 for name in CURVE_KEYS
+    }
+    known |= {"angles_rad": np.radians(30.0 * np.arange(6)), "natural_curvature": kappa, "natural_energy": energy}
+    known |= {"natural_membrane": membrane, "rest_metric": np.array([[0.7, 0.02], [0.02, 0.6]]), "moment": np.ones(3)}
+    known |= {"stiffness": np.eye(6)}
+    found = symmetric_responses(known, point_group(Lattice(**FOUR)), (1.35, 1.35))
+    np.testing.assert_array_equal(found["natural_curvature"], [0.1, 0.08, 0.08, 0.1, 0.08, 0.08])
+    np.testing.assert_array_equal(found["natural_energy"], [-3.1, -2.5, -2.5, -3.1, -2.5, -2.5])
+    assert found["asymmetry"] == pytest.approx(1.0)  # 0.08 in place of -0.02, over 0.1
+    np.testing.assert_allclose(found["rest_metric"], 0.65 * np.eye(2), atol=1e-15)
+    # the stretch along any direction costs the same energy in the direction that is equal by symmetry
+    for angle in np.linspace(0.0, np.pi, 7):
+        strains = [_stretch_along(angle), _stretch_along(np.pi - angle), _stretch_along(angle + 0.5 * np.pi)]
+        of_150, of_30, of_60 = (
+            strain @ found["natural_membrane"][k] @ strain for k, strain in zip((5, 1, 2), strains, strict=True)
+        )
+        assert of_30 == pytest.approx(of_150) and of_60 == pytest.approx(of_150)
+    uneven = symmetric_responses(known, point_group(Lattice(**FOUR)), (1.35, 1.2))
+    np.testing.assert_array_equal(uneven["natural_curvature"], [0.1, 0.08, 0.09, 0.1, 0.09, 0.08])
+
+
+def _stretch_along(angle: float) -> Floats:
+    """(3,) Voigt strain of a stretch along a direction, rad from x."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([c * c, s * s, 2.0 * c * s])
