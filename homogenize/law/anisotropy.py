@@ -146,7 +146,9 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
             ]
         )
 
-    moment = np.linalg.lstsq(_squares(directions), curvature / curvature_scale, rcond=None)[0]
+    moment: Floats = np.asarray(
+        np.linalg.lstsq(_squares(directions), curvature / curvature_scale, rcond=None)[0], float
+    )
     starts = [
         (ISOTROPIC_PLATE, moment),
         _linear_fit(directions, curvature / curvature_scale, gain / gain_scale, gain_scale / curvature_scale**2),
@@ -183,7 +185,7 @@ def _linear_fit(directions: Floats, curvature: Floats, gain: Floats, gain_per_sq
     doubled = 2.0 * gain * gain_per_square
     wish = np.concatenate([doubled, PLATE_WEIGHT * entries * plate, [Q12_WEIGHT * BENDING_POISSON]])
     q = voigt_matrices(np.linalg.lstsq(rows, wish, rcond=None)[0])
-    return q, np.linalg.lstsq(curvature[:, None] * along, doubled, rcond=None)[0]
+    return q, np.asarray(np.linalg.lstsq(curvature[:, None] * along, doubled, rcond=None)[0], dtype=float)
 
 
 def mean_q12(q: Floats) -> Floats:
