@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from asterism.previews.run import preview
     from asterism.previews.session import Preview
     from asterism.print.export import export
+    from asterism.reports.compare_designs import compare_designs
     from asterism.reports.design_report import report
     from asterism.reports.fit_files import write_fit
     from asterism.reports.verification_files import write_verification
@@ -67,6 +68,7 @@ _HOMES = {
     "Verification": ("asterism.verification.verification", "Verification"),
     "calibrate": ("asterism.laws.calibrate", "calibrate"),
     "compare": ("asterism.measure.compare.compare", "compare"),
+    "compare_designs": ("asterism.reports.compare_designs", "compare_designs"),
     "export": ("asterism.print.export", "export"),
     "fit": ("asterism.fitting.fit", "fit"),
     "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
@@ -108,6 +110,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "compare",
+    "compare_designs",
     "export",
     "fit",
     "fit_strips",

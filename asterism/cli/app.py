@@ -9,6 +9,7 @@ import typer
 from asterism.cli import law, strips
 from asterism.cli.calibrate import calibrate
 from asterism.cli.compare import compare
+from asterism.cli.compare_designs import compare_designs
 from asterism.cli.export import export
 from asterism.cli.fit import fit
 from asterism.cli.materials import materials
@@ -26,7 +27,7 @@ from asterism.process.version import __version__
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 for function in (
     *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
-    *(materials, report, calibrate),
+    *(compare_designs, materials, report, calibrate),
 ):
     app.command()(function)
 app.add_typer(strips.app, name="strips")

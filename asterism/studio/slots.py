@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.results.compared import COMPARED_KEYS
 from asterism.studio.document import Document
 from asterism.studio.requests import RequestError
 from asterism.studio.shown import Shown
 
 SLOTS = ("A", "B", "C")
-COMPARED = ("height_mm", "extent_mm", "expected_rms_percent", "expected_height_percent", "contraction")
 
 
 class Slots:
@@ -20,7 +20,7 @@ class Slots:
 
     def keep(self, slot: str, document: Document, shown: Shown) -> None:
         """Keep the design that is shown."""
-        numbers = {key: shown.numbers.get(key) for key in COMPARED}
+        numbers = {key: shown.numbers.get(key) for key in COMPARED_KEYS}
         data = {"name": document.path.stem, "revision": document.revision, **numbers}
         self._kept[slot] = (document.table, shown.snapshots.get(document.revision), data)
 

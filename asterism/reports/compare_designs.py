@@ -1,0 +1,137 @@
+"""The public function behind `asterism compare-designs`: several designs on one page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from asterism.previews.run import preview
+from asterism.print.job import prepare
+from asterism.print.plastic_profile import PlasticProfile
+from asterism.print.printer import Printer
+from asterism.print.profiles import load_plastic, load_printer
+from asterism.process.listeners import Say, ignore_line
+from asterism.reports.compared_numbers import ComparedDesign, ComparedNumber, compared_numbers, differing_entries
+from asterism.reports.designs_page import designs_page
+from asterism.results.files import OutputError, check_writable, write_file
+from asterism.shape.comparison import compare_shapes
+from asterism.shape.shape import Shape
+from homogenize.errors import LawError
+from homogenize.law.law import Law
+from pattern.design.arguments import check_type
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.symmetries import symmetries
+
+MAX_COMPARED_DESIGNS = 12
+# mm, outlines that differ by less are the same print
+SAME_OUTLINE_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class DesignsComparison:
+    """Several designs beside each other.
+
+    Attributes
+    ----------
+    designs : the designs with their jobs and shapes.
+    numbers : rows of numbers.
+    differences : entries in which the designs differ: the path, and a text for each design.
+    """
+
+    designs: tuple[ComparedDesign, ...]
+    numbers: tuple[ComparedNumber, ...]
+    differences: tuple[tuple[str, list[str]], ...]
+
+
+def compare_designs(
+    designs: Sequence[Design],
+    path: str | Path,
+    *,
+    names: Sequence[str] | None = None,
+    exact: bool = False,
+    printer: str | Printer = "ultimaker2",
+    plastic: str | PlasticProfile = "tpu95a",
+    law: Law | None = None,
+    say: Say | None = None,
+) -> DesignsComparison:
+    """Write one page with several designs: pictures at one scale, sizes, print times, expected errors, differences.
+
+    A design without a preview has no picture, and the page says why.
+
+    Parameters
+    ----------
+    designs : 2 to 12 designs. Differences are those from the first one.
+    path : file of the page; it ends with `.html`.
+    names : headings; the names of the designs by default.
+    exact : compute exact shapes, not previews.
+    printer, plastic : a profile, its name, or its file, for print times and masses.
+    law : law of the previews; that of the paper's material by default.
+    say : called with a line of text at the beginning of each stage.
+
+    Raises
+    ------
+    DesignError
+        There are too few or too many designs, a profile is wrong, or rounded arms overlap.
+    OutputError
+        The page cannot be written.
+    """
+    if not 2 <= len(designs) <= MAX_COMPARED_DESIGNS:
+        raise DesignError("", f"must be 2 to {MAX_COMPARED_DESIGNS} designs", len(designs))
+    for design in designs:
+        check_type(design, Design, "load_design reads one from a file")
+    path = Path(path)
+    if path.suffix.lower() != ".html":
+        raise OutputError(f"--output: {str(path)!r} must end with .html")
+    check_writable(path.parent, path.name)
+    machine = load_printer(printer) if isinstance(printer, str) else printer
+    profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
+    headings = _headings(names or [design.name for design in designs])
+    announce = say or ignore_line
+    compared: list[ComparedDesign] = []
+    for heading, design in zip(headings, designs, strict=True):
+        job = prepare(design, machine, profile, any_size=True)
+        announce(heading)
+        shape, problem = _shape_of(design, exact, law, announce)
+        one = ComparedDesign(heading, job, shape, problem)
+        compared.append(replace(one, distance_mm=_distance(compared[0], one) if compared else None))
+    numbers = tuple(compared_numbers(compared))
+    differences = tuple(differing_entries(compared))
+    write_file(path, designs_page(compared, numbers, differences))
+    return DesignsComparison(tuple(compared), numbers, differences)
+
+
+def _shape_of(design: Design, exact: bool, law: Law | None, say: Say) -> tuple[Shape | None, str]:
+    """The shape, or None and the reason."""
+    if exact:
+        from asterism.exact.simulation import simulate  # its imports take seconds
+
+        return simulate(design, say=say), ""
+    try:
+        return preview(design, law, say=say), ""
+    except (LawError, DesignError) as error:
+        return None, f"{error}; the exact model may compute it: --exact"
+
+
+def _distance(first: ComparedDesign, other: ComparedDesign) -> float | None:
+    """rms distance (mm) of two shapes of the same print; None for others."""
+    one, two = first.job.drawn_plan, other.job.drawn_plan
+    if first.shape is None or other.shape is None or one.outline.shape != two.outline.shape:
+        return None
+    if np.abs(one.outline - two.outline).max() > SAME_OUTLINE_MM or len(one.holes) + len(two.holes) > 0:
+        return None
+    design = first.job.drawn
+    same = symmetries(design, one)
+    comparison = compare_shapes(first.shape, other.shape, one, same, design.gravity.pull)
+    return 0.01 * comparison.rms_percent * comparison.diameter_mm
+
+
+def _headings(names: Sequence[str]) -> list[str]:
+    """The names, with a number where one is there again."""
+    return [
+        name if names.count(name) == 1 else f"{name} ({list(names[: number + 1]).count(name)})"
+        for number, name in enumerate(names)
+    ]

@@ -1,0 +1,121 @@
+"""Several designs on one page."""
+
+from __future__ import annotations
+
+import base64
+import re
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import asterism
+from asterism.reports.compare_designs import DesignsComparison, compare_designs
+from asterism.results.compared import COMPARED_KEYS
+from pattern.design.design import Design, save_design
+from pattern.design.errors import DesignError
+from tests.asterism.commands import command
+
+
+def small(**changes: Any) -> Design:
+    data: dict[str, Any] = {"name": "small", "stars": {"length_mm": 8.0}, "border": {"rings": 1}}
+    return Design.from_dict(data | changes)
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[DesignsComparison, str]:
+    """Three designs: the first, one of thicker stars, and one of a lattice without a law."""
+    page = tmp_path_factory.mktemp("compared") / "page.html"
+    thick = small(stars={"length_mm": 8.0, "thickness_mm": 0.45})
+    wide = small(lattice={"spacing_mm": 25.0}, pins=[{"where": "corners", "scale": 0.8}])
+    result = compare_designs([small(), thick, wide], page, names=["first", "thick", "<wide>"])
+    return result, page.read_text()
+
+
+def row(result: DesignsComparison, label: str) -> Any:
+    return next(each for each in result.numbers if each.label.startswith(label))
+
+
+def test_numbers_are_those_of_the_previews_and_prints(compared: tuple[DesignsComparison, str]) -> None:
+    result, _ = compared
+    shapes = [asterism.preview(each.job.drawn) for each in result.designs[:2]]
+    assert row(result, "height").values == (*(shape.height_mm for shape in shapes), None)
+    assert row(result, "contraction").values[:2] == tuple(shape.summary["contraction"] for shape in shapes)
+    assert row(result, "print time").values == tuple(each.job.cost.minutes for each in result.designs)
+    assert row(result, "stars").values == (7.0, 7.0, 7.0)
+    assert row(result, "needles").texts == ("0", "0", "6")
+    assert all(key in shapes[0].summary for key in COMPARED_KEYS)
+
+
+def test_differences_are_those_from_the_first(compared: tuple[DesignsComparison, str]) -> None:
+    height = row(compared[0], "height")
+    first, second, third = height.with_differences()
+    change = height.values[1] - height.values[0]
+    assert first == f"{height.values[0]:.1f}" and third == "-"
+    assert second.startswith(f"{height.values[1]:.1f} ({change:+.1f}, ")
+    assert row(compared[0], "needles").with_differences() == ["0", "0", "6 (+6)"]
+
+
+def test_the_distance_is_that_of_sheets_printed_alike(compared: tuple[DesignsComparison, str]) -> None:
+    first, thick, wide = (each.distance_mm for each in compared[0].designs)
+    assert first is None and wide is None and thick is not None and 0.01 < thick < 10.0
+
+
+def test_entries_that_differ_are_listed_once(compared: tuple[DesignsComparison, str]) -> None:
+    entries = dict(compared[0].differences)
+    assert entries["stars.thickness_mm"] == ["0.3", "0.45", "0.3"]
+    assert entries["lattice.spacing_mm"][2] == "25.0" and entries["pins.0.scale"] == ["-", "-", "0.8"]
+    assert not {"name", "stars.length_mm", "border.rings"} & set(entries)
+
+
+def test_a_design_without_a_shape_is_there_with_the_reason(compared: tuple[DesignsComparison, str]) -> None:
+    result, page = compared
+    assert result.designs[2].shape is None and "the law is for another lattice" in result.designs[2].problem
+    assert "the law is for another lattice" in page and "&lt;wide&gt;" in page and "<wide>" not in page
+    assert page.count("<img") == 2 * 3
+
+
+def test_pictures_of_a_row_have_one_scale(compared: tuple[DesignsComparison, str], tmp_path: Path) -> None:
+    """The sheet seen from above is as wide in the picture as its extent says, for both designs."""
+    result, page = compared
+    data = re.findall(r'src="data:image/png;base64,([^"]+)"', page)[-2:]
+    pictures = [np.asarray(Image.open(BytesIO(base64.b64decode(text))).convert("RGB")) for text in data]
+    wide = [np.ptp(np.flatnonzero((pixels < 250).any(axis=(0, 2)))) for pixels in pictures]
+    extents = [each.summary["extent_mm"][0] for each in result.designs[:2]]
+    assert wide[0] / extents[0] == pytest.approx(wide[1] / extents[1], rel=0.03)
+
+
+def test_equal_designs_say_so_and_have_different_headings(tmp_path: Path) -> None:
+    result = compare_designs([small(), small()], tmp_path / "x.html")
+    assert [each.name for each in result.designs] == ["small (1)", "small (2)"]
+    assert result.differences == () and "None: the designs are the same." in (tmp_path / "x.html").read_text()
+    assert result.designs[1].distance_mm == pytest.approx(0.0, abs=1e-9)
+
+
+def test_exact_shapes_have_their_mesh_errors(tmp_path: Path) -> None:
+    coarse = [small(mesh={"edge_mm": 5.0}), small(mesh={"edge_mm": 5.0}, plastic={"modulus_ratio": 3000.0})]
+    result = compare_designs(coarse, tmp_path / "x.html", exact=True)
+    assert all(each.shape is not None and not each.shape.is_preview for each in result.designs)
+    assert "Shapes by the exact model." in (tmp_path / "x.html").read_text()
+
+
+def test_the_command_prints_the_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, thickness in (("a", 0.3), ("b", 0.4)):
+        save_design(small(stars={"length_mm": 8.0, "thickness_mm": thickness}), tmp_path / f"{name}.toml")
+    ended = command(["compare-designs", str(tmp_path / "a.toml"), str(tmp_path / "b.toml")], capsys, monkeypatch)
+    assert ended.status == 0
+    assert f"{tmp_path / 'a-b.html'}: 1 entry differs" in ended.out and "print time, minutes" in ended.out
+    alone = command(["compare-designs", str(tmp_path / "a.toml")], capsys, monkeypatch)
+    assert alone.status == 2 and alone.line == "asterism: must be 2 to 12 design files, not 1"
+    pdf = command(["compare-designs", *2 * [str(tmp_path / "a.toml")], "-o", "x.pdf"], capsys, monkeypatch)
+    assert pdf.status == 2 and pdf.line == "asterism: --output: 'x.pdf' must end with .html"
+
+
+def test_too_few_designs_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match="must be 2 to 12 designs"):
+        compare_designs([small()], tmp_path / "x.html")
