@@ -139,7 +139,7 @@ def _remains(rest: Remainder, s: FitRecord) -> list[str]:
 def _stages(s: FitRecord) -> list[list[str]]:
     stages = {
         "first guess, preview": s.first_guess,
-        "fit before rounding, preview": s.unrounded,
+        "fit by the preview, not rounded": s.unrounded,
         "design as written, preview": s.preview,
         "design as written, exact shape": s.exact,
     }
@@ -165,7 +165,8 @@ def _steps(s: FitRecord) -> str:
     again = (
         f" A fresh preview took another form {s.restarts} times, and the fit went on from there." if s.restarts else ""
     )
-    return f"{len(s.steps)} steps of the fit.{again}{forms}"
+    corrected = f" {len(s.corrections)} exact shapes corrected it." if s.corrections else ""
+    return f"{len(s.steps)} steps of the fit by the preview.{corrected}{again}{forms}"
 
 
 def _target(fitted: Fit) -> list[list[str]]:

@@ -10,10 +10,11 @@ from asterism.print.profiles import load_printer
 from asterism.studio.engine_problem import engine_problem
 from asterism.studio.job_messages import Fitted
 from asterism.studio.messages import Surface
+from asterism.studio.requests import Hold
 from asterism.studio.verifier import ProgressSender
 
 
-def run_fit(connection: Connection, job: int, target: Surface, name: str, needles: int | None, printer: str) -> None:
+def run_fit(connection: Connection, job: int, target: Surface, name: str, hold: Hold, printer: str) -> None:
     """The body of a fit's process. The exact model is left to a verification.
 
     Parameters
@@ -22,7 +23,7 @@ def run_fit(connection: Connection, job: int, target: Surface, name: str, needle
     job : number of the job.
     target : in the pose and unit of its file, but in mm.
     name : of the target, for messages.
-    needles : as in `asterism.fit`.
+    hold : needles by the outline or a held border (`auto`), the whole border, or nothing.
     printer : name of the profile to whose layers and lines sizes are rounded.
     """
     progress = ProgressSender(connection, job)
@@ -31,7 +32,8 @@ def run_fit(connection: Connection, job: int, target: Surface, name: str, needle
         surface = TargetSurface.of_triangles(target.vertices, target.triangles, name)
         fitted = fit(
             surface,
-            needles=needles,
+            needles=0 if hold == "nothing" else None,
+            border=True if hold == "border" else None,
             printer=load_printer(printer),
             exact=False,
             say=lambda line: progress(line, 0, 0),

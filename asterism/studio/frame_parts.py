@@ -94,7 +94,7 @@ class FrameParts:
         if self.target is None or self.version != version:
             return  # another target, or moved meanwhile
         self.set_target(replace(self.target, rotation=fitted.rotation, shift=fitted.shift, is_fitted=True))
-        if not fitted.summary["needles"]:
+        if not fitted.table.get("pins"):
             self.fit()
 
     def data(self) -> dict[str, object] | None:

@@ -74,7 +74,7 @@ class JobRequests:
                 target = self._studio.parts.target
                 if target is None:
                     raise ask.RequestError("target: send a file first")
-                arguments = (target.surface_of_file, target.name, request.needles, self._studio.printer)
+                arguments = (target.surface_of_file, target.name, request.hold, self._studio.printer)
                 started = self._jobs.start("fit", document.revision, FIT_PROCESS, *arguments)
                 if started:
                     self._studio.fits.begin(document)

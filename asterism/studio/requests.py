@@ -17,6 +17,8 @@ SiteIndex = Annotated[int, Field(ge=-100_000, le=100_000)]
 Sites = Annotated[list[tuple[SiteIndex, SiteIndex]], Field(max_length=MAX_SITES)]
 SizesOfSites = Annotated[list[float | None], Field(max_length=MAX_SITES)]
 Slot = Literal["A", "B", "C"]
+# what holds a fitted sheet: `auto` chooses between needles and the whole border
+Hold = Literal["auto", "border", "nothing"]
 
 
 class RequestError(Error, ValueError):
@@ -168,10 +170,10 @@ class Verify(Request):
 
 
 class FitRequest(Request):
-    """Fit outline, stars and needles to the target; by default with as many needles as the outline needs."""
+    """Fit outline, stars and supports to the target."""
 
     type: Literal["fit"]
-    needles: Literal[0] | Annotated[int, Field(ge=3, le=1000)] | None = None
+    hold: Hold = "auto"
 
 
 class CancelRequest(Request):

@@ -57,11 +57,11 @@ export function createActions(studio) {
       store.set({ jobs, results: { ...store.get("results"), verify: null }, page: "shape" });
       connection.send("verify");
     },
-    /** Fits outline, stars and needles to the target; `needles` is null for as many as the outline needs. */
-    fitToTarget(needles) {
+    /** Fits outline, stars and supports to the target; `hold` is "auto", "border" or "nothing". */
+    fitToTarget(hold) {
       const jobs = { ...store.get("jobs"), fit: { stage: "starts", done: 0, of: 0, seconds: 0 } };
       store.set({ jobs, results: { ...store.get("results"), fit: null } });
-      connection.send("fit", { needles });
+      connection.send("fit", { hold });
     },
     choose(tool) {
       store.set({ tool, page: "tool", hover: null });

@@ -58,7 +58,7 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
     connection.send(Verified(job, {"rms_percent": float("nan")}, mesh, shape, shape, shape[:, 0], ()))
 
 
-def fit(connection: Connection, job: int, target: Surface, name: str, needles: int | None, printer: str) -> None:
+def fit(connection: Connection, job: int, target: Surface, name: str, hold: str, printer: str) -> None:
     """A fit that gives a sheet of one ring; the targets `wait.obj` and `wide.obj` have none."""
     connection.send(JobProgress(job, "1 stars: 0.40 % of the diameter", 0, 0, 0.1))
     if name == "wait.obj":
@@ -67,7 +67,9 @@ def fit(connection: Connection, job: int, target: Surface, name: str, needles: i
         connection.send(StudioProblem(job, "error", "wide: is out of reach"))
         return
     table: dict[str, Any] = {"name": name, "border": {"rings": 1}, "stars": {"length_mm": 6.0}}
-    summary = {"needles": 12 if needles is None else needles, "size_mm": float(np.ptp(target.vertices[:, 0]))}
+    if hold != "nothing":
+        table["pins"] = [{"corners": [0, 1, 2, 3, 4, 5]}]
+    summary = {"needles": 0 if hold == "nothing" else 6, "size_mm": float(np.ptp(target.vertices[:, 0]))}
     connection.send(Fitted(job, summary, table, np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 5.0])))
 
 

@@ -33,7 +33,7 @@ def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, s
     page.send(type="fit")
     assert page.until("progress")["stage"] == "1 stars: 0.40 % of the diameter"
     result = page.until("result", job="fit")
-    assert result["summary"] == {"needles": 12, "size_mm": 11.0} and result["revision"] == 1
+    assert result["summary"] == {"needles": 6, "size_mm": 11.0} and result["revision"] == 1
     assert studio.document is not None
     table = studio.document.table
     assert table["name"] == before["name"] and table["border"] == {"rings": 1}
@@ -47,7 +47,7 @@ def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, s
 def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, studio: Studio) -> None:
     shown(page, studio)
     send_roof(client)
-    page.send(type="fit", needles=0)
+    page.send(type="fit", hold="nothing")
     assert page.until("result", job="fit")["summary"]["needles"] == 0
     assert isinstance(studio.engine.link.edits[-1], FitTarget)  # type: ignore[attr-defined]
 
@@ -76,8 +76,8 @@ def test_a_fit_can_be_cancelled_and_may_have_no_answer(client: TestClient, page:
     before = shown(page, studio)
     page.send(type="fit", seq=3)
     assert "send a file first" in page.until("problem", seq=3)["text"]
-    page.send(type="fit", needles=2)
-    assert "needles" in page.until("problem")["text"]
+    page.send(type="fit", hold="glue")
+    assert "hold" in page.until("problem")["text"]
     send_roof(client, "wait.obj")
     page.send(type="fit")
     page.until("progress", job="fit")

@@ -28,7 +28,7 @@ class Sent:
 def test_a_fit_sends_progress_and_a_design() -> None:
     vertices, triangles = spherical_cap(30.0, 84.0)
     sent = Sent()
-    run_fit(sent, 7, Surface(vertices + 300.0, triangles), "cap", None, "ultimaker2")  # type: ignore[arg-type]
+    run_fit(sent, 7, Surface(vertices + 300.0, triangles), "cap", "auto", "ultimaker2")  # type: ignore[arg-type]
     *progress, last = sent.messages
     assert all(isinstance(message, JobProgress) and message.job == 7 for message in progress)
     assert any("% of the diameter" in message.stage for message in progress)
@@ -45,7 +45,7 @@ def test_a_fit_sends_progress_and_a_design() -> None:
 def test_a_target_without_a_design_is_one_line() -> None:
     vertices, triangles = spherical_cap(30.0, 40.0)
     sent = Sent()
-    run_fit(sent, 2, Surface(vertices, triangles), "cap.stl", None, "ultimaker2")  # type: ignore[arg-type]
+    run_fit(sent, 2, Surface(vertices, triangles), "cap.stl", "auto", "ultimaker2")  # type: ignore[arg-type]
     problem = sent.messages[-1]
     assert isinstance(problem, StudioProblem) and problem.seq == 2
     assert problem.text.startswith("cap.stl: has room for")

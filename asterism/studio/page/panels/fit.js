@@ -1,9 +1,9 @@
-// Part of the shape's panel: a fit of outline, stars and needles to the target, beside the work.
+// Part of the shape's panel: a fit of outline, stars and supports to the target, beside the work.
 
 import { button, choice, h, hint, refresh, section } from "../dom.js";
 import { capital, percent, seconds } from "../format.js";
 
-const NEEDLES = { auto: "By the outline", none: "None" };
+const HOLDS = { auto: "By the target", border: "Whole border", nothing: "Nothing" };
 
 export function fitPart({ store, actions }, { on }) {
   const element = h("div", { testid: "fit" });
@@ -16,7 +16,7 @@ export function fitPart({ store, actions }, { on }) {
   );
   const ended = h("div", {});
   element.append(running, ended);
-  let needles = "auto";
+  let hold = "auto";
 
   function update() {
     const { target } = store.get("state");
@@ -30,24 +30,24 @@ export function fitPart({ store, actions }, { on }) {
     refresh(ended, [target?.name, result, isOld, isBusy], () => [
       section("Fit to the target"),
       ...(result?.summary ? numbers(result.summary, isOld) : [hint(about(result))]),
-      h("div", { class: "field" }, h("label", {}, "Needles"), needleChoice().element),
+      h("div", { class: "field" }, h("label", {}, "Held"), holdChoice().element),
       button({
         text: result?.summary ? "Fit again" : "Fit to the target",
         kind: "wide",
         testid: "fit-go",
         disabled: isBusy,
-        onclick: () => actions.fitToTarget(needles === "none" ? 0 : null),
+        onclick: () => actions.fitToTarget(hold),
       }),
     ]);
   }
 
-  const needleChoice = () =>
+  const holdChoice = () =>
     choice({
-      label: "Needles",
-      testid: "fit-needles",
-      options: Object.entries(NEEDLES).map(([value, text]) => ({ value, text })),
-      value: needles,
-      onchange: (value) => (needles = value),
+      label: "What holds the sheet",
+      testid: "fit-hold",
+      options: Object.entries(HOLDS).map(([value, text]) => ({ value, text })),
+      value: hold,
+      onchange: (value) => (hold = value),
     });
 
   on(["jobs", "results", "state", "document"], update);
@@ -57,7 +57,7 @@ export function fitPart({ store, actions }, { on }) {
 
 function about(result) {
   if (result?.cancelled) return "Cancelled. The design is unchanged.";
-  return "Finds outline, stars and needles whose sheet comes near to the target. It replaces those of the design in one step, which Undo takes back, and runs beside your work.";
+  return "Finds outline, stars and supports whose sheet comes near to the target. It replaces those of the design in one step, which Undo takes back, and runs beside your work.";
 }
 
 /** What a fit came to. */
