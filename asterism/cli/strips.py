@@ -189,3 +189,25 @@ def weigh(
         mass, width, thickness, after / before, poisson, "incompressible" if incompressible else "neo-hookean"
     )
     run.table({"stretch": f"{after / before:.3f}", "modulus_mpa": f"{modulus:.4g} MPa"})
+
+
+@app.command()
+@command
+def overhang(
+    run: Run,
+    lengths: Annotated[list[float], typer.Argument(metavar="MM...", help="Overhangs at the slope of 41.5 degrees.")],
+    mass: Annotated[float, typer.Option(help="Mass in grams of a square metre of the released fabric.")],
+    confidence: Annotated[float, typer.Option(help="Confidence level of the interval, 0.5 to 0.999.")] = 0.95,
+) -> None:
+    """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
+    from asterism.measure.overhang import bending_stiffness
+
+    stiffness = bending_stiffness(lengths, mass, confidence)
+    interval = f" ({stiffness.low_n_mm:.3g} to {stiffness.high_n_mm:.3g})" if len(lengths) > 1 else ", one reading only"
+    run.table(
+        {
+            "bending length": f"{stiffness.bending_length_mm:.1f} mm",
+            "bending stiffness": f"{stiffness.n_mm:.3g} N mm{interval}",
+        }
+    )
+    run.lines([f'in [fabric]: bending = "consistent", bending_stiffness_n_mm = {stiffness.n_mm:.3g}, modulus_mpa'])

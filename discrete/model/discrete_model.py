@@ -184,9 +184,9 @@ class DiscreteModel(System):
 
     @property
     def fabric_plate(self) -> FabricPlate:
-        """Thickness, modulus and Poisson's ratio of the fabric."""
+        """The plate with the bending stiffness of the fabric."""
         fabric = self.design.fabric
-        return FabricPlate(fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+        return FabricPlate(fabric.bending_thickness_mm, fabric.modulus_mpa, fabric.poisson)
 
     @property
     def spacing(self) -> float:

@@ -120,7 +120,10 @@ class Law:
         sx, sy = design.fabric.stretch_xy
         if not _same(sx, sy):
             raise LawError(f"fabric.stretch = {[sx, sy]}: {WITH_TWO_STRETCHES}", field="fabric.stretch")
-        free = {"fabric": {"stretch", "modulus_mpa", "density_kg_m3"}, "plastic": {"density_kg_m3"}}
+        free = {
+            "fabric": {"stretch", "modulus_mpa", "density_kg_m3", "bending_stiffness_n_mm"},
+            "plastic": {"density_kg_m3"},
+        }
         for section in ("fabric", "plastic", "lattice"):
             ours, theirs = (getattr(thing, section).model_dump(mode="json") for thing in (self.material, design))
             if section == "lattice":
@@ -135,6 +138,10 @@ class Law:
                     field = f"{section}.{key}"
                     problem = f"{field} = {theirs[key]}: the law is for another {other}, of {ours[key]}"
                     raise ForeignLaw(problem, field=field)
+        known, asked = self.material.fabric.bending_thickness_mm, design.fabric.bending_thickness_mm
+        if not _same(known, asked, MATERIAL_TOLERANCE):
+            problem = f"the fabric bends like a plate {asked:.3g} mm thick: the law is for another, of {known:.3g} mm"
+            raise ForeignLaw(problem, field="fabric.bending_stiffness_n_mm")
         return self.at(sx)
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:

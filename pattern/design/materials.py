@@ -24,6 +24,7 @@ class Fabric(Section):
     modulus_mpa : Young's modulus. Without gravity only its ratio to the plastic's matters for the shape.
     model : energy of the membrane.
     bending : energy of the hinges: `paper` is the paper's, `consistent` the plate of this thickness.
+    bending_stiffness_n_mm : measured bending stiffness for each mm of width, in place of that of the thickness.
     thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
     """
 
@@ -33,6 +34,7 @@ class Fabric(Section):
     poisson: Number = Field(0.3, ge=0, le=0.49)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
     bending: Literal["paper", "consistent", "none"] = "paper"
+    bending_stiffness_n_mm: Number | None = Field(None, ge=1e-6, le=1e4)
     density_kg_m3: MassDensity = 400.0
 
     @field_validator("stretch")
@@ -52,6 +54,18 @@ class Fabric(Section):
     def has_bending(self) -> bool:
         """The fabric resists bending."""
         return self.bending != "none"
+
+    @property
+    def bending_thickness_mm(self) -> float:
+        """Thickness of a plate of the fabric's modulus that has its bending stiffness.
+
+        >>> knit = Fabric(bending="consistent", modulus_mpa=0.2, bending_stiffness_n_mm=0.02)
+        >>> round(knit.bending_thickness_mm, 3), Fabric().bending_thickness_mm
+        (1.03, 0.8)
+        """
+        if self.bending_stiffness_n_mm is None:
+            return self.thickness_mm
+        return float((12.0 * (1.0 - self.poisson**2) * self.bending_stiffness_n_mm / self.modulus_mpa) ** (1 / 3))
 
     @property
     def bending_follows_mesh(self) -> bool:
