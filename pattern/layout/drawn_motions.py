@@ -51,30 +51,45 @@ def candidate_turns(graph: RodGraph, centre: Floats) -> list[Floats]:
     return turns + [_rotation(2 * (axis + np.pi * k / order)) @ np.diag([1.0, -1.0]) for k in range(order)]
 
 
-def maps_drawing(layout: Layout, turn: Floats, shift: Floats, tolerance: float) -> bool:
-    """Whether `p -> turn p + shift` maps outline, holes and drawn rods onto themselves within `tolerance` (mm)."""
-    graph = layout.graph
-    border = shapely.LinearRing(layout.outline)
-    if not maps_holes(layout, turn, shift, tolerance):
-        return False
-    at = shapely.get_coordinates(shapely.segmentize(border, layout.spacing_mm))
-    if (shapely.distance(border, shapely.points(at @ turn.T + shift)) > tolerance).any():
-        return False
-    samples = [_inner_points(rod) for rod in graph.rods]
-    owner = np.repeat(np.arange(len(samples)), [len(points) for points in samples])
-    moved = shapely.points(np.concatenate(samples) @ turn.T + shift)
-    lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
-    image = shapely.STRtree(lines).nearest(moved)
-    if (shapely.distance(lines[image], moved) > tolerance).any():
-        return False
-    along = shapely.line_locate_point(lines[image], moved)
-    parts = np.concatenate([_inner_parts(rod) for rod in graph.rods])
-    for number, rod in enumerate(graph.rods):
-        for other in np.unique(image[owner == number]):
-            here = (owner == number) & (image == other)
-            if not _same_sections(rod, parts[here], graph.rods[other], along[here] / graph.rods[other].length):
-                return False
-    return True
+class DrawingImages:
+    """Checks whether motions map a drawing onto itself.
+
+    Parameters
+    ----------
+    layout : of the drawing.
+    tolerance : mm, distance within which lines are equal.
+    """
+
+    def __init__(self, layout: Layout, tolerance: float) -> None:
+        self._layout, self._tolerance = layout, tolerance
+        self._border = shapely.LinearRing(layout.outline)
+        self._on_border = shapely.get_coordinates(shapely.segmentize(self._border, layout.spacing_mm))
+        rods = layout.graph.rods
+        self._parts = [_inner_parts(rod) for rod in rods]
+        self._points = np.concatenate([rod.at(rod.points, parts) for rod, parts in zip(rods, self._parts, strict=True)])
+        self._lines = np.array([shapely.LineString(rod.points) for rod in rods])
+        self._tree = shapely.STRtree(self._lines)
+
+    def are_equal(self, turn: Floats, shift: Floats) -> bool:
+        """Whether `p -> turn p + shift` maps outline, holes and rods of equal sections onto each other."""
+        moved_border = shapely.points(self._on_border @ turn.T + shift)
+        if (shapely.distance(self._border, moved_border) > self._tolerance).any():
+            return False
+        if not maps_holes(self._layout, turn, shift, self._tolerance):
+            return False
+        moved = shapely.points(self._points @ turn.T + shift)
+        image = self._tree.nearest(moved)
+        if (shapely.distance(self._lines[image], moved) > self._tolerance).any():
+            return False
+        along = shapely.line_locate_point(self._lines[image], moved)
+        rods, ends = self._layout.graph.rods, np.cumsum([len(parts) for parts in self._parts])[:-1]
+        groups = zip(rods, self._parts, np.split(image, ends), np.split(along, ends), strict=True)
+        for rod, parts, images, places in groups:
+            for number in np.unique(images):
+                here, other = images == number, rods[number]
+                if not _same_sections(rod, parts[here], other, places[here] / other.length):
+                    return False
+        return True
 
 
 def maps_holes(layout: Layout, turn: Floats, shift: Floats, tolerance: float) -> bool:
@@ -101,10 +116,6 @@ _SIZES = ("thickness", "width")
 def _inner_parts(rod: Rod) -> Floats:
     """(n,) parts of the length of a rod, without its ends."""
     return (np.arange(max(MIN_ROD_SAMPLES, len(rod.points))) + 0.5) / max(MIN_ROD_SAMPLES, len(rod.points))
-
-
-def _inner_points(rod: Rod) -> Floats:
-    return rod.at(rod.points, _inner_parts(rod))
 
 
 def _rotation(angle: float) -> Floats:

@@ -12,7 +12,7 @@ from equilibrium.arrays import Floats, Ints
 from pattern.design.design import Design
 from pattern.design.rods import IMPORT_CURVE_MM
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
-from pattern.layout.drawn_motions import candidate_turns, maps_drawing, maps_holes
+from pattern.layout.drawn_motions import DrawingImages, candidate_turns, maps_holes
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import SupportSamples, support_samples
 
@@ -96,6 +96,7 @@ def _of_drawing(design: Design, layout: Layout) -> list[Symmetry]:
     tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
     centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
     samples, centres = support_samples(layout), cKDTree(layout.centres) if layout.has_stars else None
+    images = DrawingImages(layout, tolerance)
     kept = []
     for turn in candidate_turns(layout.graph, centre):
         star: Ints = np.empty(0, dtype=np.int64)
@@ -108,7 +109,7 @@ def _of_drawing(design: Design, layout: Layout) -> list[Symmetry]:
         shift_in_space = _support_shift(samples, motion, tolerance)
         if shift_in_space is None or not _keeps_directions(design, turn):
             continue
-        if maps_drawing(layout, turn, motion.shift, tolerance):
+        if images.are_equal(turn, motion.shift):
             kept.append(replace(motion, shift_in_space=shift_in_space))
     return kept
 
