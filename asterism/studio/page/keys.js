@@ -20,7 +20,7 @@ const HELP = {
   ],
   Plan: [
     ["← ↑ → ↓", "Go to the next star"],
-    ["Enter", "Select the star or deselect it; set a needle there, with that tool"],
+    ["Enter", "Use the tool at the star: paint, select, set a needle, an end of a line"],
     ["+ −", "Change the size of the selected stars"],
     ["Delete", "Remove stars, a corner or a needle"],
     ["Insert", "A corner after the selected one"],

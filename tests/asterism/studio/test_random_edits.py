@@ -21,6 +21,8 @@ EDITS = int(os.environ.get("ASTERISM_RANDOM_EDITS", "1000"))
 # Seconds for one answer of the server, and for the engine to come to rest, on a machine with other work.
 ANSWER_S = 3.0
 REST_S = 60.0
+# largest ratio of the memory after all gestures to that after half of them
+MAX_GROWTH = 1.3
 CHANGES: list[dict[str, Any]] = [
     {"border": {"rings": 2}},
     {"border": {"rectangle_mm": [90.0, 70.0]}},
@@ -80,7 +82,10 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
         page = Page(socket)
         first = page.until("document")
         page.until("shape")
+        memory_mb = []
         for gesture in range(1, EDITS + 1):
+            if gesture in (EDITS // 2, EDITS):
+                memory_mb.append(memory_of(studio))
             for message in random_messages(random, gesture):
                 page.send(**message)
             begun = time.monotonic()
@@ -104,7 +109,19 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
     assert json.dumps(studio.document.table) == json.dumps(first["design"])  # type: ignore[union-attr]
     assert path.read_bytes() == original
     assert last["revision"] == first["revision"] and last["numbers"]["is_minimum"]
+    print(
+        f"{EDITS} gestures: slowest answer {slowest:.2f} s; server and engine {memory_mb} MB after half and all of them"
+    )
     assert slowest < ANSWER_S
+    assert (np.array(memory_mb[-1]) <= MAX_GROWTH * np.array(memory_mb[0])).all()
+
+
+def memory_of(studio: Studio) -> list[float]:
+    """Resident memory (MB) of the server and the engine; nothing where the system does not tell."""
+    processes = (os.getpid(), studio.engine.link._child._process.pid)
+    files = [Path(f"/proc/{process}/status") for process in processes]
+    texts = [file.read_text() for file in files if file.exists()]
+    return [round(int(text.split("VmRSS:")[1].split()[0]) / 1024) for text in texts]
 
 
 def at_rest(page: Page) -> dict[str, Any]:

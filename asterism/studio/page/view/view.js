@@ -62,23 +62,31 @@ export class View {
     if (kind === 1) {
       this.meshes.set(header.mesh, arrays);
       if (this.meshes.size > MAX_MESHES) this.meshes.delete(this.meshes.keys().next().value);
-    } else if (kind === 2) this.#takeShape(header, arrays);
-    else if (kind === 3) {
-      if (this.shape) bringTo(this.shape.positions, arrays);
-      const { mesh, revision } = header;
-      const isOld = revision !== this.store.get("document")?.revision;
-      this.store.set({
-        comparison: { ...arrays, mesh, revision, isOld },
-        viewColour: "distance",
-        shown: "exact",
-      });
-      this.onFrame(header);
+      return;
+    }
+    let isTaken = false;
+    try {
+      if (kind === 2) isTaken = this.#takeShape(header, arrays);
+      else this.#takeComparison(header, arrays);
+    } finally {
+      if (!isTaken) this.onFrame(header); // whatever happens: the server sends no other frame before
     }
   }
 
+  #takeComparison({ mesh, revision }, arrays) {
+    if (this.shape) bringTo(this.shape.positions, arrays);
+    const isOld = revision !== this.store.get("document")?.revision;
+    this.store.set({
+      comparison: { ...arrays, mesh, revision, isOld },
+      viewColour: "distance",
+      shown: "exact",
+    });
+  }
+
+  /** Returns whether the shape will be drawn and confirmed. */
   #takeShape(header, arrays) {
     const mesh = this.meshes.get(header.mesh);
-    if (!mesh) return this.onFrame(header);
+    if (!mesh) return false;
     const { arm_normals: normals, smooth_arm_normals: smoothNormals } = arrays;
     this.shape = { ...arrays, arm_normals: unit(normals), arm_site: mesh.arm_site, mesh, header };
     if (arrays.smooth) this.shape.smooth_arm_normals = unit(smoothNormals);
@@ -86,6 +94,7 @@ export class View {
     this.#place();
     if (!this.#hasFit && this.canvas.clientWidth) this.fit();
     this.invalidate();
+    return true;
   }
 
   /** Forgets the shape and the camera's place: another design is opened. */
@@ -212,7 +221,7 @@ export class View {
   }
 
   draw(width = this.canvas.width, height = this.canvas.height) {
-    if (!this.shape || !width) return;
+    if (!this.shape || !width) return this.#confirm();
     const start = performance.now();
     const isGrey = this.store.get("problem")?.isBlocking || this.store.get("connection") === "lost";
     const shown = this.store.get("comparison") ? this.store.get("shown") : "preview";

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
+SPACING_MM = np.sqrt(300.0)  # of the stars of the dome
 FOCUSED = "document.activeElement.dataset.testid"
 
 
@@ -93,3 +95,26 @@ def test_every_control_that_tab_reaches_shows_the_focus(shared: StudioPage) -> N
         seen.append(name)
     for name in ("save", "export", "verify", "tool-needles", "plan", "view", "named-view", "target"):
         assert name in seen, name
+
+
+def test_the_brush_the_gradient_and_the_ruler_work_at_the_star_of_the_keyboard(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    press = shared.page.keyboard.press
+    shared.page.locator("#plan-canvas").focus()
+    press("b")
+    press("ArrowRight")  # to the star in the middle
+    before = shared.get("studio.sizes")
+    shared.changed(lambda: press("Enter"))
+    assert shared.get("studio.sizes") != before and shared.get("studio.document.can_undo")
+    press("r")
+    press("Enter")
+    press("ArrowRight")
+    press("Enter")
+    assert shared.get("studio.measured")["printed"] == pytest.approx(np.sqrt(3.0) * SPACING_MM)
+    press("g")
+    press("Enter")
+    press("ArrowRight")
+    shared.changed(lambda: press("Enter"))
+    profile = shared.get("studio.document.design.stars.length_mm")
+    assert profile["centre_mm"] == pytest.approx([np.sqrt(3.0) * SPACING_MM, 0.0], abs=0.05)
+    assert profile["over_mm"] == pytest.approx(SPACING_MM, abs=0.05)

@@ -131,6 +131,7 @@ def test_stars_are_changed_by_keyboard_alone(page: StudioPage) -> None:
     before = page.get("studio.sizes")
     page.page.locator("#plan-canvas").focus()
     press = page.page.keyboard.press
+    press("v")
     press("ArrowRight")  # to the star in the middle
     press("ArrowUp")
     press("Enter")

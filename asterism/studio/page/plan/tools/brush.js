@@ -48,6 +48,16 @@ export class BrushTool {
     this.up();
   }
 
+  /** Enter paints at the star of the keyboard; with Shift in a straight line from the last place. */
+  key(event) {
+    const star = this.store.get("sheet").byKey.get(this.store.get("cursor"));
+    if (event.key !== "Enter" || !star) return false;
+    this.down({ at: star.at, shift: event.shiftKey, alt: false });
+    this.up();
+    this.plan.invalidate();
+    return true;
+  }
+
   hover(event) {
     this.#at = event.at;
     const star = this.store.get("sheet")?.starAt(event.at);

@@ -12,6 +12,7 @@ export class GradientTool {
   settings = { quantity: "length", kind: "radial", from: 10, to: 4, power: 1 };
   #line = null;
   #end = -1; // which end is dragged
+  #begun = null; // first end of a line by keyboard
 
   constructor({ plan, store, edits }) {
     Object.assign(this, { plan, store, edits });
@@ -25,7 +26,7 @@ export class GradientTool {
   read() {
     const sheet = this.store.get("sheet");
     const profile = sheet?.design.stars?.[QUANTITIES[this.settings.quantity].key];
-    this.#line = null;
+    this.#line = this.#begun = null;
     if (profile?.profile === "radial") {
       const centre = profile.centre_mm ?? [0, 0];
       this.#line = [centre, [centre[0] + profile.over_mm, centre[1]]];
@@ -69,6 +70,25 @@ export class GradientTool {
 
   cancel() {
     this.up();
+  }
+
+  /** Enter at a star begins the line there, and ends it at another one. */
+  key(event) {
+    const star = this.store.get("sheet").byKey.get(this.store.get("cursor"));
+    if (event.key !== "Enter" || !star) return false;
+    const at = roundPoint(star.at, 1);
+    if (this.#begun && distance(this.#begun, at) > 1) {
+      this.#line = [this.#begun, at];
+      this.#begun = null;
+      this.edits.begin();
+      this.apply();
+      this.edits.end();
+    } else {
+      this.#begun = at;
+      this.#line = [at, at];
+    }
+    this.plan.invalidate();
+    return true;
   }
 
   /** Sends the profile; sizes are drawn at once. */

@@ -35,6 +35,17 @@ export class RulerTool {
     this.#isDown = false;
   }
 
+  /** Enter measures from one star to another. */
+  key(event) {
+    const star = this.store.get("sheet").byKey.get(this.store.get("cursor"));
+    if (event.key !== "Enter" || !star) return false;
+    this.#line = this.#isDown ? [this.#line[0], star.at] : [star.at, star.at];
+    this.#isDown = !this.#isDown;
+    if (!this.#isDown) this.store.set({ measured: { printed: distance(...this.#line), line: this.#line } });
+    this.plan.invalidate();
+    return true;
+  }
+
   cancel() {
     this.#isDown = false;
     this.#line = null;
