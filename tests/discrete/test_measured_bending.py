@@ -44,9 +44,6 @@ def test_its_energy_is_proportional_to_the_stiffness() -> None:
         ({"bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
         ({"bending": "consistent", "bending_stiffness_n_mm": 0.02}, "fabric.modulus_mpa"),
         ({"bending": "consistent", "modulus_mpa": 1, "bending_stiffness_n_mm": -1}, "fabric.bending_stiffness_n_mm"),
-            {"bending": "consistent", "modulus_mpa": 0.2, "bending_stiffness_n_mm": -1.0},
-            "fabric.bending_stiffness_n_mm",
-        ),
     ],
 )
 def test_what_it_needs_is_said(fabric: dict[str, Any], field: str) -> None:
