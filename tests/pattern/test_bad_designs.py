@@ -219,7 +219,7 @@ BAD = [
     ([("pins", [{"edges": [1, 2]}, {"edges": [2, 3]}])], "pins[1]", "edge 2"),
     ([("pins", [{"edges": [1]}, {"edges": [2], "scale": 0.5}])], "pins[1]", "as pins[0] does"),
     ([("pins", [{"where": "border", "scale": 0}])], "pins[0].scale", "at least 0.001"),
-    ([("pins", [{"where": "border", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "points or corners"),
+    ([("pins", [{"where": "border", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "one for each corner"),
     ([("pins", [{"where": "corners", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "6 places"),
     ([("pins", [{"corners": [0], "target_mm": [0, 0, 0], "scale": 2}])], "pins[0].target_mm", "alone"),
     ([("pins", [{"corners": [0], "offset_mm": [0, 0, 1e9]}])], "pins[0].offset_mm", "within 10000"),
