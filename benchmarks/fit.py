@@ -6,7 +6,7 @@ Each target is a row, kept in FOLDER as soon as it is done; a further run goes o
 printed area in % of the diameter of the target. Previews are fresh ones: of the fit by the
 preview alone, and of the design as written, corrected by the exact model and rounded to layers.
 The exact shape has triangles of 1.15 mm; that of the first guess is computed with --first-guess only. A target that is
-refused is fitted again with `nearest`, by the preview. The name `own shape` stands for the inverse crime.
+refused is fitted again with `nearest`, by the preview. The names with `own shape` stand for the inverse crime.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ HEADER = [
     "CPU s",
 ]
 SHARES = (0.4, 0.8, 1.0)
-OWN_SHAPE = "own shape"
+# name: whether the border is held
+OWN_SHAPES = {"own shape, needles": False, "own shape, held border": True}
 
 
 def row(name: str, exact: bool, first_guess: bool) -> dict[str, Any]:
@@ -106,7 +107,7 @@ def cells(name: str, data: dict[str, Any]) -> list[str]:
 
 def write(rows: dict[str, dict[str, Any]]) -> None:
     """Write the report of all finished rows."""
-    fits = {name: data for name, data in rows.items() if name != OWN_SHAPE}
+    fits = {name: data for name, data in rows.items() if name not in OWN_SHAPES}
     made = {name: data for name, data in fits.items() if "refused" not in data}
     lines = [markdown(HEADER, [cells(name, fits[name]) for name in TARGETS if name in fits])]
     for key, label in (("unrounded", "fresh preview of the fit by the preview"), ("exact", "exact shape")):
@@ -115,14 +116,24 @@ def write(rows: dict[str, dict[str, Any]]) -> None:
             within = ", ".join(f"{int((values <= share).sum())} within {share:g} %" for share in SHARES)
             median = float(np.median(values))
             lines.append(f"{label.capitalize()} of {len(values)} targets: median {median:.2f} %, {within}.")
-    if OWN_SHAPE in rows:
-        own = rows[OWN_SHAPE]
-        lines.append(
-            f"Inverse crime, outline and needles given: first guess {own['first_rms_percent']:.2f} %, preview "
-            f"{own['preview_rms_percent']:.3f} %, exact {own['exact_mean_percent']:.2f} %."
-        )
+    for held, label in ((True, "held borders"), (False, "needles, and free sheets")):
+        farthest = [
+            data["exact"]["largest_percent"] for data in made.values() if data["exact"] and data["held_border"] == held
+        ]
+        if farthest:
+            lines.append(f"Largest exact distance with {label}: {max(farthest):.1f} %.")
+    lines += [
+        f"Inverse crime, {name}, with the outline given: equal stars {own['first_rms_percent']:.2f} %, preview "
+        f"{own['preview_rms_percent']:.3f} %, exact {own['exact_mean_percent']:.2f} %, largest "
+        f"{own['exact_largest_percent']:.1f} %."
+        for name, own in rows.items()
+        if name in OWN_SHAPES
+    ]
     lines += [f"Refused: {data['refused']}." for data in fits.values() if "refused" in data]
     lines += [f"{name}: {line}." for name, data in made.items() for line in data["warnings"]]
+    missing = [name for name in (*TARGETS, *OWN_SHAPES) if name not in rows]
+    if missing:
+        lines.append(f"Not computed by this version: {', '.join(missing)}.")
     write_report("fit", [{"row": name, **data} for name, data in rows.items()], "\n\n".join(lines))
 
 
@@ -135,11 +146,13 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="NAME")
     given = parser.parse_intermixed_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    names = [*TARGETS, OWN_SHAPE]
+    names = [*TARGETS, *OWN_SHAPES]
     for name in given.names or names:
         file = given.folder / f"{name.replace(' ', '-')}.json"
         if not file.exists():
-            data = own_shape() if name == OWN_SHAPE else row(name, not given.no_exact, given.first_guess)
+            data = (
+                own_shape(OWN_SHAPES[name]) if name in OWN_SHAPES else row(name, not given.no_exact, given.first_guess)
+            )
             file.write_text(json.dumps(data, indent=1))
         print(name, "done", flush=True)
     done = {name: given.folder / f"{name.replace(' ', '-')}.json" for name in names}

@@ -31,9 +31,14 @@ RADIUS_MM, CORNERS, NEEDLES, SCALE = 56.0, 48, 16, 0.8
 CORRECTIONS = 2
 
 
-def own_shape() -> dict[str, Any]:
-    """Fit the shape of a design, with its outline, needles and scale given; sizes start from equal stars."""
-    law, base = paper_law(), _print()
+def own_shape(border: bool) -> dict[str, Any]:
+    """Fit the shape of a design, with its outline, supports and scale given; sizes start from equal stars.
+
+    Parameters
+    ----------
+    border : the border is held along its curve, in place of needles.
+    """
+    law, base = paper_law(), _print(border)
     plan = layout(base)
     true = _with_lengths(base, plan, _true_lengths(plan.centres))
     plane, triangles = round_mesh(RINGS)
@@ -42,11 +47,11 @@ def own_shape() -> dict[str, Any]:
     weights = np.ones(len(printed))
     surface = shown.smooth + CellMean(printed, weights, plan.lattice_vectors)(shown.bumps)
     target = TargetSurface.of_triangles(surface, triangles, "own shape")
-    # needles in the pose of the target
-    corner = plan.outline[:: CORNERS // NEEDLES]
-    places = np.column_stack([SCALE * corner, np.zeros(NEEDLES)]) @ target.motion.T + target.shift_mm
-    pins = [{"corners": list(range(0, CORNERS, CORNERS // NEEDLES)), "target_mm": places.tolist()}]
-    held = Design.from_dict(base.to_dict() | {"pins": pins})
+    # supports in the pose of the target
+    where = _where(border)
+    corner = plan.outline if border else plan.outline[where["corners"]]
+    places = np.column_stack([SCALE * corner, np.zeros(len(corner))]) @ target.motion.T + target.shift_mm
+    held = Design.from_dict(base.to_dict() | {"pins": [where | {"target_mm": places.tolist()}]})
     flat = TargetMap(FlatDisk(target.disk, printed, np.zeros(len(printed))), printed, plan.spacing_mm)
     fit_places = FitPlaces.of(flat, plan.outline, plan.lattice_vectors)
     unknowns = StarUnknowns.of(layout(held), StarMenu.of(law, 1.35, 1.2))
@@ -71,10 +76,14 @@ def own_shape() -> dict[str, Any]:
     }
 
 
-def _print() -> Design:
+def _where(border: bool) -> dict[str, Any]:
+    return {"where": "border"} if border else {"corners": list(range(0, CORNERS, CORNERS // NEEDLES))}
+
+
+def _print(border: bool) -> Design:
     turn = 2.0 * np.pi * np.arange(CORNERS) / CORNERS
     ring = RADIUS_MM * np.column_stack([np.cos(turn), np.sin(turn)])
-    pins = [{"corners": list(range(0, CORNERS, CORNERS // NEEDLES)), "scale": SCALE}]
+    pins = [_where(border) | {"scale": SCALE}]
     stars = {"length_mm": 8.0, "thickness_mm": 0.45, "width_mm": 1.2}
     data = {"stars": stars, "border": {"polygon_mm": ring.tolist(), "star_margin_mm": 3.0}, "pins": pins}
     return Design.from_dict(data)
