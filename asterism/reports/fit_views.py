@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.draw.bare_sheet import bare
-from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Scene, camera, scene
+from asterism.draw.render import FABRIC_SIDE, Scene, scene
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS
-from asterism.reports.views import ORANGE, framed, together
+from asterism.reports.views import ORANGE, aligned_views, together
 from equilibrium.arrays import Floats
 from pattern.geometry.normals import vertex_normals
 
@@ -32,14 +32,7 @@ def fit_views(fitted: Fit) -> dict[str, list[Floats]]:
         "overlaid": together(bare(fitted.shape, FABRIC_SIDE), target),
         "distance": bare(fitted.shape, _distance_colours(fitted)),
     }
-    frame = np.concatenate([shape.points, target.points])
-    low, high = frame.min(axis=0), frame.max(axis=0)
-    middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
-    cameras = [camera(*OBLIQUE, middle, 2.6 * size), *(camera(*VIEWS[name], middle) for name in ("front", "side"))]
-    return {
-        name: [framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
-        for name, thing in things.items()
-    }
+    return aligned_views(things, np.concatenate([shape.points, target.points]))
 
 
 def colour_limit(fitted: Fit) -> float:

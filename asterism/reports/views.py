@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib import colormaps
 
@@ -31,12 +33,19 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
         "overlaid": together(bare(comparison.reference, FABRIC_SIDE), bare(comparison.other, ORANGE)),
         "distance": bare(comparison.reference, colours_of(comparison)),
     }
-    frame = np.concatenate([exact.points, preview.points])
+    return aligned_views(things, np.concatenate([exact.points, preview.points]))
+
+
+def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[Floats]]:
+    """Images of scenes in one perspective and scale, all around the points of `frame` (n, 3).
+
+    The scene `overlaid` is also seen from the front and from the side.
+    """
     low, high = frame.min(axis=0), frame.max(axis=0)
     middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
     cameras = [camera(*OBLIQUE, middle, 2.6 * size), *(camera(*VIEWS[name], middle) for name in ("front", "side"))]
     return {
-        name: [framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
+        name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
         for name, thing in things.items()
     }
 
@@ -59,7 +68,7 @@ def together(one: Scene, other: Scene) -> Scene:
     )
 
 
-def framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
+def _framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
     """The view of a scene, placed in a picture that encloses all points of `frame`; row 0 the lowest."""
     seen, own = view.project(frame)[:, :2], view.project(thing.points)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)

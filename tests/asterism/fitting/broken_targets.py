@@ -52,6 +52,14 @@ def surface(make: Callable[[], wrong.Mesh]) -> Callable[[Path], Any]:
     return lambda path: trimesh.Trimesh(*make(), process=False).export(path)
 
 
+def sparse(size: int) -> Callable[[Path], Any]:
+    def write(path: Path) -> None:
+        with path.open("wb") as stream:
+            stream.truncate(size)
+
+    return write
+
+
 def array(values: Any) -> Callable[[Path], Any]:
     return lambda path: np.save(path, np.asarray(values), allow_pickle=True)
 
@@ -111,6 +119,11 @@ BROKEN_FILES = (
     BrokenTarget("empty.png", data(b""), "is not a picture", PICTURE),
     BrokenTarget("empty.npy", data(b""), "cannot be read as an array", FIELD),
     BrokenTarget("empty.csv", data(b"\n\n"), "is empty", FIELD),
+    # too large to be read in a minute
+    BrokenTarget("huge.stl", sparse(61_000_000), "is larger than 60 MB: simplify it"),
+    BrokenTarget("huge.csv", sparse(21_000_000), "is larger than 20 MB", FIELD),
+    BrokenTarget("huge.npy", sparse(201_000_000), "is larger than 200 MB", FIELD),
+    BrokenTarget("huge.png", sparse(51_000_000), "must be at most 50 MB", PICTURE),
     # cut short, or something else
     BrokenTarget("cut.stl", lambda path: path.write_bytes(meshed(dome())[:5000]), "is the file cut short?"),
     BrokenTarget("cut.png", data(png_bytes()[:300]), "is not a picture", PICTURE),
