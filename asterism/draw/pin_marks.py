@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from asterism.shape.diameter import diameter
+from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import turning_angles
@@ -39,7 +40,8 @@ def pin_marks(shape: Shape) -> Marks:
     sharp = np.flatnonzero(np.abs(turning_angles(border)) > MIN_JOINT_ANGLE_RAD)
     joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
-        there = shape.at(np.concatenate([points, *lines, *joints]))
+        off_sheet = off_sheet_mm(plan, len(shape.printed)) if plan.rim else 0.0
+        there = shape.at(np.concatenate([points, *lines, *joints]), off_sheet)
     except ValueError:  # the layout belongs to another print
         return _together([])
     ends = np.cumsum([len(points), *map(len, lines), *map(len, joints)])[:-1]

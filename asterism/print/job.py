@@ -12,7 +12,7 @@ import shapely
 
 from asterism.print.arm_pieces import ArmPiece, arm_pieces
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
-from asterism.print.needles import MAX_CHORD_MM, Needle, needles, needles_through_arms
+from asterism.print.needles import Needle, needles, needles_through_arms
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.plastic_regions import border_terrace, cutting_lines, plastic_terraces
 from asterism.print.print_cost import print_cost
@@ -21,6 +21,7 @@ from asterism.print.rod_pieces import RodPiece, rod_pieces
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
+from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
@@ -154,7 +155,8 @@ class Job:
         if self.seen is None:
             return None
         needle, height = known[0]
-        base = float(self.seen.at(needle.printed[None], MAX_CHORD_MM if self.plan.rim else 0.0)[0, 2] - height)
+        off_sheet = off_sheet_mm(self.plan, len(self.seen.printed))
+        base = float(self.seen.at(needle.printed[None], off_sheet)[0, 2] - height)
         return max(base - float(self.seen.positions[:, 2].min()), 0.0)
 
     @property
@@ -276,7 +278,7 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
     box = np.array([plan.outline.min(axis=0), plan.outline.max(axis=0)])
     other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
     # the mesh has chords of a curved outline
-    if np.abs(box - other).max() > (MAX_CHORD_MM if plan.rim else 1e-3):
+    if np.abs(box - other).max() > (off_sheet_mm(plan, len(shape.printed)) if plan.rim else 1e-3):
         sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
         raise DesignError("--shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
     if len(shape.star_vertices) != len(plan.centres):

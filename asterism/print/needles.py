@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, turning_angles
@@ -24,8 +25,6 @@ NEEDLE_SPACING_MM = 20.0
 HOLE_DIAMETER_MM = 1.0
 # a needle at a lower height holds the sheet on the base
 BASE_TOLERANCE_MM = 0.05
-# largest distance of a mesh, which has chords, from a curved outline
-MAX_CHORD_MM = 1.0
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,8 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     for pins in plan.pins:
         along = [_along(line, spacing_mm) for line in _smooth_lines(pins, plan.outline)]
         printed = np.concatenate([pins.points, *along])
-        places = _places(pins, printed, shape, MAX_CHORD_MM if plan.rim else 0.0)
+        off_sheet = 0.0 if shape is None else off_sheet_mm(plan, len(shape.printed))
+        places = _places(pins, printed, shape, off_sheet)
         for k, point in enumerate(printed):
             # adjacent edges share a corner
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in placed):
@@ -107,14 +107,14 @@ def _along(line: Floats, spacing_mm: float) -> Floats:
     return np.column_stack([np.interp(at, passed, line[:, axis]) for axis in (0, 1)])
 
 
-def _places(pins: PinSet, printed: Floats, shape: Shape | None, off_sheet_mm: float) -> Floats | None:
+def _places(pins: PinSet, printed: Floats, shape: Shape | None, off_sheet: float) -> Floats | None:
     """(n, 3) mm, places of printed points in space; z is not a number if unknown; None if x and y are unknown."""
     held = np.array(pins.fixed)
     if held.all():
         return pins.places(printed)
     if shape is None:
         return np.where(held, pins.places(printed), np.nan) if held[:2].all() else None
-    return np.where(held, pins.places(printed), shape.at(printed, off_sheet_mm))
+    return np.where(held, pins.places(printed), shape.at(printed, off_sheet))
 
 
 def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:

@@ -6,6 +6,7 @@ from functools import partial
 
 from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.diameter import diameter
+from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
 from pattern.layout.free_motions import free_motions
@@ -25,15 +26,15 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     model : model of both shapes: `exact` or `preview`.
     """
     supports = support_samples(plan)
-    chord = plan.spacing_mm if plan.rim else 0.0
-    free = free_motions(supports, drawn.at(supports.printed, chord), design.gravity.pull)
+    off_sheet = off_sheet_mm(plan, min(len(drawn.printed), len(printed.printed)))
+    free = free_motions(supports, drawn.at(supports.printed, off_sheet), design.gravity.pull)
     same = symmetries(design, plan)
     if plan.drawn is None:
         before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
         distance = float(symmetric_distances(before, after, same, free).min()) if len(before) > 2 else 0.0
     else:
         at = plan.points_on_rods
-        before, after_at = drawn.at(at, chord), partial(printed.at, off_sheet_mm=chord)
+        before, after_at = drawn.at(at, off_sheet), partial(printed.at, off_sheet_mm=off_sheet)
         distance = float(distances_of_images(at, before, after_at, same, free).min())
     return ShapeChangeRecord(
         model=model,

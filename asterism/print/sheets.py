@@ -26,6 +26,7 @@ from asterism.print.layers import (
 from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.print.sheet_page import DrawingItems, sheet_page
 from asterism.print.solid import Terrace
+from asterism.shape.off_sheet import off_sheet_mm
 from equilibrium.arrays import Floats
 from pattern.geometry.planar import dense_outline
 
@@ -113,7 +114,8 @@ def needle_sheet(job: Job) -> Drawing | None:
     items: DrawingItems = []
     points = np.array([place[:2] for _, place in known])
     if job.shape is not None:
-        outline = job.shape.at(dense_outline(job.plan.outline))[:, :2]
+        off_sheet = off_sheet_mm(job.plan, len(job.shape.printed))
+        outline = job.shape.at(dense_outline(job.plan.outline), off_sheet)[:, :2]
         items.append(Polyline(OUTLINE_IN_SPACE, outline, closed=True))
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)

@@ -196,3 +196,15 @@ def test_holes_have_cut_lines_and_a_printed_line_to_cut_along() -> None:
 def window_outline() -> np.ndarray:
     a = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     return np.column_stack([12 + 5.6 * np.cos(a), 5.6 * np.sin(a)])
+
+
+def test_a_supported_sheet_with_a_rim_has_its_needles_and_its_outline_in_space(tmp_path: Path) -> None:
+    """The mesh has chords of the rim, off which the printed outline lies."""
+    ring = {"draw": [{"name": "rim", "circle_mm": {"radius": 14.0}}], "thickness_mm": 0.55}
+    pins = [{"points_mm": [(14, 0), (0, 14), (-14, 0)], "slide": "z", "scale": 0.9}]
+    design = Design.from_dict({"rods": ring, "border": {"rods": "rim"}, "pins": pins, "mesh": {"edge_mm": 4.0}})
+    exported = export(design, tmp_path, simulate=True)
+    assert exported.summary.shape_change is not None and exported.summary.shape_change.star_distance_mm > 0.0
+    heights = [needle.height_mm for needle in exported.job.needles]
+    assert len(heights) == 3 and min(heights) == 0.0
+    assert {"needles.svg", "shape.glb", "rods.vtu"} <= set(exported.files)
