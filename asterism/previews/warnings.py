@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asterism.previews.directions_warning import directions_warning
+from asterism.previews.inverted_stars import stars_that_may_be_inverted
 from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
@@ -111,6 +112,12 @@ def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: flo
             f"{len(inverted)} stars of the design are inverted (branch down), but the law describes bumps up; "
             f"check with the exact model: {star_numbers(inverted)}",
             inverted,
+        )
+    if len(stars := stars_that_may_be_inverted(state)):
+        yield PlacedWarning(
+            f"the supports hold the sheet so flat that {len(stars)} of {len(layout.centres)} stars may be inverted "
+            f"beside others; check with the exact model: {star_numbers(stars.tolist())}",
+            stars.tolist(),
         )
     side = side_of(state.shell, state.equilibrium.x) if state.side != "auto" else "auto"
     if side not in ("auto", state.side):

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from equilibrium.arrays import Floats
 from homogenize.cell.corrugation_waves import CorrugationWaves
 from homogenize.errors import ForeignLaw, LawError
+from homogenize.law.cell_stability_table import CellStabilityTable
 from homogenize.law.law_table import QUANTITIES, LawTable, LawValues
 from homogenize.law.material import Material
 from pattern.design.design import Design
@@ -64,6 +65,23 @@ class Law:
     def waves(self) -> CorrugationWaves:
         """The waves whose amplitudes `LawTable.corrugation` gives."""
         return CorrugationWaves.of(self.material.lattice)
+
+    def cell_stability(self, stretch: float) -> CellStabilityTable:
+        """The stability of the cells at the stretch of a table. The first call unpacks the samples.
+
+        Raises
+        ------
+        ForeignLaw
+            The law has no table for this stretch.
+        """
+        stretch = self.at(stretch).stretch
+        if stretch not in self._cell_stability:
+            self._cell_stability[stretch] = CellStabilityTable.of(self.samples, stretch)
+        return self._cell_stability[stretch]
+
+    @cached_property
+    def _cell_stability(self) -> dict[float, CellStabilityTable]:
+        return {}
 
     def at(self, stretch: float) -> LawTable:
         """The table of a stretch.
