@@ -256,7 +256,7 @@ def prepare(
         placement=placement,
         pattern=tuple(placement.step(step) for step in here),
         border=line,
-        cut=cutting_lines(plan, here),
+        cut=cutting_lines(plan, rods),
         fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
         fabric_given=fabric_mm is not None,
         needles=needles(plan, needle_spacing_mm, shape),

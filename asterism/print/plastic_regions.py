@@ -31,12 +31,13 @@ def plastic_terraces(plan: Layout, arms: Sequence[ArmPiece], rods: Sequence[RodP
     return nested_terraces(regions)
 
 
-def cutting_lines(plan: Layout, plastic: Sequence[Terrace]) -> tuple[Floats, ...]:
+def cutting_lines(plan: Layout, rods: Sequence[RodPiece]) -> tuple[Floats, ...]:
     """Closed lines (n, 2) mm to cut along, the outline first: the far edges of printed rims, or border and holes."""
     sheet = shapely.Polygon(plan.outline, plan.holes)
-    if not plan.rim and not any(plan.hole_rims):
+    rims = {rod - len(plan.arm_star) for rim in (plan.rim, *plan.hole_rims) for rod in rim}
+    if not rims:
         return (plan.outline, *plan.holes)
-    with_rims = shapely.union_all([sheet, plastic[0].region])
+    with_rims = shapely.union_all([sheet, *(piece.region for piece in rods if piece.rod in rims)])
     return tuple(shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(with_rims))
 
 

@@ -74,9 +74,9 @@ def test_a_straight_line_is_a_box_of_its_size(tmp_path: Path) -> None:
 def test_a_rim_is_cut_along_its_outer_edge() -> None:
     one = drawn()
     inside, cut = shapely.Polygon(one.plan.outline), shapely.Polygon(one.cut[0])
-    assert len(one.cut) == 1 and cut.buffer(1e-3).covers(inside)
+    assert len(one.cut) == 1 and cut.buffer(1e-3).covers(inside) and cut.is_valid
     assert shapely.hausdorff_distance(cut.exterior, inside.exterior) == pytest.approx(0.8, abs=0.02)
-    assert cut.buffer(1e-3).covers(one.pattern[0].region)
+    assert cut.buffer(1e-3).covers(shapely.union_all([rod.region for rod in one.rods if rod.rod in one.plan.rim]))
 
 
 def test_tapered_rods_are_printed_in_layers() -> None:
@@ -187,6 +187,7 @@ def test_holes_have_cut_lines_and_a_printed_line_to_cut_along() -> None:
     lines = [window, {"line_mm": [(-20, 9), (20, 9)]}]
     one = drawn({"rods": {"draw": lines}, "border": {"rectangle_mm": (50.0, 30.0), "holes": holes}})
     plain, inner = (shapely.Polygon(line) for line in sorted(one.cut[1:], key=lambda line: float(line[:, 0].mean())))
+    np.testing.assert_allclose(shapely.Polygon(one.cut[0]).area, 1500.0)  # no plastic beyond it counts
     assert len(one.cut) == 3 and plain.area == pytest.approx(25 * np.pi, rel=1e-3)
     assert inner.area == pytest.approx(4.4**2 * np.pi, rel=5e-3)  # along the inner edge of the rim
     assert one.border is not None and one.border.region.intersection(plain).area > 5.0
