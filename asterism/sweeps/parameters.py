@@ -177,6 +177,8 @@ def _listed(path: str, given: str) -> list[Any]:
     """Values that commas separate: numbers, true, false, JSON, or texts."""
     try:
         return list(json.loads(f"[{given}]"))
+    except RecursionError:
+        raise SweepError(f"{path}: is nested too deeply") from None
     except ValueError:
         return [_value(text) for text in given.split(",")]
 
