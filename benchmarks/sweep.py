@@ -1,4 +1,4 @@
-"""A sweep of 60 previews of the gallery's dome: whole, continued after a stop, and from its files.
+"""A sweep of 60 previews of the gallery's dome: whole, continued after a stop, and from its files; and single designs.
 
 python -m benchmarks.sweep [JOBS]
 
@@ -14,13 +14,16 @@ import tempfile
 import time
 from pathlib import Path
 
-from benchmarks.report import write_report
+from asterism.sweeps.solve_point import solve_point, sweep_code_version
+from benchmarks.report import peak_memory_mb, write_report
 from pattern import gallery
 from pattern.design.design import save_design
+from pattern.layout.print_layout import print_layout
 
 VARY = ("stars.thickness_mm=0.2:0.6:10", "pins.0.scale=0.7:0.8:6")
 # the stop comes when so many designs are finished
 STOP_AFTER = 20
+SINGLE = ("star", "dome", "tube", "roof", "tunnel")
 
 
 def main() -> None:
@@ -49,9 +52,29 @@ def main() -> None:
         f"The tables of the whole and of the continued sweep are {'equal' if same else 'DIFFERENT'}.",
         f"The page has {size / 1e6:.1f} MB.",
     ]
+    lines += [
+        "",
+        "| preview with its picture | stars | processor time, s | memory of the process, MB |",
+        "|---|---|---|---|",
+    ]
+    lines += [
+        f"| {name} | {stars} | {seconds:.2f} | {memory:.0f} |" for name, stars, seconds, memory in single_designs()
+    ]
     text = "\n".join(lines)
     print(text)
     write_report("sweep", [], text)
+
+
+def single_designs() -> list[tuple[str, int, float, float]]:
+    """Name, stars, processor time (s) and memory of this process (MB) of single designs, loops being compiled."""
+    rows = []
+    for name in ("dome", *SINGLE):
+        design = gallery.load(name)
+        begin = time.process_time()
+        outcome = solve_point(design.to_dict(), False, None, sweep_code_version())
+        assert outcome.failed is None
+        rows.append((name, len(print_layout(design).centres), time.process_time() - begin, peak_memory_mb()))
+    return rows[1:]
 
 
 def words() -> list[str]:

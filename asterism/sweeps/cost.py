@@ -10,13 +10,14 @@ from asterism.exact.cost import Cost, exact_cost
 from asterism.sweeps.parameters import SweepParameter, varied
 from equilibrium.errors import Error
 from pattern.design.design import Design
+from pattern.layout.print_layout import print_layout
 
-# of one preview with its picture in a process of one thread: 0.2 s for the gallery's dome (python -m benchmarks.sweep)
-PREVIEW_S = 0.25
+# processor time of a preview with its picture, and memory of its process: python -m benchmarks.sweep
+PREVIEW_S = 0.1
+PREVIEW_S_A_STAR = 0.006
+PREVIEW_MB = 350.0
 # a process imports its libraries
 START_S = 3.0
-# memory of one process with a preview
-PREVIEW_MB = 350.0
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,19 @@ def sweep_cost(
     """
     processes = min(processes, count)
     if not exact:
-        return SweepCost(0, PREVIEW_MB * processes, START_S + PREVIEW_S * count / processes, count)
+        each = PREVIEW_S + PREVIEW_S_A_STAR * _stars(design)
+        return SweepCost(0, PREVIEW_MB * processes, START_S + each * count / processes, count)
     largest = max(map(exact_cost, _ends(design, parameters)), key=lambda cost: cost.seconds)
     seconds = START_S + largest.seconds * count / processes
     return SweepCost(largest.vertices, largest.memory_mb * processes, seconds, count)
+
+
+def _stars(design: Design) -> int:
+    """Number of stars; 0 if the design that is varied cannot be laid out itself."""
+    try:
+        return len(print_layout(design).centres)
+    except Error:
+        return 0
 
 
 def _ends(design: Design, parameters: Sequence[SweepParameter]) -> list[Design]:

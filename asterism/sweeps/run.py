@@ -109,15 +109,7 @@ def sweep_design(
         except OSError as error:
             raise OutputError(f"cannot write {kept.folder}: {(error.strerror or str(error)).lower()}") from None
     points = tuple(_point(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))
-    return Sweep(
-        design,
-        parameters,
-        points,
-        exact,
-        None if samples is None else seed,
-        digest,
-        None if folder is None else Path(folder),
-    )
+    return Sweep(design, parameters, points, exact, None if samples is None else seed, digest)
 
 
 def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:

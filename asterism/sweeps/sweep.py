@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -51,7 +50,6 @@ class Sweep:
     exact : the exact model computed the shapes, not the preview.
     seed : seed of the Latin hypercube; None for all combinations.
     law : digest of the law; None for the paper's.
-    folder : of the finished designs; None if they were not kept.
     """
 
     design: Design
@@ -60,7 +58,6 @@ class Sweep:
     exact: bool
     seed: int | None = None
     law: str | None = None
-    folder: Path | None = None
 
     @property
     def failed(self) -> int:
