@@ -68,7 +68,7 @@ def mesh_error(
     edge = 1.0 / np.sqrt(len(fine.printed))
     free = FreeMotions()
     off_sheet = 0.0
-    if layout is not None and layout.rim:  # the outlines of the meshes have different chords
+    if layout is not None and (layout.rim or layout.holes):  # curved edges of the meshes have different chords
         off_sheet = off_sheet_mm(layout, len(fine.printed))
     if layout is not None:
         supports = support_samples(layout)
