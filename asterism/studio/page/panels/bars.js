@@ -1,9 +1,10 @@
 // The bars above plan and view.
 
-import { button, choice, dialog, h, refresh, segments } from "../dom.js";
+import { button, choice, h, refresh, segments } from "../dom.js";
 import { QUANTITIES } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
+import { openPicture } from "./picture.js";
 
 function toggle({ store, key, picture, label, keys, testid }) {
   const one = button({
@@ -192,62 +193,4 @@ export function buildCompare(element, { store }) {
   };
   store.on(["comparison", "shown"], update);
   update();
-}
-
-function openPicture({ store, view }) {
-  const sizes = {
-    "1600 × 1200": [1600, 1200],
-    "1920 × 1080": [1920, 1080],
-    "3000 × 2000": [3000, 2000],
-    "3000 × 3000": [3000, 3000],
-  };
-  let chosen = Object.keys(sizes)[0];
-  let ground = "#ffffff";
-  const pixels = choice({
-    label: "Size in pixels",
-    testid: "picture-size",
-    options: Object.keys(sizes).map((value) => ({ value, text: value })),
-    value: chosen,
-    onchange: (value) => (chosen = value),
-  });
-  const back = choice({
-    label: "Background",
-    testid: "picture-ground",
-    options: [
-      { value: "#ffffff", text: "White" },
-      { value: "", text: "Transparent" },
-    ],
-    value: ground,
-    onchange: (value) => (ground = value),
-  });
-  const element = dialog(
-    "Save a picture of the sheet",
-    h(
-      "div",
-      {},
-      h("div", { class: "field" }, h("label", {}, "Size in pixels"), pixels.element),
-      h("div", { class: "field" }, h("label", {}, "Background"), back.element),
-      h(
-        "div",
-        { class: "row" },
-        button({
-          icon: "camera",
-          text: "Save PNG",
-          kind: "primary",
-          testid: "picture-go",
-          onclick: async () => {
-            const blob = await view.picture(...sizes[chosen], ground);
-            const link = h("a", {
-              href: URL.createObjectURL(blob),
-              download: `${store.get("document")?.name ?? "sheet"}.png`,
-            });
-            link.click();
-            setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-            element.close();
-          },
-        }),
-      ),
-    ),
-    { testid: "picture-dialog" },
-  );
 }

@@ -14,6 +14,7 @@ export class Renderer {
     });
     if (!gl) throw new Error("This browser has no WebGL 2. The sheet in space cannot be drawn.");
     this.gl = gl;
+    this.largestPx = Math.min(gl.getParameter(gl.MAX_RENDERBUFFER_SIZE), ...gl.getParameter(gl.MAX_VIEWPORT_DIMS));
     this.canvas = canvas;
     this.surface = program(gl, SURFACE);
     this.ground = program(gl, GROUND);

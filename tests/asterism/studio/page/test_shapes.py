@@ -93,6 +93,13 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     assert picture.size == (1920, 1080)
     darkest, lightest = picture.convert("L").getextrema()
     assert darkest < 60 and lightest == 255  # plastic, and the white ground
+    shared.item("picture").click()
+    shared.fill("picture-width", 700)
+    shared.fill("picture-height", 420)
+    assert shared.item("picture-size").input_value() == "Own size"
+    with shared.page.expect_download() as download:
+        shared.item("picture-go").click()
+    assert Image.open(Path(download.value.path())).size == (700, 420)
 
 
 @pytest.mark.slow

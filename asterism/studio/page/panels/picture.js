@@ -1,0 +1,87 @@
+// The dialog that saves a picture of the sheet.
+
+import { button, choice, dialog, h } from "../dom.js";
+import { numberField } from "./fields.js";
+
+const SIZES = {
+  "1600 × 1200": [1600, 1200],
+  "1920 × 1080": [1920, 1080],
+  "3000 × 2000": [3000, 2000],
+  "3000 × 3000": [3000, 3000],
+};
+const OWN = "Own size";
+const SMALLEST_PX = 64;
+const LARGEST_PX = 8192; // a larger picture takes more than 1 GB while it is drawn
+
+export function openPicture({ store, view }) {
+  const largest = Math.min(LARGEST_PX, view.renderer.largestPx);
+  let size = [...SIZES["1600 × 1200"]];
+  let ground = "#ffffff";
+  const side = (label, k, testid) =>
+    numberField({
+      label,
+      unit: "px",
+      value: size[k],
+      min: SMALLEST_PX,
+      max: largest,
+      step: 1,
+      testid,
+      onchange: (value) => {
+        size[k] = Math.round(value);
+        pixels.set(Object.keys(SIZES).find((name) => String(SIZES[name]) === String(size)) ?? OWN);
+      },
+    });
+  const sides = [side("Width", 0, "picture-width"), side("Height", 1, "picture-height")];
+  const pixels = choice({
+    label: "Size in pixels",
+    testid: "picture-size",
+    options: [...Object.keys(SIZES), OWN].map((value) => ({ value, text: value })),
+    value: Object.keys(SIZES)[0],
+    onchange: (value) => {
+      if (value === OWN) return sides[0].input.select();
+      size = [...SIZES[value]];
+      sides.forEach((one, k) => one.set(size[k]));
+    },
+  });
+  const back = choice({
+    label: "Background",
+    testid: "picture-ground",
+    options: [
+      { value: "#ffffff", text: "White" },
+      { value: "", text: "Transparent" },
+    ],
+    value: ground,
+    onchange: (value) => (ground = value),
+  });
+  const element = dialog(
+    "Save a picture of the sheet",
+    h(
+      "div",
+      {},
+      h("div", { class: "field" }, h("label", {}, "Size in pixels"), pixels.element),
+      sides.map((one) => one.element),
+      h("div", { class: "field" }, h("label", {}, "Background"), back.element),
+      h(
+        "div",
+        { class: "row" },
+        button({
+          icon: "camera",
+          text: "Save PNG",
+          kind: "primary",
+          testid: "picture-go",
+          onclick: async () => {
+            const blob = await view.picture(...size, ground);
+            const link = h("a", {
+              href: URL.createObjectURL(blob),
+              download: `${store.get("document")?.name ?? "sheet"}.png`,
+            });
+            link.click();
+            setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+            element.close();
+          },
+        }),
+      ),
+    ),
+    { testid: "picture-dialog" },
+  );
+}
