@@ -150,6 +150,7 @@ const shown = {
   connected: () => store.get("connection") === "open",
   drawn: () => view?.frames ?? 0,
   drawMs: () => view?.drawMs ?? 0,
+  draw: () => () => view?.draw(),
   opened: () => studio.opened,
   isEditing: () => studio.edits.isOpen,
   isWaiting: () => studio.edits.isWaiting,
