@@ -98,6 +98,13 @@ def test_the_page_has_its_pictures_and_numbers(fitted: Fit) -> None:
     assert page.count(f"{fitted.distance.largest_percent:.1f} %") == 1
 
 
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take most of the time of a page."""
+    monkeypatch.setattr("asterism.reports.fit_page._pictures", lambda fitted: [])
+
+
+@pytest.mark.usefixtures("without_pictures")
 def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
     values = {
         "unrounded": distances(0.2, 0.3),
@@ -120,6 +127,7 @@ def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
     assert "model" not in gain.parts
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_places_and_limits_are_named(fitted: Fit) -> None:
     weights, away = fitted.shape.weights, fitted.distance
     radius = np.linalg.norm(fitted.shape.printed - fitted.shape.printed.mean(axis=0), axis=1)
