@@ -18,12 +18,12 @@ def stars_that_may_be_inverted(state: PreviewState) -> Ints:
     """Numbers of the stars that may be inverted; none on a sheet without supports, which curls."""
     layout, values = state.layout, state.values
     long = values.sizes[:, 0] >= state.model.inverted_min_arm * layout.spacing_mm
-    if not state.is_supported or not long.any():
+    pairs = layout.neighbours[long[layout.neighbours].all(axis=1)]
+    if not state.is_supported or not len(pairs):  # most sheets: the samples of the law stay packed
         return np.empty(0, dtype=np.int64)
     kappa = values.value["kappa"][:-1]
     curvature = 2.0 * smooth_surface(state.sheet.arms.at_centres, state.x).mean_curvature
     part = curvature / np.where(kappa == 0.0, np.inf, kappa)
     table = state.law.cell_stability(state.design.fabric.stretch_xy[0])
-    unstable = long & (table.eigenvalues(values.sizes, part) < 0.0)
-    pairs = layout.neighbours[unstable[layout.neighbours].all(axis=1)]
-    return np.asarray(layout.star_number[np.unique(pairs)])
+    unstable = table.eigenvalues(values.sizes, part) < 0.0
+    return np.asarray(layout.star_number[np.unique(pairs[unstable[pairs].all(axis=1)])])

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Bools, Floats, Ints
 from homogenize.cell.orbits import Orbits, home, in_one_domain, is_symmetric
-from homogenize.cell.periodic_delaunay import PeriodicTriangles, periodic_delaunay
+from homogenize.cell.periodic_delaunay import CELLS_AROUND, PeriodicTriangles, periodic_delaunay
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import distance_to_segment
 
@@ -39,7 +39,6 @@ MAX_IDLE_SWEEPS = 6
 IMAGE_MARGIN_EDGES = 3.0
 # a group without symmetries
 IDENTITY: Floats = np.eye(2)[None]
-_STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ def _grid(vectors: Floats, edge_mm: float) -> Floats:
 
 def _copies(vectors: Floats, of: Floats) -> Floats:
     """(9 n, 2) points of the cell and of the eight cells around it; those of the cell are in the middle."""
-    return np.asarray((of + (_STEPS @ vectors)[:, None]).reshape(-1, 2))
+    return np.asarray((of + (CELLS_AROUND @ vectors)[:, None]).reshape(-1, 2))
 
 
 class _Beside:
@@ -133,7 +132,7 @@ class _Beside:
         def near(places: Floats) -> Bools:
             return np.asarray((np.abs(places @ inverse - 0.5) < margin).all(axis=1))
 
-        points, size = _copies(frame.vectors, frame.points), np.tile(frame.size, len(_STEPS))
+        points, size = _copies(frame.vectors, frame.points), np.tile(frame.size, len(CELLS_AROUND))
         self._tree = cKDTree(points)
         short = near(points) & (size < edge_mm * (1.0 - 1e-9))
         self._points, self._size = points[short], size[short]
@@ -177,7 +176,7 @@ def _crowded(beside: _Beside, vectors: Floats, orbits: Orbits) -> Bools:
     """(n,) True for the later one of two orbits that are too close, and for one too close to itself."""
     size = beside.size(orbits.points)
     n, copies = len(orbits.points), _copies(vectors, orbits.points)
-    middle = len(_STEPS) // 2
+    middle = len(CELLS_AROUND) // 2
     reach = MIN_POINT_DISTANCE_RATIO * float(size.max(initial=0.0))
     pairs = cKDTree(copies).query_pairs(reach, output_type="ndarray")
     out = np.zeros(len(orbits.seeds), dtype=bool)

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Bools, Floats, Ints
+from homogenize.cell.periodic_delaunay import CELLS_AROUND
 
-_STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 # of an edge: images of one point, and places that a symmetric mesh maps onto each other
 ORBIT_TOLERANCE = 1e-6
 # a point in general position, as parts of the lattice vectors; its neighbourhood is one fundamental domain
@@ -24,7 +24,7 @@ def home(places: Floats, vectors: Floats) -> Floats:
 def nearest_image(offsets: Floats, vectors: Floats) -> Floats:
     """(..., 2) mm, the shortest of the vectors that differ from an offset (..., 2) by lattice vectors."""
     rounded = offsets - np.rint(offsets @ np.linalg.inv(vectors)) @ vectors
-    every = rounded[..., None, :] + _STEPS @ vectors
+    every = rounded[..., None, :] + CELLS_AROUND @ vectors
     nearest = np.linalg.norm(every, axis=-1).argmin(axis=-1)
     return np.asarray(np.take_along_axis(every, nearest[..., None, None], axis=-2)[..., 0, :])
 
@@ -84,7 +84,7 @@ def in_one_domain(places: Floats, group: Floats, vectors: Floats) -> Bools:
 
 def is_symmetric(places: Floats, group: Floats, vectors: Floats, edge_mm: float) -> bool:
     """Whether the group maps a set of places (n, 2) onto itself, up to lattice vectors."""
-    copies = (home(places, vectors) + (_STEPS @ vectors)[:, None]).reshape(-1, 2)
+    copies = (home(places, vectors) + (CELLS_AROUND @ vectors)[:, None]).reshape(-1, 2)
     tree = cKDTree(copies)
     moved = home(np.einsum("gij,nj->gni", group[1:], places).reshape(-1, 2), vectors)
     return bool(len(moved) == 0 or tree.query(moved)[0].max() < ORBIT_TOLERANCE * edge_mm)

@@ -16,7 +16,8 @@ from pattern.geometry.planar import mean_circumcentres, triangle_angles, triangl
 TIE_BREAK_RATIO = 1e-6
 # margin around the cell from which images come, in edges
 DELAUNAY_MARGIN_EDGES = 4.0
-_STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
+# a cell and the eight around it, as numbers of lattice vectors; the cell itself is in the middle
+CELLS_AROUND = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
 
 @dataclass(frozen=True)
@@ -109,8 +110,8 @@ def periodic_delaunay(
         tie = TIE_BREAK_RATIO * edge_mm * np.random.default_rng(0).normal(size=points.shape)
     else:
         tie = TIE_BREAK_RATIO * edge_mm * _symmetric_field(points, vectors, group)
-    base = np.tile(np.arange(len(points)), len(_STEPS))
-    image = np.repeat(_STEPS, len(points), axis=0)
+    base = np.tile(np.arange(len(points)), len(CELLS_AROUND))
+    image = np.repeat(CELLS_AROUND, len(points), axis=0)
     copies = points[base] + image @ vectors
     margin = DELAUNAY_MARGIN_EDGES * edge_mm * np.linalg.norm(inverse, axis=0)
     near = (np.abs(copies @ inverse - 0.5) < 0.5 + margin).all(axis=1)
