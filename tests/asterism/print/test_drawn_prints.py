@@ -16,6 +16,7 @@ from asterism.print.export import export
 from asterism.print.formats.openscad import write_openscad
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge
+from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.load_design import load_design
 from pattern.layout.print_layout import print_layout
@@ -209,3 +210,11 @@ def test_a_supported_sheet_with_a_rim_has_its_needles_and_its_outline_in_space(t
     heights = [needle.height_mm for needle in exported.job.needles]
     assert len(heights) == 3 and min(heights) == 0.0
     assert {"needles.svg", "shape.glb", "rods.vtu"} <= set(exported.files)
+
+
+@pytest.mark.parametrize("name", gallery.pattern_names())
+def test_the_drawn_patterns_of_the_gallery_fit_the_papers_printer(name: str) -> None:
+    one = job(gallery.load(name))
+    assert one.too_large == "" and not one.is_rounded
+    expected = sum(rod.length * rod.width[0] * rod.thickness[0] for rod in one.plan.drawn_rods)
+    assert one.solids[0].volume_mm3 == pytest.approx(expected, rel=0.15)  # lines overlap where they meet
