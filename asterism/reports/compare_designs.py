@@ -93,7 +93,10 @@ def compare_designs(
     announce = say or ignore_line
     compared: list[ComparedDesign] = []
     for heading, design in zip(headings, designs, strict=True):
-        job = prepare(design, machine, profile, any_size=True)
+        try:
+            job = prepare(design, machine, profile, any_size=True)
+        except DesignError as error:
+            raise error.within(heading) from None
         announce(heading)
         shape, problem = _shape_of(design, exact, law, announce)
         one = ComparedDesign(heading, job, shape, problem)

@@ -112,6 +112,13 @@ def test_raised_needles_reach_from_the_base_to_the_sheet(tmp_path: Path) -> None
     )
 
 
+def test_a_later_export_without_the_format_removes_the_file(tmp_path: Path) -> None:
+    flat = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 0}})
+    assert "model.3dm" in asterism.export(flat, tmp_path, formats=["3dm"]).files
+    asterism.export(flat, tmp_path)
+    assert not (tmp_path / "model.3dm").exists()
+
+
 def test_without_a_shape_all_lies_in_a_plane(tmp_path: Path) -> None:
     write_rhino(tmp_path / "model.3dm", job())
     found = by_layer(tmp_path / "model.3dm")
