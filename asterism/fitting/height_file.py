@@ -60,8 +60,8 @@ def read_heights(path: Path, mm: float, heights_mm: tuple[float, float] | None, 
         raise TargetError(path, "is no file" if path.exists() else "is not there")
     if extent_mm is None:
         raise TargetError(path, "extent_mm (--extent-mm) is missing: the width of the field in mm")
-    if not (np.isfinite(extent_mm) and extent_mm > 0.0):
-        raise TargetError(path, f"extent_mm = {extent_mm:g}: must be above 0")
+    if not (isinstance(extent_mm, int | float) and np.isfinite(extent_mm) and extent_mm > 0.0):
+        raise TargetError(path, f"extent_mm = {extent_mm!r}: must be a number of mm above 0")
     if path.suffix.lower() in PICTURE_FORMATS:
         heights = _picture_heights(path, heights_mm)
     else:
@@ -70,7 +70,8 @@ def read_heights(path: Path, mm: float, heights_mm: tuple[float, float] | None, 
         heights = mm * (_array(path) if path.suffix.lower() == ".npy" else _table(path))
     rows, columns = heights.shape
     if min(rows, columns) < 2 or max(rows, columns) > MAX_FIELD_ASPECT * min(rows, columns):
-        raise TargetError(path, f"has {columns} x {rows} values: the sides may differ by {MAX_FIELD_ASPECT:g} times")
+        allowed = f"at least 2 x 2, and one side at most {MAX_FIELD_ASPECT:g} times as long as the other"
+        raise TargetError(path, f"has {columns} x {rows} values: must be {allowed}")
     step = extent_mm / (columns - 1)
     reduced, block = _blocks(heights)
     if not np.isfinite(reduced).any():
@@ -83,8 +84,11 @@ def read_heights(path: Path, mm: float, heights_mm: tuple[float, float] | None, 
 def _picture_heights(path: Path, heights_mm: tuple[float, float] | None) -> Floats:
     if heights_mm is None:
         raise TargetError(path, "heights_mm (--heights-mm) is missing: the heights of black and white in mm")
+    is_pair = isinstance(heights_mm, tuple | list) and len(heights_mm) == 2
+    if not is_pair or not all(isinstance(height, int | float) and np.isfinite(height) for height in heights_mm):
+        raise TargetError(path, f"heights_mm = {heights_mm!r}: must be two numbers of mm")
     low, high = heights_mm
-    if not np.isfinite([low, high]).all() or low == high:
+    if low == high:
         raise TargetError(path, f"heights_mm = {low:g}, {high:g}: must be two different numbers")
     try:
         levels = picture_levels(path)

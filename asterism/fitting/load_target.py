@@ -63,8 +63,8 @@ def load_target(
     ending = path.suffix.lower()
     if unit is not None and unit not in MM:
         raise TargetError(path, f"unit = {unit!r}: must be {', '.join(MM)}")
-    if size_mm is not None and not (np.isfinite(size_mm) and size_mm > 0.0):
-        raise TargetError(path, f"size_mm = {size_mm}: must be above 0")
+    if size_mm is not None and not (isinstance(size_mm, int | float) and np.isfinite(size_mm) and size_mm > 0.0):
+        raise TargetError(path, f"size_mm = {size_mm!r}: must be a number of mm above 0")
     if ending in (*PICTURE_FORMATS, *ARRAY_FORMATS):
         field = read_heights(path, MM[unit or "mm"], heights_mm, extent_mm)
         target = TargetSurface.of_heights(field.heights_mm, field.x_mm, field.y_mm, str(path), side, size_mm)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,21 @@ def test_a_picture_gives_heights(bits: int, steps: int, tmp_path: Path) -> None:
     assert height_at(target, -45.0 + 30.0, 45.0 - 20.0) == pytest.approx(expected, abs=RISE / steps)
     lower = load_target(tmp_path / "vault.png", heights_mm=(RISE, 0.0), extent_mm=WIDTH)
     assert height_at(lower, -15.0, 25.0) == pytest.approx(RISE - expected, abs=RISE / steps)
+
+
+def test_options_of_other_types_are_refused_in_one_line(tmp_path: Path) -> None:
+    Image.fromarray((255 * vault(21)).astype(np.uint8)).save(tmp_path / "vault.png")
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"heights_mm": 12.0, "extent_mm": 90.0}, "heights_mm = 12.0: must be two numbers of mm"),
+        ({"heights_mm": (0.0, "high"), "extent_mm": 90.0}, "must be two numbers of mm"),
+        ({"heights_mm": (0.0, np.nan), "extent_mm": 90.0}, "must be two numbers of mm"),
+        ({"heights_mm": (0.0, 12.0), "extent_mm": "wide"}, "extent_mm = 'wide': must be a number of mm above 0"),
+        ({"heights_mm": (0.0, 12.0), "extent_mm": 90.0, "size_mm": "big"}, "size_mm = 'big': must be a number of mm"),
+        ({"unit": "feet"}, "unit = 'feet': must be mm"),
+    ]
+    for options, problem in wrong:
+        with pytest.raises(TargetError, match=re.escape(problem)):
+            load_target(tmp_path / "vault.png", **options)
 
 
 def test_arrays_and_tables_give_the_same_target(tmp_path: Path) -> None:
