@@ -1,7 +1,7 @@
 // The plot of one column over another, as SVG.
 const PLOT = { width: 460, height: 320, left: 58, right: 12, top: 12, bottom: 44 };
-const GRADIENT = [[59, 82, 178], [33, 145, 160], [78, 170, 90], [222, 170, 40], [214, 84, 48]];
-const GROUPS = ["#3b66c4", "#d6542f", "#2f9a63", "#b0468f", "#b98a1d", "#2b97a8", "#7a5cc0", "#7b7f86"];
+const GRADIENT = [[86, 116, 214], [33, 145, 160], [78, 170, 90], [222, 170, 40], [214, 84, 48]];
+const GROUPS = ["#5674d6", "#d6542f", "#2f9a63", "#b0468f", "#b98a1d", "#2b97a8", "#7a5cc0", "#7b7f86"];
 // more values of the colour's column are a gradient
 const MAX_GROUPS = 8;
 
@@ -91,7 +91,7 @@ function drawPlot(rows, near, open) {
   const colours = colouring(known);
   for (const curve of curves(known, x)) {
     const points = curve.map((row) => `${across(valueOf(row, x))},${up(valueOf(row, y))}`).join(" ");
-    picture.append(svg("polyline", { points, fill: "none", stroke: colours.of(curve[0]), "stroke-opacity": 0.45 }));
+    picture.append(svg("polyline", { points, fill: "none", stroke: colours.of(curve[0]), "stroke-opacity": 0.6 }));
   }
   for (const row of known) {
     const place = { cx: across(valueOf(row, x)), cy: up(valueOf(row, y)), r: known.length > 200 ? 3 : 4.5 };
