@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,13 +18,17 @@ except ImportError:  # numba supports new versions of Python late; everything ru
     HAVE_NUMBA = False
 
 
+# names of loops whose machine code no folder keeps: they are compiled in each run
+uncached: list[str] = []
+
+
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
     """Mark a function of one element: plain Python calls it unchanged, and compiled loops call it as well."""
     return register_jitable(function) if HAVE_NUMBA else function
 
 
 def loop(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a loop over elements, and cache its machine code on disk between runs.
+    """Compile a loop over elements, and cache its machine code on disk between runs, if a folder can be written.
 
     numba checks only the file of the loop to see whether the machine code is stale. The formulas that the loop calls
     may be in other files, so the name of the cache folder is a digest of all files with formulas.
@@ -38,8 +43,10 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     except OSError:  # an installation without write permission: numba chooses another folder
         pass
     try:
-        # numpy's error model: a division by zero (a collapsed triangle) is an infinite energy, as in plain numpy
-        return njit(cache=True, nogil=True, error_model="numpy")(function)
+        return _with_cache(function)
+    except RuntimeError:  # numba finds no folder that it can write
+        uncached.append(function.__name__)
+        return _compiled(function)
     finally:
         config.CACHE_DIR = default_folder  # type: ignore[attr-defined]
 
@@ -51,6 +58,26 @@ def has_machine_code(package: Path) -> bool:
 
 def _folder_name(package: Path) -> str:
     return f"formulas-{_digest(package)}"
+
+
+def _with_cache(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The compiled loop, whose machine code is kept unless the disk is full."""
+    compiled = _compiled(function, cache=True)
+    kept = compiled._cache  # type: ignore[attr-defined]
+    save = kept.save_overload
+
+    def save_if_possible(*overload: Any) -> None:
+        with suppress(OSError):
+            save(*overload)
+
+    kept.save_overload = save_if_possible
+    return compiled
+
+
+def _compiled(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
+    # numpy's error model: a division by zero (a collapsed triangle) is an infinite energy, as in plain numpy
+    compiled: Callable[..., Any] = njit(nogil=True, error_model="numpy", **options)(function)
+    return compiled
 
 
 def _package_of(function: Callable[..., Any]) -> Path:

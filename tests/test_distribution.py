@@ -65,3 +65,10 @@ def test_archive_and_wheel_install_and_run_elsewhere(tmp_path: Path) -> None:
     run("-m", "asterism", "preview", "star.toml", "-o", "out")
     assert json.loads((elsewhere / "out" / "summary.json").read_text(encoding="utf-8"))["is_minimum"]
     assert "ultimaker2" in run("-m", "asterism", "printers")
+    assert "paper" in run("-m", "asterism", "materials")
+    run("-m", "asterism", "new", "canopy", "-o", "canopy.toml")
+    # without MKL: the solver's package is hidden, and scipy's takes over
+    hide = "import sys; sys.modules['pypardiso'] = None; from asterism.cli.main import main; "
+    hide += "sys.argv[1:] = ['simulate', 'star.toml', '-o', 'superlu', '--backend', 'superlu']; main()"
+    run("-c", hide)
+    assert json.loads((elsewhere / "superlu" / "summary.json").read_text(encoding="utf-8"))["backend"] == "superlu"

@@ -94,6 +94,6 @@ def export(
             report=run.report,
             say=run.say,
         )
-    run.warn(*exported.warnings)
-    run.table(exported.summary.table())
+    run.warn(*(line for line in exported.warnings if line not in exported.doubts))
+    run.table(exported.summary.table(), doubts=exported.doubts)
     run.files(directory, exported.files)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -36,11 +36,13 @@ class PrintExport:
     job : the rounded design on the bed, with its solids, needles and costs.
     summary : content of export.json.
     warnings : one line for each reason to doubt the shape in space.
+    doubts : those of the warnings for which the shape is not reliable: it is not certified.
     """
 
     job: Job
     summary: ExportRecord
     warnings: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
 
     @property
     def files(self) -> list[str]:
@@ -132,18 +134,32 @@ def export(
     # this finds most mistakes before anything is computed
     job = job_with(given)
     warnings = [*frame_warning(machine, frame_is_known), *plastic_warning(design, profile)]
-    warnings += ["the given shape is not certified as a minimum"] if job.is_certain is False else []
-    warnings += [f"the given shape: {line}" for line in job.shape_warnings]
+    doubts = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
+    of_shapes = {"the given shape": job.shape_warnings}
     computed, change = printed_shape(job, preview, simulate, law, report, say)
     if change is not None:
         for certified, which in zip(change.are_minima, ("drawn", "printed"), strict=False):
             if not certified:
-                warnings.append(f"the shape of the {which} design is not certified as a minimum")
+                doubts.append(f"the shape of the {which} design is not certified as a minimum")
         by = "exact model" if simulate else "preview"
-        warnings += [f"the shape by the {by}: {line}" for line in change.get("warnings", ())]
+        of_shapes[f"the shape by the {by}"] = list(change.get("warnings", ()))
+    warnings += [*doubts, *said_once(of_shapes)]
     if computed is not None:
         job = job_with(computed) if preview or simulate else replace(job, glance=computed)
-    return PrintExport(job, write_export(job, directory, change, demanded), tuple(warnings))
+    return PrintExport(job, write_export(job, directory, change, demanded), tuple(warnings), tuple(doubts))
+
+
+def said_once(of_shapes: Mapping[str, Sequence[str]]) -> list[str]:
+    """Warnings by the shape that they are about, each text once.
+
+    >>> said_once({"the given shape": ["it rolls", "it folds"], "the shape by the preview": ["it folds"]})
+    ['the given shape: it rolls', 'the given shape and the shape by the preview: it folds']
+    """
+    shapes: dict[str, list[str]] = {}
+    for shape, lines in of_shapes.items():
+        for line in dict.fromkeys(lines):
+            shapes.setdefault(line, []).append(shape)
+    return [f"{' and '.join(names)}: {line}" for line, names in shapes.items()]
 
 
 def check_shape_request(

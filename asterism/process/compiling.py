@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from equilibrium.compiled import HAVE_NUMBA
+from equilibrium.compiled import HAVE_NUMBA, uncached
 
 # packages whose loops take seconds to compile, in a user's words
 PACKAGE_TITLES = {
@@ -19,6 +19,11 @@ PACKAGE_TITLES = {
     "fem": "the preview's shell",
     "homogenize": "the law of the stars",
 }
+
+
+def how_often() -> str:
+    """In which runs loops are compiled, in words."""
+    return "in each run, as no folder for compiled code can be written" if uncached else "in the first run only"
 
 
 @contextmanager
@@ -41,7 +46,7 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
             package = event.data["dispatcher"].py_func.__module__.split(".")[0]
             if package in PACKAGE_TITLES and package not in announced:
                 announced.add(package)
-                say(f"compiling {PACKAGE_TITLES[package]}: about 20 s, in the first run only")
+                say(f"compiling {PACKAGE_TITLES[package]}: about 20 s, {how_often()}")
 
         def on_end(self, event: Any) -> None:
             pass
@@ -76,7 +81,7 @@ def signs_while_compiling(say: Callable[[str], None], every_s: float) -> Iterato
     def watch() -> None:
         while not is_over.wait(every_s):
             if under_way:
-                say("compiling, in the first run only")
+                say(f"compiling, {how_often()}")
 
     threading.Thread(target=watch, daemon=True).start()
     try:

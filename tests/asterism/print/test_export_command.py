@@ -202,7 +202,9 @@ def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: P
     result = run("export", "d.toml", "-o", "out", "--shape", "results")
     assert result.status == 0, result.err
     lines = result.err.splitlines()
-    assert f"asterism: the given shape is {told}" in lines
+    assert result.out.startswith(f"  not reliable         the given shape is {told}") and told not in result.err
+    strict = run("export", "d.toml", "-o", "out", "--shape", "results", "--strict")
+    assert strict.status == 1 and told in strict.out and (tmp_path / "out" / "export.json").exists()
     assert "asterism: the given shape: it passes through itself" in lines
     said = json.loads((tmp_path / "out" / "export.json").read_text())
     assert said["shape"] == {"is_certain": False, "warnings": ["it passes through itself"]}
