@@ -1,8 +1,9 @@
 // A thin layer over WebGL2: programs, buffers, and one picture from a list of surfaces.
 
-import { GROUND, SHADOW, SURFACE } from "./shaders.js";
+import { BLUR, GROUND, SHADOW, SURFACE } from "./shaders.js";
 
 const SHADOW_PX = 256;
+const BLUR_SHARE = 1 / 190; // of the map's width, between two samples of the blur
 
 export class Renderer {
   constructor(canvas) {
@@ -19,21 +20,23 @@ export class Renderer {
     this.surface = program(gl, SURFACE);
     this.ground = program(gl, GROUND);
     this.shadow = program(gl, SHADOW);
+    this.blur = program(gl, BLUR);
     this.quad = buffer(gl, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-    this.#makeShadowMap();
+    [this.sharp, this.half, this.soft] = [1, 2, 3].map(() => this.#makeMap());
   }
 
-  #makeShadowMap() {
+  /** A square picture of shadows that can be drawn into. */
+  #makeMap() {
     const { gl } = this;
-    this.map = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, this.map);
+    const [texture, target] = [gl.createTexture(), gl.createFramebuffer()];
+    gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, SHADOW_PX, SHADOW_PX, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
     for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
-    this.target = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.map, 0);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return { texture, target };
   }
 
   /** A surface: buffers for positions, normals, colours and triangles, filled by `fill`. */
@@ -111,7 +114,7 @@ export class Renderer {
 
   #drawShadow(surface, { centre, reach }) {
     const { gl } = this;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.sharp.target);
     gl.viewport(0, 0, SHADOW_PX, SHADOW_PX);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
@@ -121,13 +124,25 @@ export class Renderer {
     this.#attribute(this.shadow, "position", surface.position, 3, gl.FLOAT);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, surface.triangles);
     gl.drawElements(gl.TRIANGLES, surface.count, gl.UNSIGNED_INT, 0);
+    this.#blur(this.sharp, this.half, [BLUR_SHARE, 0]);
+    this.#blur(this.half, this.soft, [0, BLUR_SHARE]);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  #blur(from, into, way) {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into.target);
+    gl.useProgram(this.blur.program);
+    gl.bindTexture(gl.TEXTURE_2D, from.texture);
+    this.#set(this.blur, { way });
+    this.#attribute(this.blur, "corner", this.quad, 2, gl.FLOAT);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 
   #drawGround({ centre, reach, level, line, lineAlpha, shade, stepMm }, camera) {
     const { gl } = this;
     gl.useProgram(this.ground.program);
-    gl.bindTexture(gl.TEXTURE_2D, this.map);
+    gl.bindTexture(gl.TEXTURE_2D, this.soft.texture);
     this.#set(this.ground, { matrix: camera.matrix, centre, reach, level, line, lineAlpha, shade, stepMm });
     this.#attribute(this.ground, "corner", this.quad, 2, gl.FLOAT);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);

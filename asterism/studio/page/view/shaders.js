@@ -54,18 +54,33 @@ export const GROUND = {
       return 1.0 - min(min(away.x, away.y), 1.0);
     }
     void main() {
-      vec2 at = 0.5 + 0.5 * vShare;
-      float dark = 0.0, total = 0.0;
-      for (int i = -4; i <= 4; i++) for (int j = -4; j <= 4; j++) {
-        float weight = exp(-float(i * i + j * j) / 9.0);
-        dark += weight * texture(shadow, at + vec2(float(i), float(j)) / 190.0).r;
-        total += weight;
-      }
-      dark = shade * dark / total;
+      float dark = shade * texture(shadow, 0.5 + 0.5 * vShare).r;
       float fade = smoothstep(1.0, 0.25, length(vShare));
       float lines = lineAlpha * fade * max(0.5 * grid(stepMm), grid(5.0 * stepMm));
       float alpha = dark + lines * (1.0 - dark);
       result = vec4(line * lines * (1.0 - dark) / max(alpha, 1e-4), alpha);
+    }`,
+};
+
+/** One of two passes that blur the shadow, along x or along y. The ground then reads one value a pixel. */
+export const BLUR = {
+  vertex: `#version 300 es
+    in vec2 corner;
+    out vec2 vAt;
+    void main() { vAt = 0.5 + 0.5 * corner; gl_Position = vec4(corner, 0.0, 1.0); }`,
+  fragment: `#version 300 es
+    precision highp float;
+    in vec2 vAt;
+    uniform sampler2D map; uniform vec2 way;
+    out vec4 result;
+    void main() {
+      float dark = 0.0, total = 0.0;
+      for (int i = -4; i <= 4; i++) {
+        float weight = exp(-float(i * i) / 9.0);
+        dark += weight * texture(map, vAt + float(i) * way).r;
+        total += weight;
+      }
+      result = vec4(dark / total);
     }`,
 };
 
