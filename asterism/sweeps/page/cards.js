@@ -3,18 +3,15 @@
 const CARD_WIDTH = 204;
 const CARD_HEIGHT = 150;
 
-function pictureOf(row, width, height) {
-  const { webp, width_px: w, height_px: h, px_per_mm: scale } = row.picture;
-  const image = element("img", { alt: `design ${row.number}`, src: `data:image/webp;base64,${webp}` });
-  const own = Math.min(width / w, height / h);
-  image.style.width = `${w * (state.isOneScale ? Math.min(own, (commonScale(width, height) / scale)) : own)}px`;
-  return image;
-}
+const fitting = ({ width_px: width, height_px: height }) => Math.min(CARD_WIDTH / width, CARD_HEIGHT / height);
+// CSS pixels per mm at which the largest sheet fits its card
+const commonScale = Math.min(...sweep.rows.filter((row) => row.picture).map(({ picture }) => fitting(picture) * picture.px_per_mm));
 
-// CSS pixels per mm at which the largest sheet fits the card
-function commonScale(width, height) {
-  const scales = sweep.rows.filter((row) => row.picture).map(({ picture: p }) => Math.min(width / p.width_px, height / p.height_px) * p.px_per_mm);
-  return Math.min(...scales);
+function pictureOf(row) {
+  const { webp, width_px: width, px_per_mm: scale } = row.picture;
+  const image = element("img", { alt: `design ${row.number}`, src: `data:image/webp;base64,${webp}` });
+  image.style.width = `${width * (state.isOneScale ? commonScale / scale : fitting(row.picture))}px`;
+  return image;
 }
 
 function entry(column, row) {
@@ -24,7 +21,7 @@ function entry(column, row) {
 function card(row, near, open) {
   const plotted = [state.y, state.sort].map((key) => columns.find((each) => each.key === key && !each.isParameter));
   const listed = [...columns.filter((each) => each.isParameter), ...new Set(plotted.filter(Boolean))];
-  const picture = row.picture ? pictureOf(row, CARD_WIDTH, CARD_HEIGHT) : element("p", {}, row.problem);
+  const picture = row.picture ? pictureOf(row) : element("p", {}, row.problem);
   const note = row.problem !== null ? ["bad", "no shape"] : row.results.is_minimum === false ? ["bad", "not certified"] : row.results.not_reliable ? ["warn", "not reliable"] : null;
   const number = element("span", { class: "number" }, String(row.number));
   if (note) number.append(" ", element("span", { class: note[0] }, note[1]));

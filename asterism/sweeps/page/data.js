@@ -16,7 +16,7 @@ function valueOf(row, column) {
 }
 
 const isNumber = (value) => typeof value === "number";
-const isNumeric = (column) => sweep.rows.every((row) => [null].includes(valueOf(row, column)) || isNumber(valueOf(row, column)));
+const isNumeric = (column) => sweep.rows.every((row) => valueOf(row, column) === null || isNumber(valueOf(row, column)));
 const isKnown = (column) => sweep.rows.some((row) => valueOf(row, column) !== null);
 const numeric = columns.filter((column) => isKnown(column) && isNumeric(column));
 
