@@ -43,6 +43,9 @@ MAX_FRESH_CHANGE, FRESH_TOLERANCE_MM = 0.1, 0.02
 # largest change of an unknown in one step
 LONGEST_STEP = 2.5
 
+# words for the kinds of steps
+STEP_WORDS = {"smooth": "all stars together", "stars": "each star", "fresh": "fresh preview"}
+
 
 @dataclass(frozen=True)
 class FitStep:
@@ -134,7 +137,7 @@ class FitSearch:
     def _record(self, kind: str) -> None:
         percent = 100.0 * self.state.rms_mm / self.diameter_mm
         self.steps.append(FitStep(kind, percent))
-        self.say(f"{len(self.steps) - 1} {kind}: {percent:.2f} % of the diameter")
+        self.say(f"step {len(self.steps) - 1}, {STEP_WORDS[kind]}: {percent:.2f} % of the diameter")
 
     def _confirm(self) -> bool:
         """Whether a fresh preview has the followed form; if not, the fit goes on from the fresh one."""

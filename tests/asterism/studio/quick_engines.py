@@ -60,7 +60,7 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
 
 def fit(connection: Connection, job: int, target: Surface, name: str, hold: str, printer: str) -> None:
     """A fit that gives a sheet of one ring; the targets `wait.obj` and `wide.obj` have none."""
-    connection.send(JobProgress(job, "1 stars: 0.40 % of the diameter", 0, 0, 0.1))
+    connection.send(JobProgress(job, "step 1, each star: 0.40 % of the diameter", 0, 0, 0.1))
     if name == "wait.obj":
         time.sleep(600)
     if name == "wide.obj":

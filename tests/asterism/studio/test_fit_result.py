@@ -31,7 +31,7 @@ def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, s
     before = shown(page, studio)
     send_roof(client)
     page.send(type="fit")
-    assert page.until("progress")["stage"] == "1 stars: 0.40 % of the diameter"
+    assert page.until("progress")["stage"] == "step 1, each star: 0.40 % of the diameter"
     result = page.until("result", job="fit")
     assert result["summary"] == {"needles": 6, "size_mm": 11.0} and result["revision"] == 1
     assert studio.document is not None
