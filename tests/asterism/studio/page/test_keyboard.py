@@ -7,6 +7,8 @@ import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
+pytestmark = pytest.mark.slow
+
 SPACING_MM = np.sqrt(300.0)  # of the stars of the dome
 FOCUSED = "document.activeElement.dataset.testid"
 

@@ -28,6 +28,7 @@ def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
     shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
 
 
+@pytest.mark.slow
 def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioPage) -> None:
     shared.open("gallery-dome")
     shared.summarised()

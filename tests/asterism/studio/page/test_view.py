@@ -66,6 +66,7 @@ def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, 
     assert page.item("view-colour").input_value() == "none"
 
 
+@pytest.mark.slow
 def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_ones(page: StudioPage) -> None:
     page.open("gallery-dome")
     hold = "window.requestAnimationFrame = (draw) => held.push(draw)"
@@ -80,6 +81,7 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
     page.wait(f"studio.drawn > {drawn}")
 
 
+@pytest.mark.slow
 def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser: Any, address: str) -> None:
     context = browser.new_context(viewport={"width": 1024, "height": 768}, has_touch=True, is_mobile=True)
     page = StudioPage(context.new_page(), address)
