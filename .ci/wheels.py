@@ -60,7 +60,7 @@ def find(version: str) -> Path | None:
     named = shutil.which(f"python{version}")
     candidates = [Path(named)] if named else []
     candidates += sorted(pyenv.glob(f"{version}.*/bin/python"))
-    ask = [*["-c"], "import sys; print('%d.%d' % sys.version_info[:2])"]
+    ask = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
     for candidate in candidates:
         said = subprocess.run([candidate, *ask], capture_output=True, text=True)
         if said.returncode == 0 and said.stdout.strip() == version:
