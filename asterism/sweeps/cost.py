@@ -12,8 +12,8 @@ from equilibrium.errors import Error
 from pattern.design.design import Design
 from pattern.layout.print_layout import print_layout
 
-# processor time of a preview with its picture, and memory of its process: python -m benchmarks.sweep; sheets that buckle
-# take up to four times as long
+# processor time of a preview with its picture, and memory of its process: python -m benchmarks.sweep
+# sheets that buckle take up to four times as long
 PREVIEW_S = 0.1
 PREVIEW_S_A_STAR = 0.006
 PREVIEW_MB = 350.0
