@@ -131,7 +131,7 @@ def test_no_curvature_is_free_however_little_a_cell_resists() -> None:
     assert MIN_BENDING_RATIO - 1e-9 <= min_bending_ratio(q) < 0.6
 
 
-# cells of random tubes whose fit, from one start in axes that are not orthonormal, depended on the axes of the print
+# random cells; for two of them a fit from one start with unknowns that are not orthonormal depends on the axes
 HARD_CELLS = 6
 
 
