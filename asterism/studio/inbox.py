@@ -85,6 +85,12 @@ class Inbox:
         """Whether a message waits."""
         return bool(self._waiting)
 
+    @property
+    def has_waiting_edit(self) -> bool:
+        """Whether an edit waits, which makes the work on an earlier one useless."""
+        with self._changed:
+            return any(isinstance(message, Edit) for message in self._waiting)
+
     def is_cancelled(self, seq: int) -> bool:
         """Whether the work on a message was broken off."""
         return seq <= self._cancelled

@@ -72,7 +72,9 @@ class SearchBounds:
         """
         if self._inbox.is_closed or (not self._yields and self._inbox.is_cancelled(self.seq)):
             raise Cancelled
-        if self._inbox.has_waiting and (self._yields or self.seconds > (MAX_STALE_S if self._was_stale else STALE_S)):
+        if self._inbox.has_waiting and self._yields:
+            raise Superseded
+        if self.seconds > (MAX_STALE_S if self._was_stale else STALE_S) and self._inbox.has_waiting_edit:
             raise Superseded
         compiled = time.perf_counter() - self._clock() - self._compiled
         worked = time.thread_time() - self._worked - compiled

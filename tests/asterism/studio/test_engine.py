@@ -209,6 +209,13 @@ def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(eng
     assert height == pytest.approx(asterism.preview(edited).height_mm, rel=1e-9)
 
 
+def test_a_flip_waits_for_the_shape_of_the_edit_before(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("asterism.studio.search_bounds.STALE_S", 0.0)
+    engine.send(Edit(1, table(), is_opened=True), Flip(2))
+    first = engine.frame(1)
+    assert engine.frame(2).height_mm < first.height_mm
+
+
 def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> None:
     other = EnginePipe()
     other.send(Edit(1, table(), is_opened=True), Flip(2))
