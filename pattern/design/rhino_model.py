@@ -40,8 +40,13 @@ class RhinoModel:
     mm: float
 
     def visible(self) -> Iterator[tuple[Any, str]]:
-        """The geometry of each visible object, and the full name of its layer, such as `sheet::outline`."""
+        """The geometry of each visible object, and the full name of its layer, such as `sheet::outline`.
+
+        Blocks are left out: their objects lie in the coordinates of the block.
+        """
         for thing in self.file.Objects:
+            if thing.Attributes.IsInstanceDefinitionObject:
+                continue
             number = thing.Attributes.LayerIndex
             layer = self.file.Layers.FindIndex(number) if 0 <= number < len(self.file.Layers) else None
             if thing.Attributes.Visible and (layer is None or layer.Visible):

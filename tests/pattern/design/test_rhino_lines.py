@@ -84,6 +84,15 @@ def test_curves_are_rods_by_their_layers(tmp_path: Path) -> None:
     assert np.allclose(np.linalg.norm(arch, axis=1), 30.0, atol=1e-5) and np.allclose(arch[[0, -1]], [[30, 0], [0, 30]])
 
 
+def test_curves_of_blocks_are_left_out(tmp_path: Path) -> None:
+    drawing = Drawing()
+    drawing.polyline(SQUARE, "cut")
+    ring = rhino3dm.Circle(rhino3dm.Point3d(60, 45, 0), 8.0).ToNurbsCurve()
+    drawing.file.InstanceDefinitions.Add("block", "", "", "", rhino3dm.Point3d(0, 0, 0), (ring,), (drawing.on("cut"),))
+    drawing.saved(tmp_path)
+    assert len(print_layout(sheet(tmp_path)).holes) == 0
+
+
 def test_drawings_of_other_programs_are_outlines_too(tmp_path: Path) -> None:
     (tmp_path / "x.svg").write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" viewBox="0 0 100 80">'
