@@ -28,7 +28,7 @@ def compare_designs(
     law: LawFile = None,
     material: MaterialFile = None,
 ) -> None:
-    """Write one page with several designs: pictures at one scale, sizes, print times, expected errors, differences.
+    """Write one page with several designs: pictures at one scale, sizes, print times, estimated errors, differences.
 
     Differences are those from the first design. A design without a shape is on the page with the reason.
     """

@@ -19,7 +19,7 @@ from asterism.reports.designs_page import designs_page
 from asterism.results.files import OutputError, check_writable, write_file
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
-from homogenize.errors import LawError
+from equilibrium.errors import Error
 from homogenize.law.law import Law
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
@@ -58,7 +58,7 @@ def compare_designs(
     law: Law | None = None,
     say: Say | None = None,
 ) -> DesignsComparison:
-    """Write one page with several designs: pictures at one scale, sizes, print times, expected errors, differences.
+    """Write one page with several designs: pictures at one scale, sizes, print times, estimated errors, differences.
 
     A design without a preview has no picture, and the page says why.
 
@@ -69,7 +69,7 @@ def compare_designs(
     names : headings; the names of the designs by default.
     exact : compute exact shapes, not previews.
     printer, plastic : a profile, its name, or its file, for print times and masses.
-    law : law of the previews; that of the paper's material by default.
+    law : law of the previews; by default the one that each design names, or else that of the paper's material.
     say : called with a line of text at the beginning of each stage.
 
     Raises
@@ -112,10 +112,13 @@ def _shape_of(design: Design, exact: bool, law: Law | None, say: Say) -> tuple[S
     if exact:
         from asterism.exact.simulation import simulate  # its imports take seconds
 
-        return simulate(design, say=say), ""
+        try:
+            return simulate(design, say=say), ""
+        except Error as error:
+            return None, str(error)
     try:
         return preview(design, law, say=say), ""
-    except (LawError, DesignError) as error:
+    except Error as error:
         return None, f"{error}; the exact model may compute it: --exact"
 
 

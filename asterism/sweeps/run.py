@@ -15,7 +15,7 @@ from asterism.sweeps.errors import SweepError
 from asterism.sweeps.parameters import SweepParameter, check_parameters, varied
 from asterism.sweeps.sampling import grid, latin_hypercube
 from asterism.sweeps.small_picture import SmallPicture
-from asterism.sweeps.solve_point import packed_law, solve_point, sweep_code_version
+from asterism.sweeps.solve_point import named_law, packed_law, solve_point, sweep_code_version
 from asterism.sweeps.sweep import Sweep, SweepPoint
 from homogenize.campaign.kept_samples import KeptSamples, Outcome
 from homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
@@ -76,7 +76,7 @@ def sweep_design(
     folder : keeps finished designs, so that the same call continues an interrupted sweep.
     jobs : number of processes of this machine; one per core by default.
     dask : address of a Dask scheduler, whose workers take the place of these processes.
-    law : law of the previews; that of the paper's material by default.
+    law : law of the previews; by default the one that each design names, or else that of the paper's material.
     report : called at the beginning and after each design.
 
     Raises
@@ -103,7 +103,10 @@ def sweep_design(
         table = design.to_dict()
         tables = [varied(table, values) for values in combinations]
         digest = None if law is None or exact else law_digest(law)
-        inputs = [{"exact": exact, "law": digest, "design": each} for each in tables]
+        inputs = [
+            {"exact": exact, "law": digest if law is not None or exact else named_law(each), "design": each}
+            for each in tables
+        ]
         try:
             outcomes = _outcomes(kept, inputs, packed_law(None if exact else law), jobs, dask, combinations, report)
         except OSError as error:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import pickle
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import discrete
@@ -73,5 +75,16 @@ def _law(packed: bytes) -> Law:
 
 
 def packed_law(law: Law | None) -> bytes | None:
-    """A law on its way to the workers; None for the paper's, which they have."""
+    """A law on its way to the workers; None for that of the design or the paper's, which they read."""
     return None if law is None else pickle.dumps(law)
+
+
+def named_law(table: Mapping[str, Any]) -> str | None:
+    """Hash of the law file that a design names, None without one. If the file changes, shapes are computed again."""
+    path = (table.get("material") or {}).get("law")
+    return None if path is None or not Path(path).is_file() else _file_hash(path, Path(path).stat().st_mtime_ns)
+
+
+@functools.lru_cache(maxsize=64)
+def _file_hash(path: str, changed_ns: int) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]

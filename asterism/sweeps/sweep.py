@@ -49,7 +49,7 @@ class Sweep:
     points : all designs in the order of their numbers.
     exact : the exact model computed the shapes, not the preview.
     seed : seed of the Latin hypercube; None for all combinations.
-    law : digest of the law; None for the paper's.
+    law : digest of the law that was given; None for that of the design, or else the paper's.
     """
 
     design: Design

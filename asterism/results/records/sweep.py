@@ -53,6 +53,6 @@ class SweepRecord(Record):
     )
     columns: list[SweepColumnRecord] = key("The columns of the table after the number and the parameters.")
     table_rows: list[SweepRowRecord] = key("The designs.", label="designs", show=_failed)
-    law: str | None = key("Digest of the law of the previews; null for exact shapes and for the paper's law.")
+    law: str | None = key("Digest of the law of the previews; null for exact shapes, and if none was given.")
     version: str = key("Version of asterism.")
     design: dict[str, Any] = key("The design that is varied, with all defaults.")

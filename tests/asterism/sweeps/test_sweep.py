@@ -16,6 +16,7 @@ import pytest
 
 import asterism
 from asterism.sweeps.run import SweepProgress, sweep_design
+from asterism.sweeps.solve_point import named_law
 from asterism.sweeps.sweep import Sweep
 from asterism.sweeps.write_sweep import sweep_csv, write_sweep
 from pattern.design.design import Design
@@ -78,6 +79,18 @@ def test_finished_designs_are_not_computed_again(once: tuple[Path, Sweep], monke
     again = sweep_design(small(), VARY, folder=folder, report=reports.append)
     assert [progress.done for progress in reports] == [4] and reports[0].failed == 2
     assert again.summary == result.summary and sweep_csv(again) == sweep_csv(result)
+
+
+def test_a_changed_law_of_the_design_is_not_the_same_law(tmp_path: Path) -> None:
+    file = tmp_path / "own.npz"
+    table = {"material": {"law": str(file)}}
+    assert named_law({}) is None and named_law(table) is None
+    names = []
+    for number, content in enumerate((b"one", b"two", b"one")):
+        file.write_bytes(content)
+        os.utime(file, ns=(number, number))
+        names.append(named_law(table))
+    assert names[0] == names[2] != names[1]
 
 
 def test_more_designs_compute_only_what_is_new(once: tuple[Path, Sweep]) -> None:
