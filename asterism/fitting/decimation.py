@@ -12,8 +12,6 @@ from asterism.measure.compare.nearest import NearestOnSurface
 MAX_TARGET_TRIANGLES = 20_000
 # vertices whose distance from the decimated surface is measured
 MAX_MEASURED_VERTICES = 20_000
-# vertices whose distance from the decimated surface is measured
-MAX_MEASURED_VERTICES = 20_000
 
 
 def decimated(disk: Disk, name: str) -> tuple[Disk, str]:

@@ -81,7 +81,8 @@ def guess_design(
         every 1.6 spacings between.
     nearest : where the contractions do not suffice, go on with the nearest ones.
     say : called with a line of text at the beginning of each stage.
-    border : hold the whole border on that of the target; by default if much of the target is saddle-shaped.
+    border : hold the whole border on that of the target; by default if needles are not given and
+        `MIN_HELD_SADDLE_SHARE` of the Gauss curvature is negative.
 
     Raises
     ------

@@ -83,7 +83,7 @@ def fit(
     within_percent : distance, in % of the diameter, within which the target counts as reached.
     say, report : as in `simulate`.
     border : hold the whole border along that of the target, in place of needles. By default if needles are not given
-        and most of the target is saddle-shaped.
+        and a quarter of the absolute Gauss curvature of the target is negative.
     corrections : largest number of corrections by the exact model; 0 leaves the fit by the preview as it is.
 
     Returns
@@ -111,7 +111,7 @@ def fit(
     if needles is not None and not (is_whole(needles) and 0 <= needles <= MAX_FITTED_NEEDLES and needles not in (1, 2)):
         raise ValueError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
     if needles is not None and border:
-        raise ValueError(f"needles = {needles}: go without border")
+        raise ValueError(f"needles = {needles}: must be None with border=True")
     if not (is_whole(corrections) and 0 <= corrections <= MAX_ASKED_CORRECTIONS):
         raise ValueError(f"corrections = {corrections!r}: must be a whole number from 0 to {MAX_ASKED_CORRECTIONS}")
     if law is not None:

@@ -50,7 +50,7 @@ def solve_for(
         of a sheet that rolls up.
     value : of the wanted quantity, in mm.
     change : the size that is scaled; within the range of the law.
-    law : of the material; that of the paper's material by default.
+    law : of the material; by default the one that the design names, or else that of the paper's material.
     say : called with a line of text for each trial.
 
     Returns

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from asterism.fitting.errors import ReachError, place_text
-from asterism.previews.default_law import paper_law
+from asterism.previews.default_law import law_of
 from asterism.previews.run import preview
 from asterism.previews.session import Preview
 from asterism.process.listeners import Say, ignore_line
@@ -46,7 +46,7 @@ def solve_for_point(
     at_mm : (x, y) of the point on the print.
     point_mm : (x, y, z) where the preview should have it, with the bumps of the stars.
     needle : number of the needle, counted from 0 over all `target_mm` of points and corners in the design file.
-    law : of the material; that of the paper's material by default.
+    law : of the material; by default the one that the design names, or else that of the paper's material.
     say : called with a line of text for each trial.
 
     Returns
@@ -78,7 +78,7 @@ def solve_for_point(
     if not (is_whole(needle) and 0 <= needle < len(places)):
         raise ValueError(f"needle = {needle!r}: must be a whole number from 0 to {len(places) - 1}")
     table, row, start = places[needle]
-    law, tell = law or paper_law(), say or ignore_line
+    law, tell = law or law_of(design), say or ignore_line
     session = Preview(design, law)
     if not inside(at[None], session.sheet.layout.outline)[0]:
         raise ValueError(f"at_mm = {at.tolist()}: must be on the sheet")

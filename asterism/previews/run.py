@@ -28,7 +28,8 @@ def preview(
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
-    law : from `homogenize.law.law_file.load_law`; that of the paper's material by default.
+    law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
+        material.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.

@@ -87,7 +87,7 @@ class CountLine:
 
 
 def without_numbers(problem: str) -> str:
-    """The reason why a cell has no equilibrium, without the numbers that differ from cell to cell.
+    """The reason of a failure without its numbers, which differ from one computation to the next.
 
     >>> without_numbers("gradient 3.2e-05 N: no minimum")
     'gradient N: no minimum'

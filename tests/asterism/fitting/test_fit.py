@@ -138,7 +138,7 @@ def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
     for needles in (1, 2, -1, 2.5, 1001):
         with pytest.raises(ValueError, match="needles = "):
             fit(target, needles=needles)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="needles = 8: go without border"):
+    with pytest.raises(ValueError, match="needles = 8: must be None with border=True"):
         fit(target, needles=8, border=True)
     with pytest.raises(ValueError, match="corrections = -1: must be a whole number from 0 to 20"):
         fit(target, corrections=-1)
