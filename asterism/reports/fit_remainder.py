@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from asterism.fitting.result import Fit
 from equilibrium.arrays import Bools
@@ -86,7 +87,7 @@ def _places(fitted: Fit) -> tuple[dict[str, float], list[str]]:
         advice.append("Most of the distance is at the rim." + (" More needles hold it." if s.needles else ""))
     ends = stars_at_ends(fitted)
     if ends.any() and not ends.all():
-        nearest = np.linalg.norm(shape.printed[:, None] - plan.centres[None], axis=2).argmin(axis=1)
+        nearest = cKDTree(plan.centres).query(shape.printed)[1]
         at_end, elsewhere = _rms(fitted, ends[nearest]), _rms(fitted, ~ends[nearest])
         places |= {"around stars with the shortest or longest arms": at_end, "around other stars": elsewhere}
         if at_end > MAIN_FACTOR * elsewhere:
