@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from pattern.design.arguments import check_type
 from pattern.design.border import Border
-from pattern.design.errors import DesignError, from_validation
+from pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
 from pattern.design.files import write_table
 from pattern.design.lattice import Lattice
 from pattern.design.material_files import MaterialChoice, with_material_file
@@ -143,7 +143,7 @@ class Design(Section):
             The pattern is drawn.
         """
         if self.stars is None:
-            raise DesignError("rods", "only asterism simulate computes drawn rods; this needs [stars]")
+            raise DesignError("rods", NEEDS_STARS_ALONE)
         return self.stars
 
     @property

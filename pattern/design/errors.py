@@ -13,6 +13,7 @@ from equilibrium.errors import Error
 _NOTHING: Any = object()
 _MAX_VALUE_CHARACTERS = 60
 MUST_BE_A_LIST = "must be a list"
+NEEDS_STARS_ALONE = "previews and laws need [stars] alone; asterism simulate computes drawn rods"
 
 
 class DesignError(Error, ValueError):

@@ -89,6 +89,23 @@ def read_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
     return lines
 
 
+def closed_lines(lines: list[FileLine], layer: Any, file: str) -> list[FileLine]:
+    """The closed lines of a drawing on a layer, or on all layers if it is None.
+
+    Raises
+    ------
+    DesignError
+        There are none.
+    """
+    closed = [line for line in lines if len(line.points) > 3 and np.array_equal(line.points[0], line.points[-1])]
+    chosen = [line for line in closed if layer is None or line.layer == layer]
+    if not chosen:
+        known = ", ".join(sorted({line.layer for line in closed})) or "none"
+        field, value = ("file", file) if layer is None else ("layer", layer)
+        raise DesignError(field, f"must have a closed line; layers with one: {known}", value)
+    return chosen
+
+
 def _svg_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]:
     import svgelements as svg  # slow to import, rarely used
 

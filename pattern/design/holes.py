@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 
 from pattern.design.errors import DesignError
-from pattern.design.file_lines import MM_OF_UNITS, read_lines
+from pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
 from pattern.design.rods import IMPORT_CURVE_MM, DrawnCircle
 from pattern.design.section import Line, Point, Section, Text
 
@@ -59,13 +59,7 @@ class Hole(Section):
         everything = np.concatenate([line.points for line in lines])
         middle = 0.5 * (everything.min(axis=0) + everything.max(axis=0))
         shift = middle if data.get("origin", "middle") == "middle" else np.zeros(2)
-        layer = data.get("layer")
-        closed = [line for line in lines if len(line.points) > 3 and np.array_equal(line.points[0], line.points[-1])]
-        chosen = [line for line in closed if layer is None or line.layer == layer]
-        if not chosen:
-            known = ", ".join(sorted({line.layer for line in closed})) or "none"
-            field, value = ("file", data["file"]) if layer is None else ("layer", layer)
-            raise DesignError(field, f"must have a closed line; layers with one: {known}", value)
+        chosen = closed_lines(lines, data.get("layer"), data["file"])
         return {**data, "rings_mm": [np.round(line.points[:-1] - shift, 6).tolist() for line in chosen]}
 
     @model_validator(mode="after")

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
-from pattern.design.file_lines import MM_OF_UNITS, FileLine, read_lines
+from pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
 
 # mm, largest distance of a curve from the straight edges of the sheet
 OUTLINE_CURVE_MM = 0.02
@@ -29,7 +28,7 @@ def with_outline(data: dict[str, Any], folder: Path) -> dict[str, Any]:
         return data
     known_unit = units if isinstance(units, str) and units in MM_OF_UNITS else None
     lines = read_lines(folder / file, OUTLINE_CURVE_MM, known_unit)
-    rings = _closed(lines, layer, file)
+    rings = [line.points[:-1] for line in closed_lines(lines, layer, file)]
     outer = max(range(len(rings)), key=lambda number: shapely.area(shapely.polygons(rings[number])))
     shift = np.zeros(2)
     if data.get("origin", "middle") == "middle":
@@ -47,14 +46,3 @@ def with_outline(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(given, list | tuple) and holes:
         data = {**data, "holes": [*given, *holes]}
     return {**data, "polygon_mm": outline}
-
-
-def _closed(lines: list[FileLine], layer: Any, file: str) -> list[Floats]:
-    """The corners (n, 2) mm of the closed lines on a layer, or on all layers."""
-    closed = [line for line in lines if len(line.points) > 3 and np.array_equal(line.points[0], line.points[-1])]
-    chosen = [line.points[:-1] for line in closed if layer is None or line.layer == layer]
-    if not chosen:
-        known = ", ".join(sorted({line.layer for line in closed})) or "none"
-        field, value = ("file", file) if layer is None else ("layer", layer)
-        raise DesignError(field, f"must have a closed line; layers with one: {known}", value)
-    return chosen

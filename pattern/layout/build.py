@@ -12,7 +12,7 @@ from equilibrium.arrays import Floats, Ints
 from pattern.design.arguments import check_type
 from pattern.design.border import Border
 from pattern.design.design import Design
-from pattern.design.errors import BlankSheetError, DesignError
+from pattern.design.errors import NEEDS_STARS_ALONE, BlankSheetError, DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.pins import Pins
 from pattern.design.stars import MIN_ARM_MM
@@ -58,7 +58,7 @@ def layout(design: Design) -> Layout:
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice, stars = design.lattice, design.required_stars
     if design.rods is not None:
-        raise DesignError("rods", "only asterism simulate computes drawn rods; this needs [stars] alone")
+        raise DesignError("rods", NEEDS_STARS_ALONE)
     corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
     holes = tuple(hole.copy() for hole in _kept_holes(design.border, lattice))
     # first the stars: a sheet with too many of them also has too many vertices

@@ -49,7 +49,7 @@ def test_simulate_writes_a_certified_shape(design: Path, capsys, monkeypatch) ->
 def test_commands_that_need_stars_say_so_in_one_line(name: str, design: Path, capsys, monkeypatch) -> None:
     done = command([name, str(design), "--quiet"], capsys, monkeypatch)
     assert done.status == 2
-    assert "only asterism simulate computes drawn rods; this needs [stars]" in done.line
+    assert "rods: previews and laws need [stars] alone; asterism simulate computes drawn rods" in done.line
 
 
 @pytest.mark.slow
@@ -117,4 +117,4 @@ def test_stars_within_a_rim_are_certified_up_and_exported(tmp_path: Path, capsys
     text = (tmp_path / "beside-print" / "stars.scad").read_text()
     assert "union() { for (s = stars) star(s); for (r = rods) rod(r); }" in text and text.count("rods = [") == 1
     for name in ("preview", "verify"):
-        assert "this needs [stars]" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line
+        assert "need [stars] alone" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line

@@ -73,5 +73,5 @@ def test_stars_keep_clear_of_holes_and_of_their_rims() -> None:
 
 
 def test_models_of_stars_alone_refuse_the_rods() -> None:
-    with pytest.raises(DesignError, match=r"this needs \[stars\] alone"):
+    with pytest.raises(DesignError, match=r"need \[stars\] alone"):
         layout(design())

@@ -131,7 +131,7 @@ def test_a_pattern_is_needed_and_stars_alone_have_a_star_layout() -> None:
         Design.from_dict({"border": SQUARE})
     design = Design.from_dict({"rods": rods, "border": SQUARE})
     assert Design.from_dict(design.to_dict()) == design
-    with pytest.raises(DesignError, match="only asterism simulate computes drawn rods"):
+    with pytest.raises(DesignError, match=r"previews and laws need \[stars\] alone"):
         layout(design)
     with pytest.raises(MeshError, match="drawn rods have no aligned mesh"):
         mesh_layout(print_layout(design), 4.0, "aligned")
