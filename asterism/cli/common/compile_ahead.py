@@ -29,7 +29,9 @@ def compiling_ahead(package: Literal["discrete", "fem"] | None) -> Iterator[None
         yield
         return
     nowhere = subprocess.DEVNULL
-    other = subprocess.Popen([sys.executable, "-c", WARM_UP[package]], stdin=nowhere, stdout=nowhere, stderr=nowhere)
+    # -P: files in the user's folder, such as a random.py, must not take the place of modules
+    program = [sys.executable, "-P", "-c", WARM_UP[package]]
+    other = subprocess.Popen(program, stdin=nowhere, stdout=nowhere, stderr=nowhere)
     try:
         yield
     finally:
