@@ -7,10 +7,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
+from pattern.design.design import GRAVITY_M_S2
 from pattern.design.errors import DesignError
-
-# N per gram
-GRAVITY_N_PER_G = 9.81e-3
 
 
 def fabric_modulus_mpa(
@@ -55,7 +53,7 @@ def fabric_modulus_mpa(
     for name, value, low, high in limits:
         if not low <= value <= high:
             raise DesignError(name, f"must be from {low:g} to {high:g}", value)
-    stress = mass_g * GRAVITY_N_PER_G / (width_mm * thickness_mm)
+    stress = 1e-3 * mass_g * GRAVITY_M_S2 / (width_mm * thickness_mm)
     return stress / nominal_stress(stretch, poisson, model)
 
 

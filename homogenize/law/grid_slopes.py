@@ -14,7 +14,7 @@ from equilibrium.arrays import Floats
 
 SlopeRule = Literal["monotone", "smooth"]
 # relative weights of both sides below this are rounding errors: the values around the node lie on a line
-LEAST_WEIGHT = 1e-9
+MIN_RELATIVE_WEIGHT = 1e-9
 
 
 def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Floats:
@@ -80,6 +80,6 @@ def _smooth(secants: Floats) -> Floats:
     change = np.abs(np.diff(m, axis=0)) + np.abs(m[1:] + m[:-1]) / 2
     before, after = change[2:], change[:-2]  # weights of the secants before and after a node
     total = before + after
-    known = total > LEAST_WEIGHT * total.max()
+    known = total > MIN_RELATIVE_WEIGHT * total.max()
     share = np.where(known, after, 0.0) / np.where(known, total, 1.0)
     return np.where(known, m[1:-2] + share * (m[2:-1] - m[1:-2]), (m[3:] + m[:-3]) / 2)

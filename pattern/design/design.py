@@ -21,6 +21,8 @@ from pattern.design.rods import Rods
 from pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
 from pattern.design.stars import Stars
 
+# on the ground
+GRAVITY_M_S2 = 9.81
 # keys that another table has too, but that stand for something else where they are misplaced
 MEANT_KEYS = {
     ("plastic", "modulus_mpa"): "unknown key here, use modulus_ratio: the plastic's modulus over the fabric's"
@@ -32,7 +34,7 @@ class Gravity(Section):
 
     on: Flag = False
     direction: Place = (0.0, 0.0, -1.0)
-    acceleration_m_s2: Number = Field(9.81, ge=0, le=100)
+    acceleration_m_s2: Number = Field(GRAVITY_M_S2, ge=0, le=100)
 
     @field_validator("direction")
     @classmethod

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from asterism.measure.fabric_modulus import GRAVITY_N_PER_G, fabric_modulus_mpa, nominal_stress
+from asterism.measure.fabric_modulus import fabric_modulus_mpa, nominal_stress
 from discrete.energies.membrane import Membrane
+from pattern.design.design import GRAVITY_M_S2
 from pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
@@ -36,7 +37,7 @@ def test_the_strip_has_the_energy_of_the_model(
 ) -> None:
     expected = stress_of_the_model(stretch, poisson, model == "incompressible")
     assert nominal_stress(stretch, poisson, model) == pytest.approx(expected, rel=1e-5)
-    mass = 0.25 * expected * 40.0 * 0.8 / GRAVITY_N_PER_G
+    mass = 0.25 * expected * 40.0 * 0.8 / (1e-3 * GRAVITY_M_S2)
     assert fabric_modulus_mpa(mass, 40.0, 0.8, stretch, poisson, model) == pytest.approx(0.25, rel=1e-5)
 
 

@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from asterism.measure.overhang import GRAVITY_N_PER_KG, LENGTH_AT_SLOPE, bending_stiffness
+from asterism.measure.overhang import LENGTH_AT_SLOPE, bending_stiffness
+from pattern.design.design import GRAVITY_M_S2
 from pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
@@ -32,7 +33,7 @@ def test_a_heavy_strip_touches_the_slope_at_twice_its_bending_length() -> None:
     load = brentq(lambda load: fall_deg(load) - SLOPE_DEG, 4.0, 12.0)
     assert np.cbrt(load) == pytest.approx(LENGTH_AT_SLOPE, rel=5e-4)
     stiffness, mass = 0.05, 300.0
-    overhang = np.cbrt(load * stiffness / (1e-9 * mass * GRAVITY_N_PER_KG))
+    overhang = np.cbrt(load * stiffness / (1e-9 * mass * GRAVITY_M_S2))
     assert bending_stiffness([overhang], mass).n_mm == pytest.approx(stiffness, rel=2e-3)
 
 
