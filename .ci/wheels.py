@@ -99,16 +99,17 @@ def try_out(python: Path, wheel: Path, place: Path) -> list[str]:
     for folder in folders:
         folder.chmod(folder.stat().st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
     try:
-        solve(installed, place / "third", can_write=False)
+        third = solve(installed, place / "third", can_write=False)
     finally:
         for folder in folders:
             folder.chmod(folder.stat().st_mode | stat.S_IWUSR)
-    shown.append("without a folder for compiled code")
+    if third:
+        shown.append("without a folder for compiled code")
     return shown
 
 
 def solve(python: Path, folder: Path, can_write: bool = True) -> str:
-    """Preview and simulate one star as a newcomer does; returns the name of the linear solver."""
+    """Preview and simulate one star as a newcomer does; returns the name of the linear solver, "" if left out."""
     folder.mkdir(parents=True)
     settings = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "NUMBA"))}
     before: tuple[str, ...] = ()
@@ -117,6 +118,9 @@ def solve(python: Path, folder: Path, can_write: bool = True) -> str:
         home.mkdir(mode=0o555)
         settings |= {"HOME": str(home), "XDG_CACHE_HOME": str(home), "XDG_CONFIG_HOME": str(home)}
         if hasattr(os, "geteuid") and os.geteuid() == 0:
+            if shutil.which(WITHOUT_RIGHTS[0]) is None:
+                print(f"{WITHOUT_RIGHTS[0]} is not installed: root can write everywhere, so this way is left out")
+                return ""
             before = WITHOUT_RIGHTS
 
     def asterism(*words: str) -> subprocess.CompletedProcess[str]:

@@ -120,7 +120,22 @@ def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> Non
         load_design(file)
 
 
-@pytest.mark.parametrize(("page", "block"), PYTHON, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(PYTHON)])
+# calls that solve a design many times, or with both models
+LONG_CALLS = ("asterism.fit(", "asterism.solve_for", "asterism.verify(", "asterism.sweep(")
+
+
+@pytest.mark.parametrize(
+    ("page", "block"),
+    [
+        pytest.param(
+            page,
+            block,
+            marks=pytest.mark.slow if any(call in block for call in LONG_CALLS) else (),
+            id=f"{page.name}-{i}",
+        )
+        for i, (page, block) in enumerate(PYTHON)
+    ],
+)
 def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a small design in place of the gallery's dome, in a folder that holds it as a file."""
     small = gallery.load("dome").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": 5.0}}

@@ -20,7 +20,7 @@ def _needs_a_command(context: typer.Context) -> None:
     from asterism.cli.common.mistake import Mistake
 
     if context.invoked_subcommand is None:
-        raise Mistake("strips: needs a command: new, fit or weigh")
+        raise Mistake("strips: needs a command: new, fit, weigh or overhang")
 
 
 class _Formula(StrEnum):

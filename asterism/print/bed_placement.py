@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,9 @@ from asterism.print.solid import Terrace
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.layout.layout import Layout
+
+# a rectangle fits another one at some turn from 0 to 180 degrees, in either direction
+TURNS_DEG = range(180)
 
 
 @dataclass(frozen=True)
@@ -71,11 +75,11 @@ def place_on_bed(
     elif (size > opening + 1e-6).any():
         problem = f"must be within the {_times(opening)} mm between the bars of the frame"
     if problem:
-        advice = _advice(corners, plan.outline, room, frame) if may_turn else ""
+        advice = _advice(corners, plan.outline, printer) if may_turn else ""
         raise DesignError("stars" if plan.has_stars else "rods", problem + advice, f"{_times(size)} mm of plastic")
     if (least > most + 1e-6).any():
         problem = f"must be within the frame of {_times(frame)} mm, with the plastic where it can be printed"
-        advice = _advice(corners, plan.outline, room, frame) if may_turn else ""
+        advice = _advice(corners, plan.outline, printer) if may_turn else ""
         raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
     stays = (least <= 0.0) & (most >= 0.0)
     middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
@@ -93,14 +97,21 @@ def _shifts(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> tupl
     return least, np.minimum(room / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
 
 
-def _advice(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> str:
-    """The smallest turn at which plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
-    for turn in range(180):
+def fitting_turn(plastic: Floats, sheet: Floats, printer: Printer, turns: Iterable[int] = TURNS_DEG) -> int | None:
+    """The first turn at which the printer and its frame hold corners of plastic (n, 2) and sheet (m, 2); or None."""
+    room, frame = room_mm(printer), np.asarray(printer.frame.size_mm)
+    for turn in turns:
         turned = BedPlacement(turn, np.zeros(2))
         least, most = _shifts(turned.points(plastic), turned.points(sheet), room, frame)
         if (least <= most).all():
-            return f"; --turn {turn} makes it fit"
-    return ""
+            return turn
+    return None
+
+
+def _advice(plastic: Floats, sheet: Floats, printer: Printer) -> str:
+    """The smallest turn at which plastic and sheet fit, in words; empty if there is none."""
+    turn = fitting_turn(plastic, sheet, printer)
+    return "" if turn is None else f"; --turn {turn} makes it fit"
 
 
 def _times(size: Floats) -> str:

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 import shapely
 
-from asterism.print.bed_placement import place_on_bed
+from asterism.print.bed_placement import TURNS_DEG, fitting_turn
 from asterism.print.printer import Printer
 from asterism.print.profiles import load_printer, profile_names
-from asterism.print.solid import Terrace
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
-
-# a rectangle fits another one at some turn from 0 to 180 degrees, in either direction
-_TURNS_DEG = range(180)
 
 
 def size_warning(design: Design) -> Iterator[str]:
@@ -34,8 +31,9 @@ def size_warning(design: Design) -> Iterator[str]:
     """
     plan = print_layout(design)
     x, y = design.fabric.stretch_xy
-    printers = _readable_printers()
-    if not printers or any(_holds(printer, plan, may_turn=x == y) for printer in printers):
+    turns = TURNS_DEG if x == y else (0,)
+    plastic, printers = _plastic_corners(plan), _readable_printers()
+    if not printers or any(fitting_turn(plastic, plan.outline, printer, turns) is not None for printer in printers):
         return
     low, high = plan.outline.min(axis=0), plan.outline.max(axis=0)
     rooms = "; ".join(f"{printer.name} {_times(printer.bed_mm)} mm" for printer in printers)
@@ -76,20 +74,12 @@ def _readable_printers() -> list[Printer]:
     return printers
 
 
-def _holds(printer: Printer, plan: Layout, may_turn: bool) -> bool:
-    """Whether plastic and fabric fit the printer, its frame and its bed at any turn, or at none."""
-    # drawn rods lie within the outline
-    region = shapely.Polygon(plan.outline)
-    if plan.drawn is None:
-        region = shapely.MultiPoint([*plan.centres, *plan.arm_tip]).buffer(0.5 * float(plan.arm_width.max()))
-    plastic = (Terrace(0.0, region),)
-    for turn in _TURNS_DEG if may_turn else (0,):
-        try:
-            place_on_bed(plan, plastic, printer, turn, may_turn=False)
-        except DesignError:
-            continue
-        return True
-    return False
+def _plastic_corners(plan: Layout) -> Floats:
+    """(n, 2) mm, corners around all arms and rods; drawn rods lie within the outline."""
+    if plan.drawn is not None:
+        return plan.outline
+    arms = shapely.MultiPoint([*plan.centres, *plan.arm_tip]).buffer(0.5 * float(plan.arm_width.max()))
+    return np.asarray(shapely.get_coordinates(shapely.convex_hull(arms)))
 
 
 def _times(sides: Sequence[float] | Floats) -> str:

@@ -115,7 +115,7 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
         (["simulate", "d.toml", "-o", "d.toml"], "d.toml"),
         (["simulate", "d.toml", "--colour", "red"], "--colour"),
         (["simulat", "d.toml"], "simulat"),
-        (["strips"], "strips: needs a command, new or fit"),
+        (["strips"], "strips: needs a command: new, fit, weigh or overhang"),
         (["law"], "law: needs a command, show"),
     ],
 )

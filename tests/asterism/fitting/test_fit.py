@@ -144,6 +144,7 @@ def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
         fit(target, corrections=-1)
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_design_and_its_evidence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -50,7 +50,9 @@ def found() -> Verification:
 @pytest.fixture(scope="module")
 def folder(found, tmp_path_factory) -> Path:
     out = tmp_path_factory.mktemp("verified") / "out"
-    assert write_verification(found, out) == ["exact.vtu", "preview.vtu", "report.html", "summary.json"]
+    assert write_verification(found, out) == [
+        *("exact.obj", "exact.vtu", "preview.obj", "preview.vtu", "report.html", "summary.json")
+    ]
     return out
 
 

@@ -98,7 +98,8 @@ class Sketcher:
         )
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
 def test_random_edits_have_a_shape_or_a_reason(seed: int) -> None:
     engine, sketcher = EnginePipe(), Sketcher(seed)
     engine.send(Edit(1, sketcher.table))

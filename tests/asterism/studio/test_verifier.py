@@ -37,7 +37,10 @@ def test_a_verification_sends_both_shapes_and_its_files(tmp_path: Path) -> None:
     run_verification(pipe, 3, table(), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
     result = pipe.messages[-1]
     assert isinstance(result, Verified) and result.job == 3 and result.mesh.mesh == -3
-    assert {Path(name).name for name in result.files} == {"report.html", "summary.json", "exact.vtu", "preview.vtu"}
+    assert {Path(name).name for name in result.files} == {
+        *("report.html", "summary.json"),
+        *(f"{sheet}.{kind}" for sheet in ("exact", "preview") for kind in ("vtu", "obj")),
+    }
     assert all(Path(name).is_file() for name in result.files)
     count = len(result.mesh.printed)
     assert result.exact.shape == result.preview.shape == (count, 3) and result.distance.shape == (count,)

@@ -13,9 +13,15 @@ PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
     *("design.arguments", "design.design", "design.errors", "design.files", "design.section", "design.stars"),
+    *("design.material_files", "design.user_files"),
     # sizes that vary, outlines, pins and drawings: a cell has none
     *(
         "design.border",
+        "design.holes",
+        "design.outline_file",
+        "design.rhino_lines",
+        "design.rhino_model",
+        "layout.support_curve",
         "design.pins",
         "design.rods",
         "design.file_lines",

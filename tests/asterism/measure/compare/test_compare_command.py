@@ -64,7 +64,7 @@ def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, capsys, monkeypatch)
     assert (folder / "cloud-compared" / "summary.json").is_file()
 
 
-@pytest.mark.parametrize("scale", [1.0, 1.08])
+@pytest.mark.parametrize("scale", [1.0, pytest.param(1.08, marks=pytest.mark.slow)])
 def test_a_scan_of_another_size(folder: Path, capsys, monkeypatch, scale: float) -> None:
     trimesh.Trimesh(SHAPE.positions * scale, SHAPE.triangles, process=False).export(folder / "scan.ply")
     done = command(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")], capsys, monkeypatch)
