@@ -56,7 +56,7 @@ def _monotone(steps: Floats, secants: Floats) -> Floats:
     """Inside, the weighted harmonic mean of both secants, and 0 where they have no common sign."""
     before, after = 2 * steps[1:] + steps[:-1], steps[1:] + 2 * steps[:-1]
     agree = secants[1:] * secants[:-1] > 0
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         mean = (before + after) / (before / secants[:-1] + after / secants[1:])
     inside = np.where(agree, mean, 0.0)
     first = _at_end(steps[0], steps[1], secants[0], secants[1])
