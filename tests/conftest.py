@@ -2,6 +2,9 @@
 
 import os
 import signal
+import subprocess
+import sys
+import sysconfig
 from functools import cache
 from pathlib import Path
 
@@ -31,6 +34,24 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Before tests side by side begin in a fresh checkout, compile the loops once; each worker would compile them."""
+    is_worker = hasattr(session.config, "workerinput")
+    if is_worker or not getattr(session.config.option, "numprocesses", None):
+        return
+    # not before the annotations of `CHECKED_MODULES` are checked
+    from asterism.cli.common.compile_ahead import WARM_UP
+    from equilibrium.compiled import has_machine_code
+
+    root, installed = Path(__file__).parents[1], Path(sysconfig.get_path("purelib"))
+    places = [place for place in (root, installed) if (place / "asterism").is_dir()]
+    for place in places:
+        programs = [WARM_UP[package] for package in WARM_UP if not has_machine_code(place / package)]
+        running = [subprocess.Popen([sys.executable, "-c", program], cwd=place) for program in programs]
+        for process in running:
+            process.wait()
+
+
 ORDER = (
     "validation",
     "test_notebooks.py",
@@ -46,11 +67,9 @@ ORDER = (
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What takes longest, and shares most, first: tests side by side are dealt out in parts that get smaller.
+    """What takes longest first: tests side by side are dealt out file by file.
 
-    So the sheets of the paper's figures are not computed by each worker, and nobody waits for one long test at the end.
-    Two workers begin an eighth of all tests apart: in a fresh checkout the first one compiles the loops of the preview,
-    while the second one compares scans and fits strips, which need few of them.
+    So nobody waits for one long file at the end. A file is run by one worker, which makes its sheets once.
     """
     root = Path(__file__).parent
     for item in items:
