@@ -121,7 +121,7 @@ def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> Non
 
 
 # calls that solve a design many times, or with both models
-LONG_CALLS = ("asterism.fit(", "asterism.solve_for", "asterism.verify(", "asterism.sweep(")
+LONG_CALLS = ("asterism.fit(", "asterism.solve_for", "asterism.verify(", "asterism.sweep(", "asterism.compare_designs(")
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_sheet_that_passes_through_itself_is_told(folder: Path, capsys, monkeypatch) -> None:
     result = command(["simulate", "d.toml", "--starts", "1"], capsys, monkeypatch)
     assert result.status == 0, result.err

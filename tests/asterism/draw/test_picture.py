@@ -94,6 +94,7 @@ def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
     assert dark[1] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rough")
 def test_a_held_sheet_keeps_z_upwards() -> None:
     tilted = sheets.sheet(lambda p: np.column_stack([p[:, 0], p[:, 1] * 0.8, p[:, 1] * 0.6]), edge=5.0)

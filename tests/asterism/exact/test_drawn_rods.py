@@ -102,6 +102,7 @@ edge_mm = 4.0
 """
 
 
+@pytest.mark.slow
 def test_stars_within_a_rim_are_certified_up_and_exported(tmp_path: Path, capsys, monkeypatch) -> None:
     path = tmp_path / "beside.toml"
     path.write_text(BESIDE, encoding="utf-8")

@@ -34,6 +34,7 @@ def fitted(target: TargetSurface) -> Fit:
     return fit(target, exact=False, printer=load_printer("ultimaker2"))
 
 
+@pytest.mark.slow
 def test_a_fresh_preview_confirms_the_distance(fitted: Fit, target: TargetSurface) -> None:
     summary = fitted.summary
     assert summary.preview.mean_percent < 0.3 and summary.preview.is_minimum and summary.reached

@@ -200,6 +200,7 @@ def window_outline() -> np.ndarray:
     return np.column_stack([12 + 5.6 * np.cos(a), 5.6 * np.sin(a)])
 
 
+@pytest.mark.slow
 def test_a_supported_sheet_with_a_rim_has_its_needles_and_its_outline_in_space(tmp_path: Path) -> None:
     """The mesh has chords of the rim, off which the printed outline lies."""
     ring = {"draw": [{"name": "rim", "circle_mm": {"radius": 14.0}}], "thickness_mm": 0.55}

@@ -59,6 +59,7 @@ def test_previews_warn_of_large_prints(
     )
 
 
+@pytest.mark.slow
 def test_the_frame_is_an_option(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, blank_pictures: None
 ) -> None:

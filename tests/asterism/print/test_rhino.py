@@ -98,6 +98,7 @@ def test_the_base_is_drilled_where_the_needles_stand(written: tuple[Any, Path]) 
         assert width == pytest.approx(1.0, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_raised_needles_reach_from_the_base_to_the_sheet(tmp_path: Path) -> None:
     data = dome().to_dict()
     data["pins"] = [*data["pins"], {"points_mm": [[0.0, 0.0]], "target_mm": [[0.0, 0.0, 9.0]]}]
@@ -112,6 +113,7 @@ def test_raised_needles_reach_from_the_base_to_the_sheet(tmp_path: Path) -> None
     )
 
 
+@pytest.mark.slow
 def test_a_later_export_without_the_format_removes_the_file(tmp_path: Path) -> None:
     flat = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 0}})
     assert "model.3dm" in asterism.export(flat, tmp_path, formats=["3dm"]).files

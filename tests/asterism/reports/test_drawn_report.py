@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from asterism.exact.simulation import simulate
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
@@ -30,6 +32,7 @@ def test_the_facts_are_those_of_the_rods() -> None:
     assert facts["Rods"][:3] == ["4 between nodes, 40 mm in all", "joints: 1", "thickness 0.3 to 0.5, width 1.2 mm"]
 
 
+@pytest.mark.slow
 def test_the_page_shows_the_exact_shape_or_says_why_it_has_no_picture(tmp_path: Path) -> None:
     said: list[str] = []
     assert report(CROSS, tmp_path / "without.pdf", say=said.append).shape is None

@@ -79,6 +79,7 @@ def test_parameters_picture_layout_needles_and_material(design: Path, capsys, mo
     assert (image[300:1200, 150:1950].min(axis=2) < 200).mean() > 0.03
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     plan = load_design(design)
@@ -209,6 +210,7 @@ def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path
     assert "warning 0" in text and "and more: see the summary" in text and "warning 4" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """What lies beside the design may be of another law; a given one is not for results."""

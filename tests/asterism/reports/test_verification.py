@@ -56,6 +56,7 @@ def folder(found, tmp_path_factory) -> Path:
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("long_s", "made"), [(1e3, 1 + run.MAX_REPEATS), (1e-9, 2)])
 def test_previews_that_take_long_are_made_once_more_and_it_is_said(found, monkeypatch, long_s, made):
     monkeypatch.setattr(run, "MAX_REPEATS_S", long_s)

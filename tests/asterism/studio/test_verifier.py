@@ -32,6 +32,7 @@ def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
     return asterism.new(name).to_dict() | QUICK | sections
 
 
+@pytest.mark.slow
 def test_a_verification_sends_both_shapes_and_its_files(tmp_path: Path) -> None:
     pipe = Sent()
     run_verification(pipe, 3, table(), ".", str(tmp_path / "out"))  # type: ignore[arg-type]

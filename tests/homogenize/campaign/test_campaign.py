@@ -143,6 +143,7 @@ def test_bare_fabric_without_an_answer_says_why(records: list[SampleRecord]) -> 
         fit_law(material(), wrong)
 
 
+@pytest.mark.slow
 def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     records = run_campaign(material(), tmp_path, 2, respond=fake.breaks)
     assert {r.failed for r in records if r.task.length_mm == 10.0} == {"ZeroDivisionError: a bug"}
@@ -152,6 +153,7 @@ def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path, monkeypat
     assert all(r.failed is None for r in run_campaign(material(), tmp_path, 2, respond=fake.breaks))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("one_process")
 def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path) -> None:
     square = {"kind": "square", "spacing_mm": 17.0, "arms": 4}

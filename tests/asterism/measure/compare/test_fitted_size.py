@@ -48,6 +48,7 @@ def test_the_size_of_a_whole_scan_is_found(form: str, ratio: float) -> None:
         assert numbers["rms_percent"] > 1.2 * numbers["rms_percent_at_best_size"]
 
 
+@pytest.mark.slow
 def test_a_part_fits_in_many_sizes() -> None:
     numbers = laid(bent_sheet(), 1.05, part=0.7).distances()
     assert numbers["best_size"] is None and numbers["rms_percent_at_best_size"] is None

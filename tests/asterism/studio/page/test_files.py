@@ -9,11 +9,13 @@ import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 STIFF = "[fabric]\nstretch = 1.5\n[stars]\nlength_mm = 7.0\n[border]\nrings = 2\n"
 BROKEN = "[stars]\nlength_mm = -1\n"
 
 
-@pytest.mark.slow
 def test_a_value_that_the_law_does_not_cover_is_marked_at_its_control(
     new_page: Callable[[], StudioPage], folder: Path
 ) -> None:
@@ -30,7 +32,6 @@ def test_a_value_that_the_law_does_not_cover_is_marked_at_its_control(
     assert fault.is_hidden()
 
 
-@pytest.mark.slow
 def test_saving_asks_before_it_replaces_a_file_with_a_mistake(new_page: Callable[[], StudioPage], folder: Path) -> None:
     text = (folder / "canopy.toml").read_text(encoding="utf-8")
     file = folder / "roof.toml"

@@ -9,10 +9,12 @@ import pytest
 from tests.asterism.studio.browser import StudioPage
 from tests.asterism.studio.page.test_view import IS_MEASURED, cap
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 FIT_PATIENCE_S = 300.0
 
 
-@pytest.mark.slow
 def test_a_sheet_is_fitted_to_the_target_and_painted_further(page: StudioPage, tmp_path: Path) -> None:
     page.open("gallery-dome")
     page.item("tab-shape").click()

@@ -9,6 +9,9 @@ import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def page(shared: StudioPage) -> StudioPage:
@@ -22,7 +25,6 @@ def table(page: StudioPage) -> dict[str, list[list[float]]]:
     return pins
 
 
-@pytest.mark.slow
 def test_four_clicks_on_a_free_sheet_carry_it(shared: StudioPage) -> None:
     shared.open("new")
     shared.item("tool-needles").click()
@@ -35,7 +37,6 @@ def test_four_clicks_on_a_free_sheet_carry_it(shared: StudioPage) -> None:
     assert pins["target_mm"][1] == pytest.approx([value / 1.35 for value in corners[2]] + [0], abs=0.01)
 
 
-@pytest.mark.slow
 def test_a_needle_is_lifted_in_the_view(page: StudioPage) -> None:
     place = "studio.document.design.pins[0].target_mm[0]"
     page.page.evaluate("document.getElementById('view-canvas').focus()")
@@ -66,7 +67,6 @@ def test_needles_are_drawn_together_by_one_number(page: StudioPage) -> None:
     assert page.item("support-spread").input_value() == "0.6"
 
 
-@pytest.mark.slow
 def test_needles_slide_along_themselves(page: StudioPage) -> None:
     page.item("support-0").click()
     page.changed(lambda: page.item("support-slide").select_option("z"))
@@ -76,7 +76,6 @@ def test_needles_slide_along_themselves(page: StudioPage) -> None:
     assert page.get("typeof studio.document.design.pins[0].slide") == "undefined"
 
 
-@pytest.mark.slow
 def test_a_needle_is_removed_and_the_sheet_freed(page: StudioPage) -> None:
     page.page.mouse.click(*page.point((43.0, 24.8)))
     page.changed(lambda: page.item("remove-needle").click())

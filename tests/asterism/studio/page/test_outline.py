@@ -9,6 +9,9 @@ import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 CORNERS_MM = [(0.0, 0.0), (120.0, 0.0), (120.0, 90.0), (60.0, 70.0), (0.0, 90.0)]
 
 
@@ -38,9 +41,7 @@ def drawing(path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
-    "suffix", [".csv", *(pytest.param(suffix, marks=pytest.mark.slow) for suffix in (".svg", ".dxf"))]
-)
+@pytest.mark.parametrize("suffix", [".svg", ".dxf", ".csv"])
 def test_an_outline_comes_from_a_drawing(page: StudioPage, tmp_path: Path, suffix: str) -> None:
     page.changed(lambda: page.upload("upload-outline", drawing(tmp_path / f"roof{suffix}")))
     assert len(outline(page)) == 5
@@ -48,7 +49,6 @@ def test_an_outline_comes_from_a_drawing(page: StudioPage, tmp_path: Path, suffi
         assert min(abs(x - 60 - a) + abs(y - 45 - b) for a, b in outline(page)) < 0.01
 
 
-@pytest.mark.slow
 def test_regular_outlines(page: StudioPage) -> None:
     page.item("shape-rectangle").click()
     page.fill("shape-width", 100)
@@ -65,7 +65,6 @@ def test_regular_outlines(page: StudioPage) -> None:
     assert page.get("studio.document.design.border.rings") == 2
 
 
-@pytest.mark.slow
 def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
     (ax, ay), (bx, by) = outline(page)[:2]
     middle = ((ax + bx) / 2, (ay + by) / 2)
@@ -75,7 +74,6 @@ def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
     assert len(outline(page)) == 6
 
 
-@pytest.mark.slow
 def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_is_off(page: StudioPage) -> None:
     corner, other = outline(page)[0], outline(page)[3]
     page.changed(lambda: page.drag(corner, (corner[0] - 5.3, other[1] + 45.4)))
@@ -90,7 +88,6 @@ def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_
     assert [value == round(value) for value in outline(page)[0]] == [False, False]
 
 
-@pytest.mark.slow
 def test_the_ruler_measures_and_the_frame_is_in_the_picture(page: StudioPage) -> None:
     page.item("tool-ruler").click()
     page.drag((0.0, 0.0), (30.0, 0.2))

@@ -12,6 +12,9 @@ import pytest
 
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 
 def children(parent: int) -> list[int]:
     """Numbers of the processes that a process started."""
@@ -19,7 +22,6 @@ def children(parent: int) -> list[int]:
     return [int(pid) for pid, owner in (line.split() for line in listed.splitlines()) if int(owner) == parent]
 
 
-@pytest.mark.slow
 def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_path: Path) -> None:
     with studio_process(tmp_path) as (process, url):
         page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
@@ -37,7 +39,6 @@ def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_
         page.page.close()
 
 
-@pytest.mark.slow
 def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
     page = new_page()
     page.open("gallery-dome")
@@ -61,7 +62,6 @@ def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
     assert page.get("studio.sizes") != sizes
 
 
-@pytest.mark.slow
 def test_a_studio_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
     with studio_process(tmp_path) as (_, url):
         page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
@@ -71,7 +71,6 @@ def test_a_studio_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
     page.page.close()
 
 
-@pytest.mark.slow
 def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(new_page: Any, folder: Path) -> None:
     file = folder / "followed.toml"
     file.write_text('name = "followed"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")
@@ -92,7 +91,6 @@ def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures
     assert "followed.toml" in page.item("problem").inner_text()
 
 
-@pytest.mark.slow
 def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder: Path) -> None:
     file = folder / "spoiled.toml"
     file.write_text('name = "spoiled"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")

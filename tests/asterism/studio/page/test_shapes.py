@@ -9,6 +9,9 @@ from PIL import Image
 
 from tests.asterism.studio.browser import StudioPage
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 
 def open_shape(page: StudioPage, name: str) -> float:
     """Open a design of the gallery, wait for its summary, and show it; its height (mm)."""
@@ -18,7 +21,6 @@ def open_shape(page: StudioPage, name: str) -> float:
     return float(page.get("studio.height"))
 
 
-@pytest.mark.slow
 def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
     height = open_shape(shared, "dome")
     shared.item("flip").click()
@@ -28,7 +30,6 @@ def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
     shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
 
 
-@pytest.mark.slow
 def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioPage) -> None:
     shared.open("gallery-dome")
     shared.summarised()
@@ -52,7 +53,6 @@ def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioP
     assert not shared.get("studio.state.problem")
 
 
-@pytest.mark.slow
 def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
     height = open_shape(shared, "fig8-l-increasing")
     forms = shared.get("studio.state.forms")
@@ -65,7 +65,6 @@ def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
     shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 0.1")
 
 
-@pytest.mark.slow
 def test_designs_are_kept_as_a_and_b_and_compared(shared: StudioPage) -> None:
     height = open_shape(shared, "dome")
     shared.item("keep-A").click()
@@ -83,7 +82,6 @@ def test_designs_are_kept_as_a_and_b_and_compared(shared: StudioPage) -> None:
     assert shared.get("studio.document.design.stars.length_mm.profile") == "radial"
 
 
-@pytest.mark.slow
 def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     shared.open("gallery-dome")
     shared.item("picture").click()
@@ -103,7 +101,6 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     assert Image.open(Path(download.value.path())).size == (700, 420)
 
 
-@pytest.mark.slow
 def test_the_report_is_written_and_offered(shared: StudioPage, folder: Path) -> None:
     shared.open("gallery-star")
     shared.item("report").click()

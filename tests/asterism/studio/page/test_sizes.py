@@ -10,6 +10,9 @@ from PIL import Image
 
 from tests.asterism.studio.browser import StudioPage
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def page(shared: StudioPage) -> StudioPage:
@@ -29,7 +32,6 @@ def has_image(places: list[tuple[float, float]], x: float, y: float) -> bool:
     return any(abs(x - a) + abs(y - b) < 0.1 for a, b in places)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "line"), [("linear", ("start_mm", "end_mm")), ("radial", ("centre_mm",))])
 def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     page: StudioPage, kind: str, line: tuple[str, ...]
@@ -44,7 +46,6 @@ def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     assert page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true"
 
 
-@pytest.mark.slow
 def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_its_ends_keep_their_kind(shared: StudioPage) -> None:
     shared.open("new")
     shared.item("tool-gradient").click()
@@ -57,7 +58,6 @@ def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_its_ends_keep_
     assert shared.item("gradient-kind-number").get_attribute("aria-checked") == "true"
 
 
-@pytest.mark.slow
 def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
     page.item("tool-gradient").click()
     page.item("gradient-kind-formula").click()
@@ -68,7 +68,6 @@ def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
     assert lengths == pytest.approx([6 + site["at_mm"][0] / 50 for site in sites], abs=1e-6)
 
 
-@pytest.mark.slow
 def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_path: Path) -> None:
     Image.linear_gradient("L").rotate(90).save(tmp_path / "grey.png")
     page.item("tool-gradient").click()
@@ -84,7 +83,6 @@ def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_pat
     assert left < 6 < 8 < right
 
 
-@pytest.mark.slow
 def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
     page.item("tool-brush").click()
     page.fill("target", 4)
@@ -99,7 +97,6 @@ def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
     page.item("sixfold").uncheck()
 
 
-@pytest.mark.slow
 def test_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
     page.item("tool-brush").click()
     page.fill("target", 4)
@@ -115,7 +112,6 @@ def test_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
     assert len(places) == 4 and all(abs(y - 8.7) < 7 for _, y in places)
 
 
-@pytest.mark.slow
 def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPage) -> None:
     page.item("tool-select").click()
     page.drag((-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23))
@@ -133,7 +129,6 @@ def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPag
     assert page.get("studio.selection") == []
 
 
-@pytest.mark.slow
 def test_exact_values_change_the_selected_stars_and_sizes_outside_the_law_are_named(page: StudioPage) -> None:
     page.item("tool-select").click()
     page.page.mouse.click(*page.point((0.0, 0.0)))

@@ -11,6 +11,9 @@ import trimesh
 
 from tests.asterism.studio.browser import VIEWPORT, StudioPage
 
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
 IS_MEASURED = "studio.targetDistance?.version === studio.target?.version"
 
 
@@ -26,7 +29,6 @@ def cap(path: Path) -> Path:
     return path
 
 
-@pytest.mark.slow
 def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: StudioPage) -> None:
     page.open("gallery-dome")
     assert not page.get("studio.isSmooth")
@@ -38,7 +40,6 @@ def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: St
     page.wait("!studio.isSmooth")
 
 
-@pytest.mark.slow
 def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, tmp_path: Path) -> None:
     page.open("gallery-dome")
     page.item("tab-shape").click()
@@ -66,7 +67,6 @@ def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, 
     assert page.item("view-colour").input_value() == "none"
 
 
-@pytest.mark.slow
 def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_ones(page: StudioPage) -> None:
     page.open("gallery-dome")
     hold = "window.requestAnimationFrame = (draw) => held.push(draw)"
@@ -81,7 +81,6 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
     page.wait(f"studio.drawn > {drawn}")
 
 
-@pytest.mark.slow
 def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser: Any, address: str) -> None:
     context = browser.new_context(viewport={"width": 1024, "height": 768}, has_touch=True, is_mobile=True)
     page = StudioPage(context.new_page(), address)
@@ -118,7 +117,6 @@ def test_a_legend_has_round_numbers(shared: StudioPage, largest: float, ticks: s
     assert shown == ticks
 
 
-@pytest.mark.slow
 def test_a_browser_that_cannot_draw_shows_plan_numbers_and_verification(browser: Any, address: str) -> None:
     context = browser.new_context(viewport=VIEWPORT)
     context.add_init_script(
