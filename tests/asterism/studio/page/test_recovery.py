@@ -98,7 +98,7 @@ def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder:
     page.open("gallery-dome")
     page.item("open").click()
     page.wait("document.querySelector('[data-testid=\"file-spoiled.toml\"]')")
-    file.write_text('name = "spoiled"\n[stars]\nlength_mm = "long"\n', "utf-8")
+    file.write_text('name = "spoiled"\n[stars]\nlength_mm = "long"\n[border]\nrings = 1\n', "utf-8")
     page.item("file-spoiled.toml").click()
     page.wait("document.querySelector('[data-testid=problem]')")
     page.rest()
