@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import sysconfig
 from functools import cache
 from pathlib import Path
 
@@ -25,6 +24,9 @@ CHECKED_MODULES = (
 )
 install_import_hook(CHECKED_MODULES, "beartype.beartype")
 
+ROOT = Path(__file__).parents[1]
+# programs that tests start run the checkout too, with the machine code of its loops
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
 for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 # pictures are made without a display, also where a test draws on its own
@@ -43,13 +45,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     from asterism.cli.common.compile_ahead import WARM_UP
     from equilibrium.compiled import has_machine_code
 
-    root, installed = Path(__file__).parents[1], Path(sysconfig.get_path("purelib"))
-    places = [place for place in (root, installed) if (place / "asterism").is_dir()]
-    for place in places:
-        programs = [WARM_UP[package] for package in WARM_UP if not has_machine_code(place / package)]
-        running = [subprocess.Popen([sys.executable, "-c", program], cwd=place) for program in programs]
-        for process in running:
-            process.wait()
+    programs = [WARM_UP[package] for package in WARM_UP if not has_machine_code(ROOT / package)]
+    running = [subprocess.Popen([sys.executable, "-c", program], cwd=ROOT) for program in programs]
+    for process in running:
+        process.wait()
 
 
 ORDER = (
