@@ -11,6 +11,7 @@ from asterism.fitting.errors import ReachError
 from asterism.fitting.solve_for import solve_for
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "wanted", "value", "change"),
     [("tube", "roll_radius_mm", 25.0, "length_mm"), ("dome", "height_mm", 10.0, "length_mm")],

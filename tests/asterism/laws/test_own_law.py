@@ -38,6 +38,7 @@ def write(path: Path, thickness: float = 1.0, bending: str = "paper") -> None:
     path.write_text(DESIGN.format(thickness=thickness, bending=bending))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_from_the_refusal_to_the_preview(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

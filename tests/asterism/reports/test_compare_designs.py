@@ -95,6 +95,7 @@ def test_equal_designs_say_so_and_have_different_headings(tmp_path: Path) -> Non
     assert result.designs[1].distance_mm == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_exact_shapes_have_their_mesh_errors(tmp_path: Path) -> None:
     coarse = [small(mesh={"edge_mm": 5.0}), small(mesh={"edge_mm": 5.0}, plastic={"modulus_ratio": 3000.0})]
     result = compare_designs(coarse, tmp_path / "x.html", exact=True)

@@ -87,6 +87,7 @@ def with_numbers(fitted: Fit, **values: Any) -> Fit:
     return replace(fitted, summary=replace(fitted.summary, **values))
 
 
+@pytest.mark.slow
 def test_the_page_has_its_pictures_and_numbers(fitted: Fit) -> None:
     page = fit_page(fitted)
     assert "<script>" not in page and "a &lt;line&gt; that limits" in page

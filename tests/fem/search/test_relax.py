@@ -25,6 +25,7 @@ def height(shell: Shell, x: np.ndarray) -> float:
     return float(np.linalg.svd(places - places.mean(axis=0))[1][2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIELDS)
 def test_the_search_finds_minima_from_fields_alone(name: str) -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS[name])
