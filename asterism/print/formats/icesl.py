@@ -6,7 +6,7 @@ from pathlib import Path
 
 from asterism.print.formats.registry import export_format
 from asterism.print.formats.rod_table import ROD_HEADING, rod_table
-from asterism.print.formats.star_table import HEADING, number, star_table
+from asterism.print.formats.star_table import HEADING, star_table
 from asterism.print.job import Job
 from pattern.design.errors import one_line
 
@@ -87,11 +87,7 @@ def write_icesl(path: Path, job: Job) -> None:
     lines = [f"-- {one_line(job.design.name)}: {job.printed_word} for the {one_line(job.printer.name)}, in mm"]
     functions = ""
     if job.arms:
-        lines += [f"-- {HEADING}", "", "stars = {"]
-        for (x, y), pieces in star_table(job):
-            inner = ", ".join("{" + ", ".join(map(number, piece)) + "}" for piece in pieces)
-            lines.append(f"  {{{number(x)}, {number(y)}, {{{inner}}}}},")
-        lines.append("}")
+        lines += [f"-- {HEADING}", "", "stars = {", *star_table(job, "{", "}"), "}"]
         functions += _STAR_FUNCTIONS
     if job.rods:
         lines += [f"-- {ROD_HEADING}", "", "rods = {", *rod_table(job, "{", "}"), "}"]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from asterism.print.formats.registry import export_format
 from asterism.print.formats.rod_table import ROD_HEADING, rod_table
-from asterism.print.formats.star_table import HEADING, number, star_table
+from asterism.print.formats.star_table import HEADING, star_table
 from asterism.print.job import Job
 from pattern.design.errors import one_line
 
@@ -48,11 +48,7 @@ def write_openscad(path: Path, job: Job) -> None:
     lines = [f"// {one_line(job.design.name)}: {job.printed_word} for the {one_line(job.printer.name)}, in mm"]
     modules, union = "", []
     if job.arms:
-        lines += [f"// {HEADING}", "", "stars = ["]
-        for (x, y), pieces in star_table(job):
-            inner = ", ".join("[" + ", ".join(map(number, piece)) + "]" for piece in pieces)
-            lines.append(f"  [{number(x)}, {number(y)}, [{inner}]],")
-        lines.append("];")
+        lines += [f"// {HEADING}", "", "stars = [", *star_table(job, "[", "]"), "];"]
         modules += _STAR_MODULES
         union.append("for (s = stars) star(s);")
     if job.rods:

@@ -3,21 +3,37 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from asterism.print.job import Job
 
 HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin, end, width there and there, height"
 
 
-def star_table(job: Job) -> list[tuple[tuple[float, float], list[tuple[float, ...]]]]:
-    """For each star its centre in the printer's coordinates, and its pieces: angle, begin, end, widths, height."""
+def star_table(job: Job, opening: str, closing: str) -> list[str]:
+    """A line for each star, with the brackets of a language.
+
+    It holds the centre in the printer's coordinates, and the pieces: angle, begin, end, widths, height.
+    """
     centres = job.placement.points(job.plan.centres) + job.printer.bed_centre_mm
-    table: list[tuple[tuple[float, float], list[tuple[float, ...]]]] = [((float(x), float(y)), []) for x, y in centres]
+    pieces: list[list[str]] = [[] for _ in centres]
     for strip in job.arms:
         angle = math.degrees(math.atan2(strip.direction[1], strip.direction[0])) + job.placement.turn_deg
         sizes = (strip.begin_mm, strip.end_mm, strip.begin_width_mm, strip.end_width_mm, strip.height_mm)
-        table[strip.star][1].append((angle, *map(float, sizes)))
-    return table
+        pieces[strip.star].append(bracketed(map(number, (angle, *map(float, sizes))), opening, closing))
+    return [
+        f"  {bracketed([number(x), number(y), bracketed(of_star, opening, closing)], opening, closing)},"
+        for (x, y), of_star in zip(centres.tolist(), pieces, strict=True)
+    ]
+
+
+def bracketed(parts: Iterable[str], opening: str, closing: str) -> str:
+    """A list in the syntax of a language.
+
+    >>> bracketed(["1", "2"], "{", "}")
+    '{1, 2}'
+    """
+    return opening + ", ".join(parts) + closing
 
 
 def number(value: float) -> str:
