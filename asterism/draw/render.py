@@ -32,8 +32,6 @@ OBLIQUE = (-62.0, 30.0)
 # distance of the viewer in the perspective view, in diagonals of the box around the sheet
 VIEWER_DISTANCE = 2.6
 VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
-# distance of the viewer in perspective, in diagonals of the box around the sheet
-VIEWER_DISTANCE = 2.6
 # each pixel of the image is the mean of SUPERSAMPLING^2 rendered pixels
 SUPERSAMPLING = 2
 

@@ -29,9 +29,10 @@ def load_target(
 ) -> TargetSurface:
     """Read a target from a file.
 
-    Its ending tells what the file holds: triangles (`.obj`, `.stl`, `.ply`), a NURBS surface or a mesh of Rhino
-    (`.3dm`, needs the extra `rhino`), or heights over a rectangle: a grey picture (`.png` and others), an array of
-    numpy (`.npy`) or a table of numbers (`.csv`). The first row of heights has the largest y, as in a picture.
+    The suffix of its name decides how the file is read: as triangles (`.obj`, `.stl`, `.ply`), as a NURBS surface or a
+    mesh of Rhino (`.3dm`, needs the extra `rhino`), or as heights over a rectangle. Heights are a grey picture (`.png`
+    and others), an array of numpy (`.npy`) or a table of numbers (`.csv`). Their first row has the largest y, as in a
+    picture.
     Transparent pixels, empty cells and nan are no part of the surface.
 
     Parameters

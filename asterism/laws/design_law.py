@@ -104,8 +104,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
 
 def chosen_law_path(design: Design, law: Path | None) -> Path | None:
     """The file of the law: the one given, or else that of the section `[material]`; None for the paper's law."""
-    named = design.material.law if design.material is not None else None
-    return law if law is not None or named is None else Path(named)
+    return law if law is not None or design.law_file is None else Path(design.law_file)
 
 
 def _is_papers(design: Design) -> bool:

@@ -23,5 +23,4 @@ def law_of(design: Design) -> Law:
     LawError
         The file is not a law.
     """
-    named = None if design.material is None else design.material.law
-    return paper_law() if named is None else load_law(named)
+    return paper_law() if design.law_file is None else load_law(design.law_file)

@@ -1,8 +1,8 @@
 """Stars of a supported sheet that may stay inverted, from the two states of their unit cells.
 
 Flat cells of long thin arms are unstable on 2 x 2 stars: adjacent stars prefer to bump up and down in turn. Their
-natural tubes are stable. Supports hold a sheet flatter than its stars curl. So an eigenvalue between both states, at
-the part of the natural curvature that the sheet has, tells where stars may be inverted. It takes two adjacent stars.
+natural tubes are stable. Supports hold a sheet flatter than its stars curl. The smallest eigenvalue is interpolated
+between both states at the curvature of the sheet. Stars may be inverted where it is negative for two adjacent stars.
 """
 
 from __future__ import annotations

@@ -161,6 +161,11 @@ class Design(Section):
             raise DesignError("rods", "must be there: this needs drawn rods")
         return self.rods
 
+    @property
+    def law_file(self) -> str | None:
+        """The file of the law that the section `[material]` names."""
+        return None if self.material is None else self.material.law
+
     @field_validator("units")
     @classmethod
     def _millimetres(cls, units: str) -> str:
