@@ -66,15 +66,21 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
 
 
 def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Floats]:
-    """The law at the stars with one size of all of them changed, and these changes (S,) in mm."""
+    """The law at the stars with one size of all of them changed, and these changes (S,) in mm.
+
+    Lengths are changed with the rounding of the design in place, thicknesses and widths from their rounded values.
+    """
     plan, design, column = state.layout, state.design, SIZE_KEYS.index(size)
-    before = plan.star_sizes_mm[:, column]
+    stars, known = design.required_stars, plan.star_sizes_mm
+    sizes = np.full(known.shape, np.nan)
+    if stars.rounding is not None and column > 0:
+        known = np.column_stack([known[:, 0], stars.rounding.thickness(known[:, 1]), stars.rounding.width(known[:, 2])])
+        sizes, stars = known.copy(), stars.model_copy(update={"rounding": None})
+    before = known[:, column]
     steps = np.full(len(before), SIZE_STEPS[column]) * (1.0 if column == 0 else before)
     top = state.law.size_ranges(design.fabric.stretch_xy[0])[AXES[column].key][1]
     steps = np.where(before + steps > top, -steps, steps)
-    sizes = np.full((len(before), len(SIZE_KEYS)), np.nan)
     sizes[:, column] = before + steps
-    stars = design.required_stars.model_copy(update={"rounding": None})
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
     return star_values(changed, layout(changed), state.law, state.model), steps
 

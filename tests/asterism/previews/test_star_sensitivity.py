@@ -58,6 +58,17 @@ def test_the_derivative_is_the_limit_of_edits(pins: list[dict[str, object]], siz
         assert errors[1] < 0.5 * errors[0] or errors[0] < 0.01
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("size", ["length_mm", "thickness_mm", "width_mm"])
+def test_rounded_sizes_are_changed_from_their_rounded_values(size: SizeName) -> None:
+    """A design whose thickness 0.45 mm is printed as 0.5 mm has the derivatives of one that is drawn so."""
+    rounded, printed = design([PINNED]).to_dict(), design([PINNED]).to_dict()
+    rounded["stars"]["rounding"] = {"first_layer_mm": 0.3, "layer_mm": 0.2, "line_mm": 0.4}
+    printed["stars"]["thickness_mm"] = 0.5
+    expected, given = (star_sensitivity(Preview(Design.from_dict(each)).state, size) for each in (printed, rounded))
+    assert np.abs(given - expected).max() < 1e-6 * np.abs(expected).max()
+
+
 def test_stars_of_one_colour_give_the_same_as_stars_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     preview = Preview(design([PINNED]))
     together = star_sensitivity(preview.state, "length_mm")
