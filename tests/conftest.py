@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -42,13 +40,11 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if is_worker or not getattr(session.config.option, "numprocesses", None):
         return
     # not before the annotations of `CHECKED_MODULES` are checked
-    from asterism.cli.common.compile_ahead import WARM_UP
-    from equilibrium.compiled import has_machine_code
+    from asterism.cli.common.compile_ahead import WARM_UP, start_compiling
 
-    programs = [WARM_UP[package] for package in WARM_UP if not has_machine_code(ROOT / package)]
-    running = [subprocess.Popen([sys.executable, "-c", program], cwd=ROOT) for program in programs]
-    for process in running:
-        process.wait()
+    for process in [start_compiling(package) for package in WARM_UP]:
+        if process is not None:
+            process.wait()
 
 
 ORDER = (

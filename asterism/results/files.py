@@ -92,8 +92,7 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     made: list[Path] = []
     try:
         # an existing directory is on its own disk; a missing one appears by a single renaming
-        if directory.is_symlink() and not directory.exists():
-            raise FileExistsError(errno.EEXIST, "a link to nothing", str(directory))
+        check_no_dangling_link(directory)
         beside = directory if directory.exists() else directory.parent
         made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
         staging = beside / f".asterism-{secrets.token_hex(4)}"
@@ -129,6 +128,7 @@ def check_writable(directory: str | Path, name: str = SUMMARY_FILE) -> None:
     with suppress(OSError):
         if (directory / name).is_dir():
             raise OutputError(_sentence(IsADirectoryError(errno.EISDIR, "", str(directory / name)), directory))
+    check_no_dangling_link(directory / name)
     with suppress(_Rehearsal), staged(directory) as folder:
         (folder / name).write_text("{}")
         raise _Rehearsal
@@ -183,9 +183,18 @@ def _is_foreign(summary: Path) -> bool:
     return not (isinstance(summary_data, dict) and {"version", "digest"} & summary_data.keys())
 
 
+def check_no_dangling_link(path: Path) -> None:
+    """Raise OutputError if a path is a link to nothing: nobody knows where its file would go."""
+    with suppress(OSError):  # of a name that is too long: an error when writing names the reason
+        if not path.is_symlink() or path.exists():
+            return
+        raise OutputError(_sentence(FileExistsError(errno.EEXIST, "a link to nothing", str(path)), path.parent))
+
+
 def write_file(path: str | Path, content: str | bytes) -> None:
     """Write one file, complete or not at all; text in UTF-8."""
     path = Path(path)
+    check_no_dangling_link(path)
     with staged(path.parent) as folder:
         (folder / path.name).write_bytes(content.encode() if isinstance(content, str) else content)
 

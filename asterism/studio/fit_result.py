@@ -9,8 +9,7 @@ from typing import Any, Protocol
 from asterism.studio.document import Document
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_messages import Fitted
-from asterism.studio.page_data import problem_data
-from equilibrium.errors import Error
+from asterism.studio.page_data import failure_data
 from pattern.design.files import plain
 
 FIT_LABEL = "fit to the target"
@@ -37,6 +36,11 @@ class FitResult:
         self._version = -1  # of the target
         self._taking: asyncio.Task[None] | None = None
 
+    async def stop(self) -> None:
+        """Wait for the result that is being taken."""
+        if self._taking is not None:
+            await self._taking
+
     def begin(self, document: Document) -> None:
         """A fit has been started for a document and the target of now."""
         self._path, self._version = document.path, self._studio.parts.version
@@ -53,15 +57,20 @@ class FitResult:
                 studio.tell({"type": "note", "text": OTHER_DESIGN})
                 studio.tell({"type": "result", "job": "fit", "failed": True})
                 return
+            before = document.revision
             try:
-                await asyncio.to_thread(document.end_gesture)
-                name = document.table.get("name", fitted.table["name"])
-                document.apply({**fitted.table, "name": name}, None, FIT_LABEL)
-                await studio.accept()
-            except Error as error:
-                studio.tell({**problem_data(error, document.layout), "job": "fit"})
-                studio.tell({"type": "result", "job": "fit", "failed": True})
-                return
-            studio.parts.pose(fitted, self._version)
-            revision = document.revision
-            studio.tell({"type": "result", "job": "fit", "revision": revision, "summary": plain(fitted.summary)})
+                await self._show(fitted, document)
+                result = {"revision": document.revision, "summary": plain(fitted.summary)}
+            except Exception as error:  # nobody waits for this task: the page is where it can be seen
+                if document.revision != before:
+                    document.take_back()
+                studio.tell({**failure_data(error, document.layout, "the result of a fit"), "job": "fit"})
+                result = {"failed": True}
+            studio.tell({"type": "result", "job": "fit", **result})
+
+    async def _show(self, fitted: Fitted, document: Document) -> None:
+        await asyncio.to_thread(document.end_gesture)
+        name = document.table.get("name", fitted.table["name"])
+        document.apply({**fitted.table, "name": name}, None, FIT_LABEL)
+        await self._studio.accept()
+        self._studio.parts.pose(fitted, self._version)

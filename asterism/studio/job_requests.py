@@ -12,7 +12,7 @@ from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
 from asterism.studio.jobs import Jobs, RunningJob
 from asterism.studio.messages import StudioProblem
-from asterism.studio.page_data import engine_problem_data
+from asterism.studio.page_data import engine_problem_data, failure_data
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tabs
 from pattern.design.files import plain
@@ -114,6 +114,16 @@ class JobRequests:
             self._studio.tell_state()
 
     def _tell(self, job: RunningJob, message: Any) -> None:
+        """Pass on what a job sends; nobody waits for this call, so that a failure is told as well."""
+        studio = self._studio
+        try:
+            self._pass_on(job, message)
+        except Exception as error:
+            studio.tell({**failure_data(error, None, f"a message of the job {job.kind}"), "job": job.kind})
+            studio.tell({"type": "result", "job": job.kind, "failed": True})
+            studio.tell_state()
+
+    def _pass_on(self, job: RunningJob, message: Any) -> None:
         studio = self._studio
         match message:
             case JobProgress():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import asdict
 from typing import Any
 
@@ -14,6 +15,7 @@ from asterism.studio.messages import Limits, StudioProblem, mistake_parts
 from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
+from equilibrium.errors import Error
 from pattern.design.errors import BlankSheetError, DesignError
 from pattern.design.material_files import with_material_file
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
@@ -26,6 +28,10 @@ REFUSAL_KINDS: dict[type[Exception], str] = {
 }
 # Previews, exact shapes and prints need stars; the engine shows a sheet without them while the pointer is down.
 LAST_STAR = f"A sheet needs at least one star with an arm of {MIN_ARM_MM:g} mm; the design stays as it is."
+
+SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
+
+_log = logging.getLogger("asterism.studio")
 
 
 def document_data(document: Document, printer: str, limits: Limits | None) -> dict[str, Any]:
@@ -98,6 +104,20 @@ def problem_data(error: Exception, layout: Layout | None, seq: int | None = None
         "text": " ".join(str(error).split()),
         **mistake_parts(error, rows),
     }
+
+
+def failure_data(error: Exception, layout: Layout | None, work: str, seq: int | None = None) -> dict[str, Any]:
+    """The message `problem` of whatever has gone wrong; the terminal shows where, if nobody has foreseen it.
+
+    Parameters
+    ----------
+    layout, seq : as for `problem_data`.
+    work : that went wrong, for the terminal.
+    """
+    if isinstance(error, Error | OSError):
+        return problem_data(error, layout, seq)
+    _log.error(work, exc_info=error)
+    return problem_data(RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None, seq)
 
 
 def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:

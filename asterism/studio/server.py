@@ -21,7 +21,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.studio.examples import PICTURES
 from asterism.studio.local_files import MAX_NAME_CHARACTERS, FileNameError, file_below
-from asterism.studio.page_data import problem_data
+from asterism.studio.page_data import failure_data
 from asterism.studio.studio import Studio
 from asterism.studio.tab import MAX_TABS, Tab
 from asterism.studio.target import read_target
@@ -154,9 +154,10 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                     studio.parts.load(await asyncio.to_thread(read_target, path, name))
                     return JSONResponse({"target": studio.parts.data()})
                 return JSONResponse(await asyncio.to_thread(read_upload, kind, path, name))
-            except Error as error:
-                problem = problem_data(error, None)
-                return JSONResponse({"problem": {**problem, "text": problem["text"].replace(f"{path}: ", "")}}, 422)
+            except Exception as error:
+                problem = failure_data(error, None, "a file of a page")
+                status = 422 if isinstance(error, Error) else 500
+                return JSONResponse({"problem": {**problem, "text": problem["text"].replace(f"{path}: ", "")}}, status)
 
     async def target(request: Request) -> Response:
         if studio.parts.target is None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import shown_path
 from asterism.studio.opening import design_path, opened
-from asterism.studio.page_data import document_data, problem_data
+from asterism.studio.page_data import document_data, failure_data, problem_data
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
 from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
@@ -27,9 +26,6 @@ from asterism.studio.upkeep import Upkeep
 from equilibrium.errors import Error
 
 MAX_QUEUED = 1000
-SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
-
-_log = logging.getLogger("asterism.studio")
 
 
 class Studio:
@@ -72,6 +68,7 @@ class Studio:
         """End engine, jobs and requests; unsaved work is kept."""
         self._working.cancel()
         await asyncio.gather(self._working, return_exceptions=True)
+        await self.fits.stop()
         await self._upkeep.stop()
         self.jobs.close()
         self.engine.link.close()
@@ -131,11 +128,9 @@ class Studio:
             request = ask.read_request(text)
             seq = request.seq
             await self._answer(tab, request)
-        except (Error, OSError) as error:
-            tab.send(problem_data(error, None if self.document is None else self.document.layout, seq))
         except Exception as error:
-            _log.exception("a request of a page")
-            tab.send(problem_data(RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None, seq))
+            layout = None if self.document is None else self.document.layout
+            tab.send(failure_data(error, layout, "a request of a page", seq))
 
     async def _answer(self, tab: Tab, request: ask.Request) -> None:
         """Do what a page asks for."""

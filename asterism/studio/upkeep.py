@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections.abc import Awaitable, Callable
 from typing import Any, Protocol
 
 from asterism.results.files import OutputError
 from asterism.studio.document import Document
 from asterism.studio.local_files import shown_path
-from asterism.studio.page_data import problem_data
+from asterism.studio.page_data import failure_data, problem_data
 from asterism.studio.watcher import FileWatch
 from equilibrium.errors import Error
 
 AUTOSAVE_EVERY_S = 1.0
 FOLLOW_EVERY_S = 0.5
-
-_log = logging.getLogger("asterism.studio")
 
 
 class DocumentOwner(Protocol):
@@ -75,12 +72,15 @@ class Upkeep:
             self._studio.tell(problem_data(error, None))
 
     async def _repeat(self, work: Callable[[], Awaitable[None]], seconds: float) -> None:
+        known = ""
         while True:
             await asyncio.sleep(seconds)
             try:
                 await work()
-            except Exception:
-                _log.exception("upkeep of the studio")
+            except Exception as error:
+                if repr(error) != known:  # the same mistake would come again every time
+                    known = repr(error)
+                    self._studio.tell(failure_data(error, None, "upkeep of the studio"))
 
     async def _autosave(self) -> None:
         self._studio.watch_engine()

@@ -15,7 +15,6 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         return markdown
     import asterism
 
-    names = [name for name in asterism.__all__ if not name.startswith("_")]
-    homes = {name: getattr(asterism, name) for name in names}
-    entries = [f"::: {home.__module__}.{home.__qualname__}" for home in homes.values()]
+    # by their public names: some are defined under another one, which would stand in the heading and in the signature
+    entries = [f"::: asterism.{name}" for name in asterism.__all__ if not name.startswith("_")]
     return markdown.replace(MARK, "\n\n".join(entries))

@@ -15,35 +15,37 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
+Package = Literal["discrete", "fem"]
 # programs that compile the loops of a package: the smallest design of the gallery
-WARM_UP = {
+WARM_UP: dict[Package, str] = {
     "discrete": "import asterism; asterism.simulate(asterism.new('star'))",
     "fem": "import asterism; asterism.preview(asterism.new('star'))",
 }
 
 
 @contextmanager
-def compiling_ahead(package: Literal["discrete", "fem"] | None) -> Iterator[None]:
+def compiling_ahead(package: Package | None) -> Iterator[None]:
     """Within the block, another process compiles the loops of a package, if no earlier run has."""
-    if package is None or not _pays(package):
-        yield
-        return
-    nowhere = subprocess.DEVNULL
-    # -P: files in the user's folder, such as a random.py, must not take the place of modules
-    program = [sys.executable, "-P", "-c", WARM_UP[package]]
-    other = subprocess.Popen(program, stdin=nowhere, stdout=nowhere, stderr=nowhere)
+    # without a second core it would slow this process down
+    other = start_compiling(package) if package is not None and (os.cpu_count() or 1) > 1 else None
     try:
         yield
     finally:
-        other.kill()
-        other.wait()
+        if other is not None:
+            other.kill()
+            other.wait()
 
 
-def _pays(package: str) -> bool:
-    """Whether there is something to compile, a second core for it, and a place where this process would find it."""
+def start_compiling(package: Package) -> subprocess.Popen[bytes] | None:
+    """Start a process that compiles the loops of a package; None if an earlier one has, or nobody could find them."""
     from equilibrium.compiled import has_machine_code
 
     spec = find_spec(package)
     assert spec is not None and spec.origin is not None
     folder = Path(spec.origin).parent
-    return not has_machine_code(folder) and (os.cpu_count() or 1) > 1 and os.access(folder, os.W_OK)
+    if has_machine_code(folder) or not os.access(folder, os.W_OK):
+        return None
+    nowhere = subprocess.DEVNULL
+    # -P: files in the user's folder, such as a random.py, must not take the place of modules
+    program = [sys.executable, "-P", "-c", WARM_UP[package]]
+    return subprocess.Popen(program, stdin=nowhere, stdout=nowhere, stderr=nowhere)

@@ -166,6 +166,20 @@ def test_a_link_to_nothing_is_refused_before_anything_is_computed(
     assert refused.status == 2 and refused.line == "asterism: cannot write link: a file is in the way"
 
 
+@pytest.mark.parametrize("words", [["new", "star"], ["fit", "t.obj"], ["report", "d.toml"]], ids=lambda words: words[0])
+def test_a_link_to_nothing_is_not_replaced_by_a_file(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SMALL)
+    (tmp_path / "t.obj").write_text("v 0 0 0\nv 60 0 0\nv 60 60 9\nv 0 60 0\nf 1 2 3 4\n")
+    link = "link.pdf" if words[0] == "report" else "link.toml"
+    (tmp_path / link).symlink_to("nowhere")
+    refused = command([*words, "-o", link], capsys, monkeypatch)
+    assert refused.status == 2 and refused.line == f"asterism: cannot write {link}: a file is in the way"
+    assert (tmp_path / link).is_symlink() and len(list(tmp_path.iterdir())) == 3
+
+
 @pytest.mark.parametrize("name", ["preview", "simulate", "verify", "report"])
 def test_a_sheet_that_would_fall_is_named_by_its_file(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -10,6 +10,7 @@ from starlette.testclient import TestClient
 
 from asterism.studio import job_requests
 from asterism.studio.messages import FitTarget
+from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page
 from tests.asterism.studio.test_target import send_roof
@@ -70,6 +71,24 @@ def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, st
     assert "another design was opened" in page.until("note")["text"]
     assert page.until("result", job="fit")["failed"]
     assert studio.document is not None and studio.document.table["border"] != {"rings": 1}
+
+
+@pytest.mark.parametrize("error", [TypeError("of two\nlines"), OSError("of two\nlines")])
+def test_whatever_goes_wrong_with_a_result_is_one_line_of_the_page(
+    error: Exception, client: TestClient, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = shown(page, studio)
+    send_roof(client)
+
+    async def fails(snapshot: bytes | None = None) -> None:
+        raise error
+
+    monkeypatch.setattr(studio, "accept", fails)
+    page.send(type="fit")
+    text = page.until("problem", job="fit")["text"]
+    assert text == "of two lines" or text == f"{SERVER_MISTAKE}: TypeError"
+    assert page.until("result", job="fit")["failed"]
+    assert studio.document is not None and studio.document.table == before
 
 
 def test_a_fit_can_be_cancelled_and_may_have_no_answer(client: TestClient, page: Page, studio: Studio) -> None:
