@@ -35,6 +35,10 @@ class ForeignLaw(LawError):
     """A law is for another material, lattice or stretch. A law of the design's own stars would fit."""
 
 
+class UnreadableLaw(LawError):
+    """The file of a law is missing, or cannot be read on this machine."""
+
+
 class AddressError(Error, ValueError):
     """No cluster answers at the address."""
 

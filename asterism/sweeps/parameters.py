@@ -6,14 +6,14 @@ import copy
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from asterism.sweeps.errors import SweepError
 from pattern.design.design import Design
-from pattern.design.errors import DesignError
+from pattern.design.errors import MUST_BE_WHOLE, DesignError
 
 # digits of equally spaced values: 0.2:0.6:9 gives 0.25, not 0.25000000000000006
 VALUE_DIGITS = 12
@@ -33,11 +33,13 @@ class SweepParameter:
     path : dotted path of the entry, such as `stars.thickness_mm` or `pins.0.scale`.
     values : the values, if they are listed.
     limits : the smallest and the largest value of a range, which only a Latin hypercube samples; otherwise None.
+    whole : the range holds whole numbers only, because the entry is a count.
     """
 
     path: str
     values: tuple[Any, ...] = ()
     limits: tuple[float, float] | None = None
+    whole: bool = False
 
     @classmethod
     def from_text(cls, text: str) -> SweepParameter:
@@ -55,7 +57,7 @@ class SweepParameter:
         >>> SweepParameter.from_text("border.rings=1:3:3").values
         (1, 2, 3)
         >>> SweepParameter.from_text("pins[0].scale=0.7,0.8")
-        SweepParameter(path='pins.0.scale', values=(0.7, 0.8), limits=None)
+        SweepParameter(path='pins.0.scale', values=(0.7, 0.8), limits=None, whole=False)
         """
         path, equals, given = text.partition("=")
         if not equals or not path.strip() or not given.strip():
@@ -65,7 +67,7 @@ class SweepParameter:
     @classmethod
     def from_values(cls, path: str, given: str | Sequence[Any]) -> SweepParameter:
         """A parameter from its values, or from the part of `from_text` after the equals sign."""
-        path = _INDEX.sub(r".\1", path)
+        path = _as_path(path)
         if not isinstance(given, str):
             values = [value.item() if isinstance(value, np.generic) else value for value in given]
             return cls(path, _checked(path, values))
@@ -86,6 +88,8 @@ class SweepParameter:
         if self.limits is None:
             return self.values[min(int(part * len(self.values)), len(self.values) - 1)]
         low, high = self.limits
+        if self.whole:  # each number has an equal part of the range
+            return min(int(low) + int(part * (high - low + 1)), int(high))
         return float(f"{low + part * (high - low):.{VALUE_DIGITS}g}")
 
 
@@ -116,6 +120,36 @@ def varied(table: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any
     return new
 
 
+def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> tuple[SweepParameter, ...]:
+    """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers.
+
+    Raises
+    ------
+    SweepError
+        Such a range begins or ends with a fraction, or a path leads nowhere, see `varied`.
+    """
+    return tuple(
+        each if each.limits is None or not _is_count(design, each) else _whole_range(each, each.limits)
+        for each in parameters
+    )
+
+
+def _is_count(design: Design, parameter: SweepParameter) -> bool:
+    """Whether the entry of a parameter refuses a fraction because it is none."""
+    try:
+        Design.from_dict(varied(design.to_dict(), {parameter.path: 0.5}))
+    except DesignError as error:
+        return error.allowed == MUST_BE_WHOLE and _as_path(error.field) == parameter.path
+    return False
+
+
+def _whole_range(parameter: SweepParameter, limits: tuple[float, float]) -> SweepParameter:
+    low, high = limits
+    if not (float(low).is_integer() and float(high).is_integer()):
+        raise SweepError(f"{parameter.path}={low:g}:{high:g}: must be a range of whole numbers")
+    return replace(parameter, limits=(int(low), int(high)), whole=True)
+
+
 def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> None:
     """Refuse parameters that the design lacks, and values that an entry can never have.
 
@@ -137,11 +171,16 @@ def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> No
                 Design.from_dict(varied(table, {parameter.path: value}))
             except DesignError as error:
                 # other entries may make the value possible: then its designs fail or not one by one
-                field = _INDEX.sub(r".\1", error.field)
+                field = _as_path(error.field)
                 if parameter.path == field or parameter.path.startswith(f"{field}.") or field.startswith(
                     f"{parameter.path}."
                 ) or "unknown key" in error.allowed:  # fmt: skip
                     raise SweepError(str(error)) from None
+
+
+def _as_path(field: str) -> str:
+    """`pins.0.scale` for `pins[0].scale`."""
+    return _INDEX.sub(r".\1", field)
 
 
 def _position(place: list[Any], step: str, path: str) -> int:

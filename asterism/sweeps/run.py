@@ -12,7 +12,7 @@ from typing import Any
 
 from asterism.results.files import OutputError
 from asterism.sweeps.errors import SweepError
-from asterism.sweeps.parameters import SweepParameter, check_parameters, varied
+from asterism.sweeps.parameters import SweepParameter, check_parameters, varied, with_whole_ranges
 from asterism.sweeps.sampling import grid, latin_hypercube
 from asterism.sweeps.small_picture import SmallPicture
 from asterism.sweeps.solve_point import named_law, packed_law, solve_point, sweep_code_version
@@ -129,6 +129,7 @@ def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
         parameters = tuple(SweepParameter.from_values(path, given) for path, given in vary.items())
     else:
         parameters = tuple(vary)
+    parameters = with_whole_ranges(design, parameters)
     check_parameters(design, parameters)
     return parameters
 

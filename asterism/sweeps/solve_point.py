@@ -16,11 +16,13 @@ import fem
 import homogenize
 import pattern
 from asterism import draw, exact, previews, process, results, shape, sweeps
+from asterism.process.file_identity import file_identity
 from asterism.sweeps.quantities import table_values
 from asterism.sweeps.small_picture import small_picture
 from equilibrium.errors import Error
 from homogenize.campaign.code_version import sources_hash
 from homogenize.campaign.kept_samples import Outcome, attempt
+from homogenize.errors import UnreadableLaw
 from homogenize.law.law import Law
 from pattern.design.design import Design
 
@@ -64,7 +66,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
             found = preview(design, None if law is None else _law(law))
         return {"values": table_values(found.summary, is_exact), "picture": asdict(small_picture(found))}, None
 
-    return attempt(solve, Error, ValueError)
+    return attempt(solve, Error, ValueError, surroundings=(UnreadableLaw,))
 
 
 @functools.lru_cache(maxsize=2)
@@ -80,11 +82,19 @@ def packed_law(law: Law | None) -> bytes | None:
 
 
 def named_law(table: Mapping[str, Any]) -> str | None:
-    """Hash of the law file that a design names, None without one. If the file changes, shapes are computed again."""
+    """Hash of the law file that a design names, None without a readable one.
+
+    If the file changes, shapes are computed again.
+    """
     path = (table.get("material") or {}).get("law")
-    return None if path is None or not Path(path).is_file() else _file_hash(path, Path(path).stat().st_mtime_ns)
+    if path is None or not Path(path).is_file():
+        return None
+    try:
+        return _file_hash(path, file_identity(path))
+    except OSError:
+        return None
 
 
 @functools.lru_cache(maxsize=64)
-def _file_hash(path: str, changed_ns: int) -> str:
+def _file_hash(path: str, identity: tuple[int, ...]) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]

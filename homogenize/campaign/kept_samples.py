@@ -29,7 +29,8 @@ class Outcome:
     ----------
     sample : plain data; None without an answer.
     failed : why there is no answer, in one line.
-    crashed : the reason is an unforeseen exception. Such a sample is not kept, and the next run tries it again.
+    crashed : the inputs are not the reason: an unforeseen exception, or a file that this worker cannot read. Such a
+        sample is not kept, and the next run tries it again.
     seconds : wall time.
     """
 
@@ -94,17 +95,24 @@ class KeptSamples:
         return self.folder / f"{self.name(inputs)}.json"
 
 
-def attempt(solve: Callable[[], tuple[dict[str, Any] | None, str | None]], *foreseen: type[Exception]) -> Outcome:
+def attempt(
+    solve: Callable[[], tuple[dict[str, Any] | None, str | None]],
+    *foreseen: type[Exception],
+    surroundings: tuple[type[Exception], ...] = (),
+) -> Outcome:
     """Run one computation in a worker. Its errors are outcomes: one of them must not end hundreds of others.
 
     Parameters
     ----------
     solve : gives the sample, and the reason if it is no answer.
     foreseen : errors that the inputs cause, so that another attempt would raise them too.
+    surroundings : those among them that the worker's machine causes, such as a missing file.
     """
     start, crashed = time.perf_counter(), False
     try:
         sample, failed = solve()
+    except surroundings as error:
+        sample, crashed, failed = None, True, str(error)
     except foreseen as error:
         sample, failed = None, str(error)
     except Exception as error:

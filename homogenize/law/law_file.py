@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.errors import LawError
+from homogenize.errors import LawError, UnreadableLaw
 from homogenize.law.anisotropy import anisotropy_size
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
@@ -113,6 +113,8 @@ def load_law(path: str | Path | None = None) -> Law:
     ------
     LawError
         The file is damaged, is not a law, or has another format; one line.
+    UnreadableLaw
+        The file is missing, or cannot be read.
 
     Examples
     --------
@@ -152,7 +154,7 @@ def load_law(path: str | Path | None = None) -> Law:
     except OSError as error:
         if error.filename is None:  # no error of the disk: the archive points to places outside of its file
             raise LawError(f"{path}: is not a law, or damaged") from None
-        raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise UnreadableLaw(f"{path}: cannot be read: {error.strerror or error}") from None
     except DesignError as error:
         raise LawError(f"{path}: its material cannot be read: {error}; {_REMEDY}") from None
     except DAMAGED_FILE_ERRORS as error:

@@ -13,6 +13,7 @@ from equilibrium.errors import Error
 _NOTHING: Any = object()
 _MAX_VALUE_CHARACTERS = 60
 MUST_BE_A_LIST = "must be a list"
+MUST_BE_WHOLE = "must be a whole number"
 NEEDS_STARS_ALONE = "previews and laws need [stars] alone; asterism simulate computes drawn rods"
 
 
@@ -79,7 +80,7 @@ def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
         case "float_type" | "float_parsing":
             return "must be a number"
         case "int_type" | "int_from_float" | "int_parsing" | "int_parsing_size":
-            return "must be a whole number"
+            return MUST_BE_WHOLE
         case "bool_type" | "bool_parsing":
             return "must be true or false"
         case "string_type":

@@ -117,6 +117,19 @@ def test_a_hypercube_has_one_value_in_each_part_of_each_range() -> None:
     assert rows == latin_hypercube(parameters, 20, seed=3) and rows != latin_hypercube(parameters, 20, seed=4)
 
 
+def test_a_range_of_a_count_holds_whole_numbers() -> None:
+    vary = {"border.rings": "1:4", "stars.length_mm": "6:10"}
+    rings, length = sweep_parameters(gallery.load("tube"), vary)
+    assert rings.whole and rings.limits == (1, 4) and not length.whole
+    rows = latin_hypercube([rings, length], 20, seed=1)
+    counts = [row["border.rings"] for row in rows]
+    assert [counts.count(number) for number in (1, 2, 3, 4)] == [5, 5, 5, 5]
+    assert {type(number) for number in counts} == {int} and rings.at(0.0) == 1 and rings.at(1.0) == 4
+    assert not any(float(row["stars.length_mm"]).is_integer() for row in rows)
+    with pytest.raises(SweepError, match=r"border.rings=1:3.5: must be a range of whole numbers"):
+        sweep_parameters(gallery.load("tube"), {"border.rings": "1:3.5"})
+
+
 def test_too_many_and_too_few_designs_are_refused() -> None:
     with pytest.raises(SweepError, match=r"1000000 designs: must be at most 10000; --samples"):
         grid([SweepParameter(name, tuple(range(1000))) for name in "ab"])

@@ -19,6 +19,7 @@ from asterism.sweeps.run import SweepProgress, sweep_design
 from asterism.sweeps.solve_point import named_law
 from asterism.sweeps.sweep import Sweep
 from asterism.sweeps.write_sweep import sweep_csv, write_sweep
+from homogenize.law.law_file import PAPER_LAW
 from pattern.design.design import Design
 from tests.asterism.commands import command
 from tests.homogenize import same_process
@@ -91,6 +92,18 @@ def test_a_changed_law_of_the_design_is_not_the_same_law(tmp_path: Path) -> None
         os.utime(file, ns=(number, number))
         names.append(named_law(table))
     assert names[0] == names[2] != names[1]
+
+
+def test_a_law_that_this_machine_cannot_read_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker on another machine may lack the file: its failure is a row, and not kept."""
+    file, folder = tmp_path / "own.npz", tmp_path / "designs"
+    monkeypatch.setattr("asterism.sweeps.run.named_law", lambda table: "the law that the caller can read")
+    named = Design.from_dict({**small().to_dict(), "material": {"law": str(file)}})
+    vary = {"stars.thickness_mm": [0.3]}
+    first = sweep_design(named, vary, folder=folder)
+    assert "own.npz: cannot be read" in (first.points[0].problem or "") and not list(folder.glob("*.json"))
+    file.write_bytes(PAPER_LAW.read_bytes())
+    assert sweep_design(named, vary, folder=folder).failed == 0 and len(list(folder.glob("*.json"))) == 1
 
 
 def test_more_designs_compute_only_what_is_new(once: tuple[Path, Sweep]) -> None:

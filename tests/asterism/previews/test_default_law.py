@@ -1,0 +1,27 @@
+"""The law that a design names: its file is read once, and again after a change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from asterism.previews.default_law import law_of
+from homogenize.errors import LawError, UnreadableLaw
+from homogenize.law.law_file import PAPER_LAW
+from pattern.design.design import Design
+
+
+def test_a_file_is_read_again_only_after_a_change(tmp_path: Path) -> None:
+    file = tmp_path / "own.npz"
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "material": {"law": str(file)}})
+    with pytest.raises(UnreadableLaw, match=r"own\.npz: cannot be read: No such file"):
+        law_of(design)
+    file.write_bytes(PAPER_LAW.read_bytes())
+    law = law_of(design)
+    assert law_of(design) is law
+    file.write_bytes(b"damaged")
+    with pytest.raises(LawError, match=r"own\.npz: is not a law, or damaged"):
+        law_of(design)
+    file.write_bytes(PAPER_LAW.read_bytes())
+    assert law_of(design) is not law
