@@ -51,6 +51,7 @@ class Comparison:
     free_motions : number of independent rigid motions that the supports leave free, from 0 to 6.
     diameter_mm : of the reference, the largest distance of two of its points.
     whole : (V,) whether the cell around a vertex is not cut by the outline.
+    mean : the cell means of the reference's mesh, for further comparisons with it.
     """
 
     reference: Shape
@@ -62,6 +63,7 @@ class Comparison:
     free_motions: int
     diameter_mm: float
     whole: NDArray[np.bool_]
+    mean: CellMean
 
     @cached_property
     def distance_mm(self) -> Floats:
@@ -215,6 +217,7 @@ def compare_shapes(
     layout: Layout,
     symmetries: Sequence[Symmetry],
     gravity: Sequence[float] | None = None,
+    mean: CellMean | None = None,
 ) -> Comparison:
     """Lay a shape on a reference: free motions, and the symmetry of the design that brings it nearest.
 
@@ -225,6 +228,7 @@ def compare_shapes(
     symmetries : of the design, from `pattern.layout.symmetries`. Symmetries turn the print, and so a mirrored one
         reflects the other shape in space too; otherwise it is only ever turned and shifted.
     gravity : (3,) its direction if the sheet has weight: then no free motion changes how the sheet hangs.
+    mean : cell means of another comparison, which saves their preparation if it is on the same mesh.
 
     Raises
     ------
@@ -237,7 +241,8 @@ def compare_shapes(
     """
     supports = support_samples(layout)
     symmetry = _nearest(reference, other, symmetries, supports, gravity)
-    mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)
+    if mean is None or not mean.serves(reference.printed, reference.weights):
+        mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)
     reference_mean = mean(reference.positions)
     near = image(other, symmetry)
     near_mean = mean(near.at(reference.printed))
@@ -254,6 +259,7 @@ def compare_shapes(
         diameter(reference.positions),
         np.linalg.norm(mean(reference.printed) - reference.printed, axis=1)
         < MAX_CENTROID_OFFSET_SPACINGS * layout.spacing_mm,
+        mean,
     )
 
 

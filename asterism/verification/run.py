@@ -110,9 +110,10 @@ def verify(
     step(STAGES[3], 0, 1)
     same, pull = symmetries(design, plan), design.gravity.pull
     exact = {RELEASE: released, PREVIEW: near}
-    comparisons = {name: compare_shapes(shape, quick, plan, same, pull) for name, shape in exact.items()}
+    by_release = compare_shapes(released, quick, plan, same, pull)
+    comparisons = {RELEASE: by_release, PREVIEW: compare_shapes(near, quick, plan, same, pull, by_release.mean)}
     verification = Verification(design, quick, exact, comparisons)
-    agree, between = same_minimum(released, near, plan, same, pull)
+    agree, between = same_minimum(released, near, plan, same, pull, by_release.mean)
     seconds = {
         "preview_s": cold_s,
         "preview_again_s": warm_s,

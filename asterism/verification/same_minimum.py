@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import same_energy
@@ -15,7 +16,12 @@ from pattern.layout.symmetries import Symmetry
 
 
 def same_minimum(
-    first: Shape, second: Shape, plan: Layout, symmetries: Sequence[Symmetry], gravity: Sequence[float] | None = None
+    first: Shape,
+    second: Shape,
+    plan: Layout,
+    symmetries: Sequence[Symmetry],
+    gravity: Sequence[float] | None = None,
+    mean: CellMean | None = None,
 ) -> tuple[bool, Comparison]:
     """Whether both are certified and are one minimum, and the second laid on the first as held.
 
@@ -25,13 +31,14 @@ def same_minimum(
     Parameters
     ----------
     first, second : exact shapes of one design.
-    plan, symmetries, gravity : of the design, as in `asterism.shape.comparison.compare_shapes`.
+    plan, symmetries, gravity, mean : as in `asterism.shape.comparison.compare_shapes`.
     """
-    between = compare_shapes(first, second, plan, symmetries, gravity)
+    between = compare_shapes(first, second, plan, symmetries, gravity, mean)
     certain = bool(first.summary["is_minimum"] and second.summary["is_minimum"])
     agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(first, second, plan, symmetries)
     if agree and not same_energy(first.summary["energy_n_mm"], second.summary["energy_n_mm"]):
-        agree = compare_shapes(first, second, plan, symmetries[:1], gravity).rms_percent >= SAME_FORM_PERCENT
+        as_it_is = compare_shapes(first, second, plan, symmetries[:1], gravity, between.mean)
+        agree = as_it_is.rms_percent >= SAME_FORM_PERCENT
     return agree, between
 
 
