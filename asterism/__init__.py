@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 from asterism.process.version import __version__
 
 if TYPE_CHECKING:
-    from asterism.exact.simulation import simulate
     from asterism.fitting.fit import fit
     from asterism.fitting.load_target import load_target
     from asterism.fitting.result import Fit
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
     from asterism.sweeps.run import sweep_design as sweep
     from asterism.sweeps.sweep import Sweep
     from asterism.sweeps.write_sweep import write_sweep
-    from asterism.verification.both_starts import simulate_both
+    from asterism.verification.both_starts import simulate
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
     from equilibrium.errors import Error
@@ -84,8 +83,7 @@ _HOMES = {
     "save_design": ("pattern.design.design", "save_design"),
     "show": ("asterism.notebook.show", "show"),
     "show_law": ("asterism.laws.show_law", "show_law"),
-    "simulate": ("asterism.exact.simulation", "simulate"),
-    "simulate_both": ("asterism.verification.both_starts", "simulate_both"),
+    "simulate": ("asterism.verification.both_starts", "simulate"),
     "solve_for": ("asterism.fitting.solve_for", "solve_for"),
     "solve_for_point": ("asterism.fitting.solve_needle", "solve_for_point"),
     "sweep": ("asterism.sweeps.run", "sweep_design"),
@@ -127,7 +125,6 @@ __all__ = [
     "show",
     "show_law",
     "simulate",
-    "simulate_both",
     "solve_for",
     "solve_for_point",
     "sweep",

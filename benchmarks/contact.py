@@ -16,7 +16,7 @@ from PIL import Image
 
 from asterism.draw.picture import small_png
 from asterism.draw.render import camera, render, scene
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.gallery import PICTURES
@@ -40,7 +40,7 @@ def main() -> None:
             data = gallery.load("tube").to_dict()
             data["stars"]["thickness_mm"] = thickness
             data["solver"]["contact"] = contact
-            shapes.append(simulate(Design.from_dict(data)))
+            shapes.append(exact_shape(Design.from_dict(data)))
             summary = {key: value for key, value in shapes[-1].summary.items() if key != "design"}
             rows.append(summary | {"name": name, "with_contact": contact})
             print("  ".join(row(rows[-1])), flush=True)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from benchmarks.convergence_tables import GROUPS, report
@@ -54,7 +54,7 @@ def run(case: dict[str, Any]) -> dict[str, Any]:
     data = gallery.load(case["design"]).to_dict()
     data["mesh"] = data["mesh"] | case["mesh"]
     data["fabric"] = data["fabric"] | {"bending": case["bending"]}
-    shape = simulate(Design.from_dict(data))
+    shape = exact_shape(Design.from_dict(data))
     stars, surface = (
         [shape.at(points @ turn.T).tolist() for turn in symmetries()] for points in probes(case["design"])
     )

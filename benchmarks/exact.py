@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, peak_memory_mb, write_report
 from pattern import gallery
 from pattern.design.design import Design
@@ -60,7 +60,7 @@ def run(case: dict[str, Any]) -> dict[str, Any]:
     data = gallery.load(case["design"]).to_dict()
     for section in ("mesh", "border", "fabric"):
         data[section] = data[section] | case.get(section, {})
-    summary = dict(simulate(Design.from_dict(data)).summary)
+    summary = dict(exact_shape(Design.from_dict(data)).summary)
     del summary["design"]
     return case | summary | {"peak_mb": peak_memory_mb()}
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.fitting.distance import target_distance
 from asterism.fitting.errors import ReachError
 from asterism.fitting.fit import fit
@@ -75,7 +75,7 @@ def row(name: str, exact: bool, first_guess: bool) -> dict[str, Any]:
 def _exact_first_guess(fitted: Fit) -> dict[str, Any]:
     """Distance of the exact shape of the first guess, started from its preview."""
     guess, plan = fitted.guess, layout(fitted.guess.design)
-    shape = simulate(guess.design, near=preview(guess.design))
+    shape = exact_shape(guess.design, near=preview(guess.design))
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
     distance = target_distance(shape, guess.target, places, plan.lattice_vectors)
     return {"mean_percent": distance.mean_percent, "is_minimum": bool(shape.summary["is_minimum"])}

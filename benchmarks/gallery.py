@@ -14,7 +14,7 @@ from typing import Any
 from PIL import Image
 
 from asterism.draw.picture import draw_shape, small_png
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.report import RESULTS, markdown, write_report
@@ -50,7 +50,7 @@ HEADER = [
 def main(names: list[str]) -> None:
     rows: list[dict[str, Any]] = []
     for name in names or gallery.names():
-        shape = simulate(gallery.load(name))
+        shape = exact_shape(gallery.load(name))
         rows.append({key: value for key, value in shape.summary.items() if key != "design"} | {"name": name})
         picture(shape, name)
         print("  ".join(row(rows[-1])), flush=True)

@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 
 from asterism.draw.render import OBLIQUE, camera, render, scene
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
@@ -39,7 +39,7 @@ def main(names: list[str]) -> None:
         try:
             shape = preview(design, law)
         except LawError:
-            shape = simulate(design)
+            shape = exact_shape(design)
         content = small_picture(shape)
         write_file(PICTURES / f"{name}.png", content)
         print(f"{name}: {len(content) / 1000:.1f} kB", flush=True)

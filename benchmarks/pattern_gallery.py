@@ -9,7 +9,7 @@ import sys
 import time
 from typing import Any
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.results.files import write_file
 from benchmarks.gallery import PAGE, PATTERN_PICTURE, picture, whole_page
 from benchmarks.report import markdown, write_report
@@ -26,7 +26,7 @@ def main(names: list[str]) -> None:
     rows: list[dict[str, Any]] = []
     for name in names or gallery.pattern_names():
         before = time.process_time()
-        shape = simulate(gallery.load(name), starts=STARTS)
+        shape = exact_shape(gallery.load(name), starts=STARTS)
         spent = time.process_time() - before
         kept = {key: value for key, value in shape.summary.items() if key != "design"}
         rows.append(kept | {"name": name, "processor_s": spent})

@@ -12,7 +12,7 @@ import cProfile
 import pstats
 import sys
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from benchmarks.large import tube
 from benchmarks.report import markdown
 from pattern.design.design import Design
@@ -50,7 +50,7 @@ def profile(word: str) -> tuple[int, float, dict[str, float]]:
     """Vertices, seconds of all, and seconds by part."""
     recorder = cProfile.Profile()
     recorder.enable()
-    summary = simulate(design(word)).summary
+    summary = exact_shape(design(word)).summary
     recorder.disable()
     stats = pstats.Stats(recorder).stats  # type: ignore[attr-defined]
     seconds = dict.fromkeys(PARTS, 0.0)
@@ -63,7 +63,7 @@ def profile(word: str) -> tuple[int, float, dict[str, float]]:
 
 def main(words: list[str]) -> None:
     for word in ("5", "5g"):
-        simulate(design(word))  # compiled loops and MKL are loaded now
+        exact_shape(design(word))  # compiled loops and MKL are loaded now
     found = [profile(word) for word in words or ("12", "16", "36")]
     header = ["seconds", *(f"{vertices} vertices" for vertices, _, _ in found)]
     rows = [[part, *(f"{seconds[part]:.2f}" for _, _, seconds in found)] for part in PARTS]

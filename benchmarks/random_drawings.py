@@ -9,7 +9,7 @@ import sys
 import time
 from typing import Any
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, write_report
 from equilibrium.errors import Error
 from pattern.design.design import Design
@@ -47,7 +47,7 @@ def outcome(seed: int) -> dict[str, Any]:
     angle = float(triangle_angles(mesh.points, mesh.triangles).min())
     if angle < LEAST_ANGLE_DEG:
         return {"seed": seed, "outcome": "meshed with flat triangles", "least_angle_deg": angle}
-    summary = simulate(design, plan=plan).summary
+    summary = exact_shape(design, plan=plan).summary
     return {
         "seed": seed,
         "outcome": "certified" if summary.is_minimum else "not certified",

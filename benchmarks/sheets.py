@@ -14,7 +14,7 @@ import pypdfium2
 import trimesh
 
 from asterism.draw.picture import small_png
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.rounded import without_rounding
@@ -54,7 +54,9 @@ def exported(name: str, folder: Path) -> dict[str, Any]:
     seconds = time.perf_counter() - start
     change = None
     if summary["rounding"]["thickness"]["stars_changed"] or summary["rounding"]["width"]["stars_changed"]:
-        change = shape_change(simulate(without_rounding(design)), simulate(job.design), job.design, job.plan, "exact")
+        change = shape_change(
+            exact_shape(without_rounding(design)), exact_shape(job.design), job.design, job.plan, "exact"
+        )
     mesh = trimesh.load_mesh(folder / "stars.stl")
     return {
         "name": name,

@@ -14,7 +14,7 @@ import sys
 import time
 from typing import Any
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from benchmarks.large import DIVISIONS, built, tube
 from benchmarks.report import RESULTS, markdown, peak_memory_mb, write_report
 from equilibrium.newton.minimise import Iteration
@@ -42,7 +42,7 @@ def run(divisions: int, backend: str) -> dict[str, Any]:
 
     summary: dict[str, Any] = {}
     try:
-        summary = dict(simulate(tube(divisions), backend, report=watch).summary)
+        summary = dict(exact_shape(tube(divisions), backend, report=watch).summary)
     except OutOfTimeError:
         summary = {"wall_s": time.perf_counter() - begun, "vertices": built(tube(divisions)).n_vertices}
     found = {key: summary.get(key) for key in KEYS}

@@ -62,6 +62,7 @@ def export(
     from asterism.print.export import export as write
     from asterism.print.write import ROUNDED
     from asterism.results.files import EXPORT_SUMMARY_FILE
+    from asterism.verification.both_starts import BOTH_STARTS
     from pattern.layout.load_design import load_design
 
     plan = with_material(load_design(design), material, run.warn)
@@ -71,7 +72,7 @@ def export(
     check_shape_request(directory, shape, preview, simulate)
     sheet = law_for_design(plan, law, design, material) if preview or law else None
     if simulate:
-        run.cost(exact_cost(plan, shapes=2))
+        run.cost(exact_cost(plan, BOTH_STARTS, shapes=2))
     with run.computing():
         exported = write(
             plan,

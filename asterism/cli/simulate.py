@@ -49,12 +49,12 @@ def simulate(
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
-    from asterism.exact.simulation import simulate as compute
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
-    from asterism.verification.both_starts import BOTH_STARTS, simulate_both
+    from asterism.verification.both_starts import BOTH_STARTS
+    from asterism.verification.both_starts import simulate as compute
     from discrete.energies.contact import ipc_toolkit
     from equilibrium.linear.backends import check_backend
 
@@ -77,10 +77,7 @@ def simulate(
     default_starts = BOTH_STARTS if changed.rods is None else 1
     run.cost(exact_cost(changed, default_starts if starts is None else starts))
     with run.computing(compile_ahead="fem" if starts is None and changed.rods is None else None):
-        if starts is None:
-            shape = simulate_both(changed, given_law, backend, run.report, run.say)
-        else:
-            shape = compute(changed, backend, run.report, run.say, starts)
+        shape = compute(changed, backend, run.report, run.say, starts, law=given_law)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)

@@ -41,7 +41,7 @@ from pattern.mesh.meshing import mesh_layout
 
 
 @one_blas_thread()
-def simulate(
+def exact_shape(
     design: Design,
     backend: str = "auto",
     report: Report | None = None,
@@ -50,11 +50,10 @@ def simulate(
     near: Shape | None = None,
     plan: Layout | None = None,
 ) -> Shape:
-    """Compute an equilibrium of the exact model.
+    """Compute an equilibrium of the exact model, from the design's start, from a given shape, or from many starts.
 
     Parameters
     ----------
-    design : from `load_design`, `new` or `Design.from_dict`.
     backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
     report : called after every iteration with the name of the stage and an `Iteration`.
     say : called with a line of text at the beginning of each stage.

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.residual import FitPlaces
 from asterism.fitting.search import FitSearch
@@ -102,7 +102,7 @@ class ExactCorrection:
     def _measure(self, unknowns: StarUnknowns, base: Design, near: Shape | None, share: float) -> bool:
         """Compute the exact shape of sizes; whether it is nearer to the target than those before."""
         design, law = unknowns.design(base), self.search.law
-        exact = simulate(design, near=near or preview(design, law), report=self.report)
+        exact = exact_shape(design, near=near or preview(design, law), report=self.report)
         distance = target_distance(exact, self.target, self.places, self.lattice_vectors)
         before = np.inf if self.distance is None else self.distance.mean_percent
         kept = bool(exact.summary["is_minimum"]) and distance.mean_percent < before

@@ -33,7 +33,7 @@ def printed_shape(
     preview, simulate : compute the shape with the preview or with the exact model. Without either, the preview is
         computed if rounding changes the design, or if there are needles.
     law : law of the preview; that of the paper's material by default.
-    report, say : called with the progress of the exact model, as in `asterism.exact.simulation.simulate`.
+    report, say : called with the progress of the exact model, as in `asterism.verification.both_starts.simulate`.
 
     Returns
     -------
@@ -47,9 +47,9 @@ def printed_shape(
     """
     if simulate:
         # the imports of the exact model take seconds
-        from asterism.exact.simulation import simulate as solve
+        from asterism.verification.both_starts import simulate as solve
 
-        return _both(job, lambda plan: solve(plan, report=report, say=say), "exact")
+        return _both(job, lambda plan: solve(plan, report=report, say=say, law=law), "exact")
     if not (preview or job.is_rounded or (job.needles and job.shape is None)):
         return None, None
     from asterism.previews.run import preview as fast

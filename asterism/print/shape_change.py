@@ -36,7 +36,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
         at = plan.points_on_rods
         before, after_at = drawn.at(at, off_sheet), partial(printed.at, off_sheet_mm=off_sheet)
         distance = float(distances_of_images(at, before, after_at, same, free).min())
-    return ShapeChangeRecord(
+    change = ShapeChangeRecord(
         model=model,
         height_mm=[drawn.height_mm, printed.height_mm],
         extent_mm=[list(drawn.extent_mm), list(printed.extent_mm)],
@@ -48,3 +48,4 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
         ),
         warnings=list(printed.summary.get("warnings", [])),
     )
+    return change.changed(minima=printed.summary["minima"]) if model == "exact" else change

@@ -110,10 +110,10 @@ def compare_designs(
 def _shape_of(design: Design, exact: bool, law: Law | None, say: Say) -> tuple[Shape | None, str]:
     """The shape, or None and the reason."""
     if exact:
-        from asterism.exact.simulation import simulate  # its imports take seconds
+        from asterism.verification.both_starts import simulate  # its imports take seconds
 
         try:
-            return simulate(design, say=say), ""
+            return simulate(design, say=say, law=law), ""
         except Error as error:
             return None, str(error)
     try:

@@ -226,7 +226,11 @@ def _agreement(s: Mapping[str, Any]) -> str:
     if lost:
         return f"One start ({lost[0]}) has not reached a certified minimum. The other one is the result."
     apart = f"{s['starts_distance_percent']:.2g} % of the diameter apart and of different energy"
-    return f"The two starts end in different minima, {apart}. The certified one of lower energy is the result."
+    each = [f"{one['rms_percent']:.2g} % from the one {START_NAMES[name]}" for name, one in s["starts"].items()]
+    return (
+        f"The two starts end in different minima, {apart}. The preview is {' and '.join(each)}. The certified one of "
+        "lower energy is the result."
+    )
 
 
 def _seconds(s: Mapping[str, Any]) -> list[list[str]]:

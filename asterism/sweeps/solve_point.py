@@ -57,9 +57,9 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
             raise RuntimeError("the worker has another version of asterism")
         design = Design.from_dict(table)
         if is_exact:
-            from asterism.exact.simulation import simulate  # its imports take seconds
+            from asterism.exact.simulation import exact_shape  # its imports take seconds
 
-            found = simulate(design)
+            found = exact_shape(design)
         else:
             from asterism.previews.run import preview
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.run import preview
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord
@@ -23,37 +23,65 @@ from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
 from pattern.layout.symmetries import symmetries
 
-# number of starts of `simulate_both`
+# number of starts of `simulate`, unless it is told another one
 BOTH_STARTS = 2
 
 
-def simulate_both(
+def simulate(
     design: Design,
-    law: Law | None = None,
     backend: str = "auto",
     report: Report | None = None,
     say: Say | None = None,
+    starts: int | None = None,
+    near: Shape | None = None,
+    law: Law | None = None,
 ) -> Shape:
-    """Compute the exact shape from the released flat print and from the preview; the lower minimum is the result.
+    """Compute an equilibrium of the exact model.
 
-    A minimum whose stars are all on the side that the design asks for comes before others. If the starts end in two
+    By default there are two starts, the released flat print and the preview, and the lower minimum is the result. A
+    minimum whose stars are all on the side that the design asks for comes before others. If the starts end in two
     minima, `Shape.others` holds the second one, and the summary's `minima` compares them. A start that fails is left
     out: fabrics without a law and drawn rods have no preview. With contact, a preview that passes through itself is no
     start.
 
     Parameters
     ----------
-    law : law of the preview; that of the paper's material by default.
-    backend, report, say : as in `asterism.exact.simulation.simulate`.
+    design : from `load_design`, `new` or `Design.from_dict`.
+    backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
+    report : called after every iteration with the name of the stage and an `Iteration`.
+    say : called with a line of text at the beginning of each stage.
+    starts : number of initial guesses on a coarse mesh, without the preview; 1 releases the flat print alone. See
+        `asterism.exact.simulation.exact_shape`.
+    near : shape of the same design, such as a preview, that is the only start.
+    law : law of the preview; by default the one that the design names, or else that of the paper's material.
+
+    Returns
+    -------
+    The shape. Its `summary` holds the certificate (`is_minimum`) and the whole design.
 
     Raises
     ------
-    DesignError, MeshError, BackendError
-        As in `simulate`, from the released print.
+    DesignError, MeshError
+        The design cannot be printed, or its sheet cannot be meshed.
+    BackendError
+        The linear solver is not installed.
+    ValueError
+        `starts` is not a whole number above zero, or `near` is given with several starts.
+
+    Examples
+    --------
+    >>> import asterism
+    >>> star = asterism.new("star")
+    >>> asterism.simulate(star).summary["minima"][0]["start_names"]
+    ['release', 'preview']
+    >>> asterism.simulate(star, starts=1).summary["starts"]
+    1
     """
+    if starts is not None or near is not None:
+        return exact_shape(design, backend, report, say, 1 if starts is None else starts, near)
     tell = say or ignore_line
     plan = print_layout(design)
-    released = simulate(design, backend, report, say, plan=plan)
+    released = exact_shape(design, backend, report, say, plan=plan)
     if plan.drawn is not None:  # drawn rods have no preview
         return released
     try:
@@ -62,7 +90,7 @@ def simulate_both(
             tell("no start from the preview: it meets itself, which contact cannot undo")
             return released
         tell("started from the preview")
-        near = simulate(design, backend, prefixed_report(report, "from the preview"), say, near=shown, plan=plan)
+        near = exact_shape(design, backend, prefixed_report(report, "from the preview"), say, near=shown, plan=plan)
     except (Error, FloatingPointError) as error:
         tell(f"no start from the preview: {' '.join(str(error).split())}")
         return released

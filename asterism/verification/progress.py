@@ -15,7 +15,7 @@ RELEASE_SHARE = 0.5
 
 
 class ExactProgress:
-    """Counts the progress of an exact shape from the reports of `simulate`.
+    """Counts the progress of an exact shape from the reports of `exact_shape`.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class ExactProgress:
             self._final_vertices = int(match[1]) // 2
 
     def report(self, text: str, iteration: Iteration) -> None:
-        """Read the mesh and the share of the release from the name of a stage of `simulate`."""
+        """Read the mesh and the share of the release from the name of a stage of `exact_shape`."""
         mesh, percent = re.match(r"(\d+) vertices", text), re.search(r"(\d+) %", text)
         if percent:
             share = RELEASE_SHARE * int(percent[1]) / 100.0

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
@@ -90,7 +90,7 @@ def verify(
                 counted.say(text)
                 tell(text)
 
-            shape = simulate(design, backend, reported, said, near=near, plan=plan)
+            shape = exact_shape(design, backend, reported, said, near=near, plan=plan)
             counted.finish()
             return shape
 

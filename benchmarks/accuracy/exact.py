@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
@@ -27,7 +27,7 @@ def exact(design: Design, folder: Path, near: Callable[[], Shape] | None = None)
         shape = read_shape(here)
         if shape.summary.get("design") == design.to_dict():
             return shape
-    shape = simulate(design, near=near() if near else None)
+    shape = exact_shape(design, near=near() if near else None)
     write_results(shape, here)
     return shape
 

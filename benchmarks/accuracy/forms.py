@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.session import Preview
 from asterism.reports.write_results import write_results
 from asterism.shape.comparison import compare_shapes
@@ -49,7 +49,7 @@ def _rows(design: Design, folder: Path) -> Iterator[dict[str, Any]]:
         energies.append(trial.energy)
         preview.state = replace(preview.state, result=replace(shown, x=trial.x))
         start = preview.shape()
-        exact = simulate(design, near=start)
+        exact = exact_shape(design, near=start)
         write_results(exact, folder / design.name / f"form-{len(energies)}")
         comparison = compare_shapes(exact, start, plan, symmetries(design, plan), design.gravity.pull)
         yield {

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.session import Preview
 from benchmarks.accuracy.designs import designs
 from benchmarks.preview import changed, load, timed
@@ -43,7 +43,7 @@ NAMES = [
 def speed(design: Design) -> dict[str, Any]:
     """Seconds and milliseconds of a design; LawError if it has no preview."""
     again = timed(lambda: Preview(design).shape())[0]
-    exact = simulate(design).summary
+    exact = exact_shape(design).summary
     preview, edits = Preview(design), []
     summary = preview.shape().summary
     for share in SHARES:
@@ -84,7 +84,7 @@ def line(r: dict[str, Any]) -> list[str]:
 
 
 def main(names: list[str]) -> None:
-    simulate(gallery.load("star"))  # compiles
+    exact_shape(gallery.load("star"))  # compiles
     rows = []
     for design in designs():
         if names and design.name not in names:

@@ -12,7 +12,7 @@ import pytest
 import asterism
 from pattern import gallery
 
-TAKE_A_DESIGN = ["preview", "simulate", "simulate_both", "verify", "Preview"]
+TAKE_A_DESIGN = ["preview", "simulate", "verify", "Preview"]
 
 
 def test_the_public_names_are_listed() -> None:

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import Comparison, compare_shapes
@@ -53,7 +53,7 @@ def shown(name: str) -> Shape:
 
 @cache
 def exact(name: str) -> Shape:
-    return simulate(figure(name))
+    return exact_shape(figure(name))
 
 
 def middles(found: Comparison, within: float = MIDDLE) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
@@ -68,7 +68,7 @@ def test_a_bilayer_ring_turns_its_section_by_the_angle_of_least_energy(
 def parallel(bending: str) -> Shape:
     """A layer without gaps: lines as far apart as they are wide."""
     lines = [{"line_mm": [(-15.0, y), (15.0, y)]} for y in 1.2 * (np.arange(11) - 5)]
-    return simulate(
+    return exact_shape(
         Design.from_dict(
             {
                 "fabric": {"bending": bending},
@@ -102,7 +102,7 @@ def test_a_skew_grid_on_coarse_edges_has_the_energy_and_contraction_of_fine_ones
         "rods": {"motif": lines, "thickness_mm": 0.4},
         "border": {"rectangle_mm": (36.0, 36.0)},
     }
-    coarse, fine = (simulate(Design.from_dict(data | {"mesh": {"edge_mm": edge}})).summary for edge in (2.5, 1.0))
+    coarse, fine = (exact_shape(Design.from_dict(data | {"mesh": {"edge_mm": edge}})).summary for edge in (2.5, 1.0))
     assert coarse.is_minimum and fine.is_minimum
     assert coarse.energy_n_mm == pytest.approx(fine.energy_n_mm, rel=5e-3)
     assert coarse.contraction == pytest.approx(fine.contraction, rel=5e-3)
@@ -119,7 +119,7 @@ def test_stars_written_as_a_motif_are_stars() -> None:
     one, other = (print_layout(each) for each in (stars, motif))
     ends = one.arm_tip, np.array([rod.points[-1] for rod in other.graph.rods])
     np.testing.assert_allclose(*(np.array(sorted(map(tuple, tips.round(6)))) for tips in ends), atol=1e-6)
-    first, second = (simulate(each).summary for each in (stars, motif))
+    first, second = (exact_shape(each).summary for each in (stars, motif))
     assert first.is_minimum and second.is_minimum
     assert second.contraction == pytest.approx(first.contraction, abs=1e-3)
     assert second.energy_n_mm == pytest.approx(first.energy_n_mm, rel=2e-3)

@@ -18,7 +18,7 @@ from typing import Literal
 Package = Literal["discrete", "fem"]
 # programs that compile the loops of a package: the smallest design of the gallery
 WARM_UP: dict[Package, str] = {
-    "discrete": "import asterism; asterism.simulate(asterism.new('star'))",
+    "discrete": "import asterism; asterism.simulate(asterism.new('star'), starts=1)",
     "fem": "import asterism; asterism.preview(asterism.new('star'))",
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asterism.results.record import ABSENT, Record, key
+from asterism.results.records.exact import MinimumRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
 # tiny stars that the table lists by their place
@@ -61,6 +62,10 @@ class ShapeChangeRecord(Record):
     are_minima: list[bool] = key("Each shape is certified as a minimum.")
     stars_outside_law: int = key("Stars outside the range of the preview's law.", default=ABSENT)
     warnings: list[str] = key("Warnings about the printed shape.", default=ABSENT)
+    minima: list[MinimumRecord] = key(
+        "Minima of the printed shape that the starts of the exact model have reached. The first one is the shape.",
+        default=ABSENT,
+    )
 
 
 class TinyStarRecord(Record):
@@ -115,7 +120,15 @@ def _rounding(record: ExportRecord) -> dict[str, str]:
     return rows
 
 
-def _shape_change(record: ExportRecord) -> str:
+def _shape_change(record: ExportRecord) -> dict[str, str]:
+    """A row, and a second one for another minimum of the exact model."""
+    change = record.shape_change
+    others = change.minima[1:] if change is not None and "minima" in change else []
+    rows = {"change of shape": _change_in_words(record)}
+    return rows | {f"minimum {number}": each.in_words() for number, each in enumerate(others, 2)}
+
+
+def _change_in_words(record: ExportRecord) -> str:
     rounding, change = record.rounding, record.shape_change
     if not any(size.stars_changed or size.rods_changed for size in (rounding.thickness, rounding.width)):
         return "none"

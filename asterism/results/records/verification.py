@@ -29,7 +29,8 @@ def _exact_model(record: VerificationRecord) -> str:
     elif record.starts_agree:
         agreement = "both starts in one minimum"
     elif release.is_minimum and near.is_minimum:
-        agreement = f"two minima, {record.starts_distance_percent:.2g} % apart"
+        distances = f"{release.rms_percent:.2g} % from the released one, {near.rms_percent:.2g} % from the other one"
+        agreement = f"two minima, {record.starts_distance_percent:.2g} % apart; the preview is {distances}"
     else:
         agreement = "one start in a minimum"
     return f"{agreement}; {release.iterations} iterations, {near.iterations} from the preview"

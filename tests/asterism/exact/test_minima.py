@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
@@ -34,7 +34,7 @@ def small(**sections: object) -> Design:
 
 @pytest.fixture(scope="module")
 def shape() -> Shape:
-    return simulate(small(), starts=STARTS)
+    return exact_shape(small(), starts=STARTS)
 
 
 def test_minima_of_the_summary(shape: Shape) -> None:
@@ -56,7 +56,7 @@ def test_minima_of_the_summary(shape: Shape) -> None:
 
 
 def test_one_start_is_the_first_of_many(shape: Shape) -> None:
-    s = simulate(small()).summary
+    s = exact_shape(small()).summary
     default = next(m for m in shape.summary["minima"] if m["default"])
     assert s["starts"] == 1 and s["minima_seen"] == 1 and s["next_minimum_percent"] is None
     assert s["energy_n_mm"] == pytest.approx(default["energy_n_mm"], rel=1e-9)
@@ -82,16 +82,18 @@ def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: i
 def test_stars_that_snap_back_are_named() -> None:
     """Stiff stars cannot stay down next to others."""
     override = [{"star": 2, "branch": "down"}]
-    s = simulate(small(stars={"length_mm": 10.0, "thickness_mm": 0.8, "override": override})).summary
+    s = exact_shape(small(stars={"length_mm": 10.0, "thickness_mm": 0.8, "override": override})).summary
     assert s["stars_up"] == 7 and s["stars_off_branch"] == [2]
-    kept = simulate(small(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})).summary
+    kept = exact_shape(small(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})).summary
     assert kept["stars_down"] == [2] and kept["stars_off_branch"] == []
-    flat = simulate(small(solver={"start": "flat"}, stars={"length_mm": 10.0, "thickness_mm": 0.4, "branch": "down"}))
+    flat = exact_shape(
+        small(solver={"start": "flat"}, stars={"length_mm": 10.0, "thickness_mm": 0.4, "branch": "down"})
+    )
     assert flat.summary["stars_off_branch"] == []
 
 
 def test_pins_after_release_are_in_the_path() -> None:
-    s = simulate(small(pins=[{"where": "corners", "scale": 0.8, "step": 1}])).summary
+    s = exact_shape(small(pins=[{"where": "corners", "scale": 0.8, "step": 1}])).summary
     assert s["is_minimum"]
     assert [step["step"] for step in s["path"]] == [0] * 10 + [1] * 6
 
@@ -112,7 +114,7 @@ def test_pins_after_release_are_in_the_path() -> None:
 def test_many_starts_with_other_options(sections: dict[str, object]) -> None:
     if "solver" in sections:
         pytest.importorskip("ipctk")
-    s = simulate(small(**sections), starts=4).summary
+    s = exact_shape(small(**sections), starts=4).summary
     assert s["is_minimum"] and all(m["is_minimum"] for m in s["minima"])
     assert sum(m["starts"] for m in s["minima"]) + s["starts_lost"] == 4 and s["starts_lost"] <= 1
     assert sum(m["default"] for m in s["minima"]) == 1
@@ -123,7 +125,7 @@ def test_where_the_pins_stand_makes_no_difference_to_the_starts() -> None:
     """Three starts from bent sheets are taken along with their pins."""
     held = {"corners": [0, 2, 4], "scale": 0.8}
     here, there = (
-        simulate(small(pins=[held | {"offset_mm": at}]), starts=4).summary
+        exact_shape(small(pins=[held | {"offset_mm": at}]), starts=4).summary
         for at in ([0.0, 0.0, 0.0], [300.0, 0.0, 90.0])
     )
     assert here["starts_lost"] == there["starts_lost"] == 0
@@ -136,7 +138,8 @@ def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> Non
     weight = {"gravity": {"on": True}, "fabric": {"modulus_mpa": 1.0, "density_kg_m3": 2000.0}}
     held = {"corners": [0, 2, 4], "scale": 0.8}
     low, high = (
-        simulate(small(**weight, pins=[held | {"offset_mm": [0.0, 0.0, z]}]), starts=8).summary for z in (-900.0, 0.0)
+        exact_shape(small(**weight, pins=[held | {"offset_mm": [0.0, 0.0, z]}]), starts=8).summary
+        for z in (-900.0, 0.0)
     )
     assert low["minima_seen"] == high["minima_seen"] > 1
     assert low["next_minimum_percent"] == pytest.approx(high["next_minimum_percent"], rel=1e-4)
@@ -152,5 +155,5 @@ def test_a_start_that_cannot_go_on_is_lost_and_not_the_others(monkeypatch: pytes
         return solve_on_mesh(model, start, *rest)
 
     monkeypatch.setattr(forms, "solve_on_mesh", failing)
-    summary = simulate(small(), starts=3).summary
+    summary = exact_shape(small(), starts=3).summary
     assert summary["is_minimum"] and summary["starts_lost"] == 2

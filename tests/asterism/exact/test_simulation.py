@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.reports.write_results import write_results
 from pattern import gallery
 from pattern.design.design import Design
@@ -53,7 +53,7 @@ def small(name: str = "tube", **sections: dict) -> Design:
 
 @pytest.fixture(scope="module")
 def shape() -> asterism.Shape:
-    return simulate(small())
+    return exact_shape(small())
 
 
 def test_summary_is_complete(shape: asterism.Shape) -> None:
@@ -75,7 +75,7 @@ def test_a_free_sheet_lies_on_its_principal_axes(shape: asterism.Shape) -> None:
 
 
 def test_the_summary_design_makes_the_same_shape(shape: asterism.Shape) -> None:
-    again = simulate(Design.from_dict(dict(shape.summary["design"])))
+    again = exact_shape(Design.from_dict(dict(shape.summary["design"])))
     np.testing.assert_allclose(again.positions, shape.positions, atol=1e-6)
 
 
@@ -94,7 +94,7 @@ def test_files_hold_what_the_shape_says(shape: asterism.Shape, tmp_path) -> None
 
 def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
     design = small("dome")
-    shape = simulate(design)
+    shape = exact_shape(design)
     rim = np.isclose(np.linalg.norm(shape.printed, axis=1), np.linalg.norm(shape.printed, axis=1).max())
     np.testing.assert_allclose(shape.positions[rim, :2], 0.74 * shape.printed[rim], atol=1e-12)
     np.testing.assert_allclose(shape.positions[rim, 2], 0.0, atol=1e-12)
@@ -104,8 +104,8 @@ def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
 def test_weight_pulls_a_pinned_sheet_down() -> None:
     fabric = {"modulus_mpa": 1.0}
     corners = [{"where": "corners", "scale": 0.8}]
-    light = simulate(small(fabric=fabric, pins=corners))
-    heavy = simulate(small(fabric=fabric, pins=corners, gravity={"on": True, "acceleration_m_s2": 92.0}))
+    light = exact_shape(small(fabric=fabric, pins=corners))
+    heavy = exact_shape(small(fabric=fabric, pins=corners, gravity={"on": True, "acceleration_m_s2": 92.0}))
     assert heavy.positions[:, 2].mean() < light.positions[:, 2].mean() - 0.1
     assert heavy.summary["gravity"] != 0.0
 
@@ -114,17 +114,17 @@ def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
     """Nor does one that is never pinned: that is refused."""
     fabric, gravity = {"modulus_mpa": 0.5}, {"on": True}
     late = [{"where": "corners", "scale": 0.8, "step": 1}]
-    summary = simulate(small(fabric=fabric, gravity=gravity, pins=late)).summary
+    summary = exact_shape(small(fabric=fabric, gravity=gravity, pins=late)).summary
     assert summary["is_minimum"] and summary["gravity"] != 0.0
     assert max(step["iterations"] for step in summary["path"]) < 100
     with pytest.raises(DesignError, match=r"^gravity\.on = True: .* a free sheet falls"):
-        simulate(small(fabric=fabric, gravity=gravity))
+        exact_shape(small(fabric=fabric, gravity=gravity))
 
 
 def test_backends_agree() -> None:
     from equilibrium.linear.backends import available
 
-    energies = [simulate(small(), backend=name).summary["energy_n_mm"] for name in available()]
+    energies = [exact_shape(small(), backend=name).summary["energy_n_mm"] for name in available()]
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
 
 
@@ -132,11 +132,11 @@ def test_starts_from_a_shape_of_the_design():
     """From its own shape on another mesh, it is back in the same minimum after a few iterations."""
     data = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
     coarse, fine = (Design.from_dict(data | {"mesh": {"edge_mm": edge}}) for edge in (2.5, 2.0))
-    alone = simulate(fine)
-    near = simulate(fine, near=simulate(coarse))
+    alone = exact_shape(fine)
+    near = exact_shape(fine, near=exact_shape(coarse))
     assert near.summary["is_minimum"] and near.summary["result_is"] == "from a shape that was given"
     assert alone.summary["result_is"] == "the default start's"
     assert near.summary["energy_n_mm"] == pytest.approx(alone.summary["energy_n_mm"], rel=1e-9)
     assert near.summary["iterations"] < 0.5 * alone.summary["iterations"]
     with pytest.raises(ValueError, match="near"):
-        simulate(fine, starts=2, near=alone)
+        exact_shape(fine, starts=2, near=alone)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 import asterism
 import asterism.previews.solve as solve_module
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
@@ -240,7 +240,7 @@ def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
     for stage in preview.edit(other):
         held = preview.at(preview.sheet.layout.outline, stage.x).smooth[:, 2]
         assert held.min() == pytest.approx(0.0, abs=1e-9) and np.ptp(held) < 20.0
-    fresh, exact = Preview(other).shape(), simulate(other)
+    fresh, exact = Preview(other).shape(), exact_shape(other)
     assert preview.shape().positions == pytest.approx(fresh.positions, abs=1e-3 * np.ptp(fresh.positions))
     assert exact.at(preview.sheet.layout.outline)[:, 2].min() == pytest.approx(0.0, abs=1e-9)
 

@@ -87,7 +87,7 @@ def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -
     ("word", "engine"),
     [
         ("preview", "asterism.previews.run.preview"),
-        ("simulate", "asterism.verification.both_starts.simulate_both"),
+        ("simulate", "asterism.verification.both_starts.simulate"),
         ("verify", "asterism.verification.run.verify"),
     ],
 )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.reports.design_report import report
@@ -37,7 +37,7 @@ def test_the_page_shows_the_exact_shape_or_says_why_it_has_no_picture(tmp_path: 
     said: list[str] = []
     assert report(CROSS, tmp_path / "without.pdf", say=said.append).shape is None
     assert said == ["the page has no picture: drawn rods have no preview; give --results"]
-    write_results(simulate(CROSS), tmp_path / "cross")
+    write_results(exact_shape(CROSS), tmp_path / "cross")
     written = report(CROSS, tmp_path / "with.pdf", beside=tmp_path / "cross")
     assert written.shape is not None and written.source == "by the exact model"
     words = " ".join(pdf_words(tmp_path / "with.pdf", 0))

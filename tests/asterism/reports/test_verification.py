@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.run import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_files import write_verification
@@ -37,7 +37,7 @@ OF = design(name=NAME, mesh={"edge_mm": 2.5})
 
 def stand_in(of: Design):
     """A shape of the same design in place of its preview: the exact one on a coarser mesh, somewhere else."""
-    shape = simulate(Design.from_dict(of.to_dict() | {"mesh": {"edge_mm": 3.5}}))
+    shape = exact_shape(Design.from_dict(of.to_dict() | {"mesh": {"edge_mm": 3.5}}))
     turned = shape.positions[:, [1, 2, 0]] + 10.0
     return replace(shape, positions=turned, summary={"warnings": ["a star is beyond the law's range"]})
 
@@ -103,7 +103,7 @@ def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
         spent.append(time.perf_counter() - begun)
         return found.exact["release"]
 
-    monkeypatch.setattr(run, "simulate", compiled_first)
+    monkeypatch.setattr(run, "exact_shape", compiled_first)
     s = run.verify(OF, shown=lambda _: found.preview).summary
     assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
     assert s["speedup_cold"] == pytest.approx(s["exact_s"] / s["preview_s"])
@@ -207,6 +207,20 @@ def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
     assert "one start in a minimum" in lines and "two minima" not in lines
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     assert "has not reached a certified minimum. The other one is the result" in verification_page(one)
+
+
+def test_the_distance_to_each_of_two_minima_is_stated(found, monkeypatch):
+    result = found.exact[found.result]
+    higher = result.summary | {"energy_n_mm": 1.02 * result.summary["energy_n_mm"]}
+    second = replace(result, positions=result.positions * [1.0, 1.0, 1.5], summary=higher)
+    two = run.verify(OF, shown=lambda _: found.preview, released=result, near=second).summary
+    first, other = (two["starts"][name]["rms_percent"] for name in ("release", "preview"))
+    assert first == two["rms_percent"] < other
+    row = two.table()["exact model"]
+    assert f"; the preview is {first:.2g} % from the released one, {other:.2g} % from the other one; " in row
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+    page = verification_page(replace(found, summary=two))
+    assert f"{other:.2g} % from the one started from the preview" in page
 
 
 def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.results.records.exact import mesh_error_in_words
 from asterism.shape.diameter import diameter
 from asterism.shape.mesh_error import estimate, mesh_error
@@ -101,7 +101,7 @@ def test_diameter():
 
 def solved(edge, rings, **changes):
     data = gallery.load("tube").to_dict() | {"border": {"rings": rings}, "mesh": {"edge_mm": edge}} | changes
-    return simulate(Design.from_dict(data))
+    return exact_shape(Design.from_dict(data))
 
 
 @pytest.mark.slow
@@ -134,7 +134,7 @@ def test_summary_says_which_bending_was_used():
     energy = {}
     for bending, parts in (("paper", {"hinges"}), ("consistent", {"plate", "folds"}), ("none", set())):
         data["fabric"] = data["fabric"] | {"bending": bending}
-        summary = simulate(Design.from_dict(data)).summary
+        summary = exact_shape(Design.from_dict(data)).summary
         assert summary["fabric_bending"] == bending and summary["is_minimum"]
         assert {"hinges", "plate", "folds"} & set(summary["energy_parts_n_mm"]) == parts
         energy[bending] = summary["fabric_bending_n_mm"]

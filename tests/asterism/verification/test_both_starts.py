@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
-from asterism.verification.both_starts import lower_minimum, simulate_both
+from asterism.verification.both_starts import lower_minimum, simulate
 from pattern.design.design import Design
 from pattern.layout.build import layout
 
@@ -21,7 +21,7 @@ SMALL = Design.from_dict(
 
 @pytest.fixture(scope="module")
 def released() -> Shape:
-    return simulate(SMALL)
+    return exact_shape(SMALL)
 
 
 def other(shape: Shape, more: float, **summary: Any) -> Shape:
@@ -34,7 +34,7 @@ def other(shape: Shape, more: float, **summary: Any) -> Shape:
 
 def test_both_starts_of_a_small_sheet_end_in_one_minimum(released: Shape) -> None:
     said: list[str] = []
-    shape = simulate_both(SMALL, say=said.append)
+    shape = simulate(SMALL, say=said.append)
     (minimum,) = shape.summary["minima"]
     assert shape.summary["is_minimum"] and not shape.others
     assert shape.summary["starts"] == 2 and shape.summary["starts_lost"] == 0 and shape.summary["minima_seen"] == 1
@@ -87,5 +87,15 @@ def test_a_start_without_a_minimum_is_lost(released: Shape) -> None:
 def test_a_fabric_without_a_law_is_released_alone() -> None:
     said: list[str] = []
     free = Design.from_dict(SMALL.to_dict() | {"fabric": {"bending": "none"}, "border": {"rings": 0}})
-    shape = simulate_both(free, say=said.append)
+    shape = simulate(free, say=said.append)
     assert shape.summary["starts"] == 1 and any("no start from the preview" in line for line in said)
+
+
+@pytest.mark.slow
+def test_one_start_is_the_release_and_a_given_shape_is_the_only_start(released: Shape) -> None:
+    alone = simulate(SMALL, starts=1)
+    assert alone.summary["starts"] == 1 and np.array_equal(alone.positions, released.positions)
+    near = simulate(SMALL, near=released)
+    assert near.summary["result_is"] == "from a shape that was given"
+    with pytest.raises(ValueError, match="near goes with one start"):
+        simulate(SMALL, starts=2, near=released)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.arrays import Floats
@@ -214,6 +214,6 @@ def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
 def test_whole_simulation():
     """Small sheets are factorised by this backend too, so that it can be asked for always."""
     design = gallery.load("star")
-    shape, direct = simulate(design, "amg"), simulate(design)
+    shape, direct = exact_shape(design, "amg"), exact_shape(design)
     assert shape.summary["is_minimum"] and shape.summary["backend"] == "amg"
     assert shape.summary["energy_n_mm"] == pytest.approx(direct.summary["energy_n_mm"], rel=1e-8)

@@ -135,6 +135,7 @@ export function shapePanel(studio, page) {
       ["Distance, root mean square", mm((s.rms_percent / 100) * s.diameter_mm, 2)],
       ["Estimated error was", mm((s.expected_rms_percent / 100) * s.diameter_mm, 2)],
       ["Largest distance", mm((s.max_percent / 100) * s.diameter_mm, 2)],
+      ...distancesToMinima(s),
       ["Exact height", mm(exact)],
       ["Preview's height", mm(preview)],
       ["Exact model took", seconds(s.exact_s)],
@@ -302,6 +303,15 @@ export function shapePanel(studio, page) {
 }
 
 /** What the distance means for the person who waits for it. */
+/** The distance to the exact shape of each start, if the two ended in different minima. */
+function distancesToMinima({ starts, starts_agree: agree, diameter_mm: diameter }) {
+  if (agree || !starts?.release?.is_minimum || !starts?.preview?.is_minimum) return [];
+  return [
+    ["To the minimum from the flat print", mm((starts.release.rms_percent / 100) * diameter, 2)],
+    ["To the minimum from the preview", mm((starts.preview.rms_percent / 100) * diameter, 2)],
+  ];
+}
+
 function agreement({ rms_percent: rms, expected_rms_percent: expected }) {
   const off = "from the preview to the exact shape, in percent of the diameter";
   if (!Number.isFinite(expected)) return `Distance ${off}.`;

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.model import PREVIEW_MODEL
@@ -88,7 +88,7 @@ def test_last_arms_poke_down_as_in_the_exact_model() -> None:
     plan, last = preview.sheet.layout, preview.sheet.arms.last
     inner = np.linalg.norm(plan.centres, axis=1)[plan.arm_star] < 1.0
     assert 0 < last.sum() < len(last) and not last[inner].any()
-    right = simulate(preview.design).at(plan.arm_tip)[last, 2]
+    right = exact_shape(preview.design).at(plan.arm_tip)[last, 2]
     found = preview.at(plan.arm_tip).bumpy[last, 2]
     without = Preview(preview.design, model=replace(PREVIEW_MODEL, last_arm_share=0.0)).at(plan.arm_tip).bumpy[last, 2]
     assert right.min() < -1.0

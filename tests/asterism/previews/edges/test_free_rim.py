@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.bumps import corrugation_heights
 from asterism.previews.edges.free_rim import (
     beyond_stars,
@@ -136,7 +136,7 @@ def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model() -> None:
         normal = np.cross(b - a, c - a)
         return float(-((places(0.999 * corners) - a) @ normal).mean() / np.linalg.norm(normal))
 
-    exact = fall(simulate(design).at)
+    exact = fall(exact_shape(design).at)
     found = fall(lambda points: preview.at(points).bumpy)
     level = Preview(design, model=replace(PREVIEW_MODEL, rim_fall_rad=0.0))
     without = fall(lambda points: level.at(points).bumpy)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.edges.rim_arms import arm_curvature, rim_curvature_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
@@ -81,7 +81,7 @@ def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
             "mesh": {"edge_mm": 1.6},
         }
     )
-    exact = simulate(design)
+    exact = exact_shape(design)
     corners = 0.99 * Preview(design).sheet.layout.outline
 
     def turns(places: np.ndarray) -> float:
@@ -106,7 +106,7 @@ def test_a_wide_rim_hangs_under_the_arms_that_point_into_it() -> None:
             "mesh": {"edge_mm": 1.6},
         }
     )
-    exact = simulate(design)
+    exact = exact_shape(design)
     border = Preview(design).sheet.layout.outline
     corners = 0.98 * border[np.argsort(border[:, 1])]
 

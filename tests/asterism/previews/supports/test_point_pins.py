@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.supports.point_pins import amounts_of, softened
@@ -82,7 +82,7 @@ def test_heights_depend_on_the_exact_models_mesh_and_not_on_the_shells_triangles
 @pytest.mark.slow
 def test_a_sheet_on_its_corners_is_near_the_exact_one() -> None:
     design = pinned()
-    plan, exact, shown = layout(design), simulate(design), Preview(design).shape()
+    plan, exact, shown = layout(design), exact_shape(design), Preview(design).shape()
     comparison = compare_shapes(exact, shown, plan, symmetries(design, plan))
     one, other = comparison.mean_heights_mm
     assert other == pytest.approx(one, rel=0.12)
