@@ -71,6 +71,14 @@ def fit(
     within: Annotated[
         float, typer.Option(min=0.0, help="Distance in % of the diameter within which the target counts as reached.")
     ] = 1.0,
+    weight: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FORMULA|PICTURE",
+            help="Where to come nearer: a formula in x, y, z, r, theta (mm in the file), or a grey picture over the "
+            "target as seen along z, black 1, white 10. Weights are from 0.01 to 100.",
+        ),
+    ] = None,
     law: LawFile = None,
 ) -> int:
     """Find star sizes whose sheet comes near to a target surface.
@@ -120,6 +128,7 @@ def fit(
             report=run.report,
             border=border,
             corrections=corrections,
+            weight=weight,
         )
     files = write_fit(fitted, directory)
     write_file(file, table_text(fitted.design.to_dict(), file))

@@ -41,7 +41,7 @@ class Correction:
 
     Attributes
     ----------
-    mean_percent : its distance to the target, in % of the diameter.
+    mean_percent : its distance to the target, by the weights of the places, in % of the diameter.
     share : of the preview's error that was added to find its sizes; 0 for the fit by the preview alone.
     kept : whether it is nearer than those before.
     """
@@ -87,7 +87,7 @@ class ExactCorrection:
         best, share = search.best, 1.0
         for _ in range(rounds):
             distance = self.distance
-            if distance is None or self.offset_mm is None or distance.mean_percent <= EXACT_GOAL_PERCENT:
+            if distance is None or self.offset_mm is None or distance.weighted_percent <= EXACT_GOAL_PERCENT:
                 break
             search.refine(base, CORRECTION_STEPS, share * self.offset_mm, lengths_only)
             if search.best is not best and self._measure(search.best, base, self.exact, share):
@@ -104,11 +104,11 @@ class ExactCorrection:
         design, law = unknowns.design(base), self.search.law
         exact = exact_shape(design, near=near or preview(design, law), report=self.report)
         distance = target_distance(exact, self.target, self.places, self.lattice_vectors)
-        before = np.inf if self.distance is None else self.distance.mean_percent
-        kept = bool(exact.summary["is_minimum"]) and distance.mean_percent < before
-        self.done.append(Correction(distance.mean_percent, share, kept))
+        before = np.inf if self.distance is None else self.distance.weighted_percent
+        kept = bool(exact.summary["is_minimum"]) and distance.weighted_percent < before
+        self.done.append(Correction(distance.weighted_percent, share, kept))
         verdict = "kept" if kept else "not kept"
-        self.search.say(f"exact shape {len(self.done)}: {distance.mean_percent:.2f} % of the diameter, {verdict}")
+        self.search.say(f"exact shape {len(self.done)}: {distance.weighted_percent:.2f} % of the diameter, {verdict}")
         if kept:
             self.exact, self.distance = exact, distance
             self.offset_mm = self._offset(exact, Preview(design, law))

@@ -25,17 +25,25 @@ class FitDistance:
     surface_mm : (V,) at the vertices of the shape, bumps included.
     mean_mm : (V,) its means over a cell of the lattice, in which the bumps cancel.
     diameter_mm : of the target.
+    place_weight : (V,) of the target at the nearest points.
     """
 
     shape: Shape
     surface_mm: Floats
     mean_mm: Floats
     diameter_mm: float
+    place_weight: Floats
 
     @cached_property
     def mean_percent(self) -> float:
         """Root mean square of the means over a cell, in % of the diameter."""
         return self._percent(np.sqrt(self.shape.weights @ self.mean_mm**2))
+
+    @cached_property
+    def weighted_percent(self) -> float:
+        """The same by the weights of the places; `mean_percent` if all count alike."""
+        share = self.shape.weights * self.place_weight
+        return self._percent(np.sqrt(share @ self.mean_mm**2 / share.sum() * self.shape.weights.sum()))
 
     @cached_property
     def surface_percent(self) -> float:
@@ -69,4 +77,4 @@ def target_distance(shape: Shape, target: TargetSurface, places: FitPlaces, latt
         shape = replace(shape, positions=shape.positions @ rotation.T + shift, point_fields={})
     surface = target.nearest(shape.positions).distance
     mean = CellMean(shape.printed, shape.weights, lattice_vectors)(surface[:, None])[:, 0]
-    return FitDistance(shape, surface, mean, target.diameter_mm)
+    return FitDistance(shape, surface, mean, target.diameter_mm, target.weight_at(shape.positions))

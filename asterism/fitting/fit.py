@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import guess_design
+from asterism.fitting.place_weight import weighted_target, with_weights
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.result import Fit
 from asterism.fitting.search import FitSearch
@@ -62,6 +66,7 @@ def fit(
     report: Report | None = None,
     border: bool | None = None,
     corrections: int = MAX_CORRECTIONS,
+    weight: str | Path | ArrayLike | None = None,
 ) -> Fit:
     """Find star sizes whose sheet comes near to a target surface.
 
@@ -85,6 +90,10 @@ def fit(
     border : hold the whole border along that of the target, in place of needles. By default if needles are not given
         and a quarter of the absolute Gauss curvature of the target is negative.
     corrections : largest number of corrections by the exact model; 0 leaves the fit by the preview as it is.
+    weight : of the places: where it is larger, the fit comes nearer. A formula in x, y, z, r and theta (mm in the
+        target's file), a grey picture as one sees the target along z (black 1, white 10), or (V,) numbers at the
+        vertices of `target.disk`; from 0.01 to 100. The design keeps the weights in its section `[fit]`, and
+        `within_percent` counts all places alike.
 
     Returns
     -------
@@ -117,8 +126,11 @@ def fit(
     if law is not None:
         check_type(law, Law, "load_law reads one from a file")
     law, tell = law or paper_law(), say or ignore_line
+    if weight is not None:
+        target = weighted_target(target, weight)
     guess = guess_design(target, law, stretch, needles, nearest, tell, border)
     plan = layout(guess.design)
+    guess = replace(guess, design=with_weights(guess.design, target, guess.target_map, plan))
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
     is_free = not plan.pins
 
@@ -194,6 +206,7 @@ def fit(
 def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:
     return TargetDistanceRecord(
         mean_percent=distance.mean_percent,
+        weighted_percent=distance.weighted_percent,
         surface_percent=distance.surface_percent,
         largest_percent=distance.largest_percent,
         largest_at_mm=[float(part) for part in np.round(distance.farthest, 1)],

@@ -98,8 +98,8 @@ class SheetState:
 
     @property
     def rms_mm(self) -> float:
-        """Root mean square distance to the target along its normal."""
-        return float(np.sqrt((self.normal_mm**2).mean()))
+        """Root mean square distance to the target along its normal, by the weights of the places."""
+        return float(np.linalg.norm(self.values[::3]))
 
 
 class Residual:
@@ -118,6 +118,9 @@ class Residual:
     ) -> None:
         self._target, self.places, self._is_free = target, places, is_free
         self._offset: Floats | float = 0.0 if offset_mm is None else offset_mm
+        weight = target.weight_at(places.goals)
+        self._weight = weight / weight.mean()
+        self._scale = np.sqrt(self._weight / places.count)
 
     def shifted(self, offset_mm: Floats | None) -> Residual:
         """The residuals with another offset."""
@@ -142,17 +145,17 @@ class Residual:
         gap = surface - nearest.places
         normal = np.einsum("nc,nc->n", gap, frame[:, 0])
         slide = np.einsum("nc,nkc->nk", surface - self.places.goals, frame[:, 1:])
-        values = np.column_stack([normal, self.places.slide_weight[:, None] * slide]).ravel() / np.sqrt(count)
-        return SheetState(surface, rotation, normal, frame, values)
+        values = self._scale[:, None] * np.column_stack([normal, self.places.slide_weight[:, None] * slide])
+        return SheetState(surface, rotation, normal, frame, values.ravel())
 
     def pose(self, surface: Floats) -> tuple[Floats, Floats]:
         """Rotation and shift that lay places (n, 3) of a free sheet on the target, by iterated nearest points."""
-        rotation, shift = rigid_fit(surface, self.places.goals)
+        rotation, shift = rigid_fit(surface, self.places.goals, self._weight)
         for _ in range(POSE_ROUNDS):
             moved = surface @ rotation.T + shift
             slide = self.places.slide_weight[:, None] ** 2
             goals = (self._target.nearest(moved).places + slide * self.places.goals) / (1.0 + slide)
-            rotation, shift = rigid_fit(surface, goals)
+            rotation, shift = rigid_fit(surface, goals, self._weight)
             if np.abs(surface @ rotation.T + shift - moved).max() < POSE_TOLERANCE_MM:
                 break
         return rotation, shift
@@ -170,7 +173,7 @@ class Residual:
         moves = np.einsum("ab,nbp->nap", state.rotation, moves)
         along = np.einsum("nkc,ncp->nkp", state.frame, moves)
         along[:, 1:] *= self.places.slide_weight[:, None, None]
-        columns = along.reshape(3 * count, size) / np.sqrt(count)
+        columns = (self._scale[:, None, None] * along).reshape(3 * count, size)
         if not self._is_free:
             return np.asarray(columns)
         rigid = self._rigid_columns(state)
@@ -183,18 +186,11 @@ class Residual:
         shifts = np.broadcast_to(np.eye(3), (len(arm), 3, 3))
         along = np.einsum("nkc,ncp->nkp", state.frame, np.concatenate([turns, shifts], axis=-1))
         along[:, 1:] *= self.places.slide_weight[:, None, None]
-        return np.asarray(along.reshape(-1, 6))
+        return np.asarray((self._scale[:, None, None] * along).reshape(-1, 6))
 
     def _normal_at(self, points: Floats, triangle: np.ndarray) -> Floats:
         """(n, 3) unit normals of the target at points of its triangles, interpolated."""
-        corners = self._target.disk.triangles[triangle]
-        a, b, c = (self._target.disk.vertices[corners[:, k]] for k in range(3))
-        cross = np.cross(b - a, c - a)
-        area = np.einsum("nc,nc->n", cross, cross)
-        second = np.einsum("nc,nc->n", np.cross(points - a, c - a), cross) / area
-        third = np.einsum("nc,nc->n", np.cross(b - a, points - a), cross) / area
-        weights = np.clip(np.column_stack([1.0 - second - third, second, third]), 0.0, 1.0)
-        normal = np.einsum("nk,nkc->nc", weights, self._normals[corners])
+        normal = self._target.interpolate(self._normals, points, triangle)
         return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 

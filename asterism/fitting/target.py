@@ -45,6 +45,7 @@ class TargetSurface:
     motion : (3, 3) rotation of that pose, times the scale if the target was scaled.
     shift_mm : (3,) a point x of the file, in mm, stands at `motion @ x + shift_mm`.
     notes : what was made coarser, one line each.
+    weight : (V,) of the places at the vertices of the disk; None if all count alike.
 
     Examples
     --------
@@ -58,6 +59,7 @@ class TargetSurface:
     motion: Floats
     shift_mm: Floats
     notes: tuple[str, ...] = ()
+    weight: Floats | None = None
 
     @classmethod
     def of_triangles(
@@ -166,6 +168,24 @@ class TargetSurface:
     def nearest(self) -> NearestOnSurface:
         """The search for nearest points on the target; distances are positive on the plastic side."""
         return NearestOnSurface(self.disk.vertices, self.disk.triangles)
+
+    def interpolate(self, values: Floats, points: Floats, triangle: Ints) -> Floats:
+        """(n, ...) values (V, ...) of the vertices at points (n, 3) of the triangles (n,)."""
+        corners = self.disk.triangles[triangle]
+        a, b, c = (self.disk.vertices[corners[:, k]] for k in range(3))
+        cross = np.cross(b - a, c - a)
+        area = np.einsum("nc,nc->n", cross, cross)
+        second = np.einsum("nc,nc->n", np.cross(points - a, c - a), cross) / area
+        third = np.einsum("nc,nc->n", np.cross(b - a, points - a), cross) / area
+        shares = np.clip(np.column_stack([1.0 - second - third, second, third]), 0.0, 1.0)
+        return np.asarray(np.einsum("nk,nk...->n...", shares, values[corners]))
+
+    def weight_at(self, places: Floats) -> Floats:
+        """(n,) weights at the points of the target that are nearest to places (n, 3) mm."""
+        if self.weight is None:
+            return np.ones(len(places))
+        nearest = self.nearest(places)
+        return self.interpolate(self.weight, nearest.places, nearest.triangle)
 
 
 def _arrays(vertices: ArrayLike, triangles: ArrayLike, name: str) -> tuple[Floats, Ints]:

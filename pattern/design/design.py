@@ -13,6 +13,7 @@ from pattern.design.arguments import check_type
 from pattern.design.border import Border
 from pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
 from pattern.design.files import write_table
+from pattern.design.fit_weights import FitWeights
 from pattern.design.lattice import Lattice
 from pattern.design.material_files import MaterialChoice, with_material_file
 from pattern.design.materials import Fabric, Plastic
@@ -104,6 +105,7 @@ class Design(Section):
     gravity: Gravity = Gravity()
     mesh: MeshChoice = MeshChoice()
     solver: Solver = Solver()
+    fit: FitWeights | None = None
 
     @model_validator(mode="before")
     @classmethod

@@ -10,7 +10,8 @@ from asterism.results.record import Record, key
 def _reached(record: FitRecord) -> str:
     best = record.exact or record.preview
     by = "exact model" if record.exact else "preview; not checked with the exact model"
-    return f"{best.mean_percent:.2f} % of the diameter rms, {best.largest_percent:.1f} % at most ({by})"
+    weighted = "" if best.weighted_percent == best.mean_percent else f", {best.weighted_percent:.2f} % by the weights"
+    return f"{best.mean_percent:.2f} % of the diameter rms{weighted}, {best.largest_percent:.1f} % at most ({by})"
 
 
 def _preview(record: FitRecord) -> str:
@@ -36,6 +37,7 @@ class TargetDistanceRecord(Record):
         "the stars cancel.",
         unit="%",
     )
+    weighted_percent: float = key("The same by the weights of the places; `mean_percent` without weights.", unit="%")
     surface_percent: float = key("Rms of the distance with the bumps.", unit="%")
     largest_percent: float = key("Largest distance with the bumps.", unit="%")
     largest_at_mm: list[float] = key("Where that is, in the pose of the fit.", unit="mm")
@@ -97,7 +99,9 @@ class FitRecord(Record):
         label="loss by rounding",
         show="{rounding_loss_percent:.3f} % of the diameter",
     )
-    steps: list[dict[str, Any]] = key("Steps of the fit: `kind`, and `rms_percent` of the preview after it.")
+    steps: list[dict[str, Any]] = key(
+        "Steps of the fit: `kind`, and `rms_percent` of the preview after it, by the weights of the places."
+    )
     corrections: list[dict[str, Any]] = key(
         "Exact shapes on the way: `mean_percent`, the `share` of the preview's error that was added before, whether "
         "the sizes were `kept`. Those of rounded thicknesses come last."

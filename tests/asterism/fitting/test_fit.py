@@ -178,6 +178,9 @@ def test_the_command_writes_a_design_and_its_evidence(
         (["--size-mm", "5000"], "mm large, allowed are 10 to 4000 mm"),
         (["--size-mm", "40"], "has room for"),
         (["--printer", "none"], "none"),
+        (["--weight", "1 +"], "the formula of the weight is not a formula"),
+        (["--weight", "200"], "is 200: must be 0.01 to 100"),
+        (["--weight", "nowhere.png"], "the picture of the weight"),
     ],
 )
 def test_the_command_refuses_in_one_line(

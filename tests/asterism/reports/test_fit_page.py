@@ -34,6 +34,7 @@ NAME = '<b>"cap"</b> & </title><script>document.title = "broken"</script>'
 def distances(mean: float, surface: float, largest: float = 2.0) -> TargetDistanceRecord:
     return TargetDistanceRecord(
         mean_percent=mean,
+        weighted_percent=mean,
         surface_percent=surface,
         largest_percent=largest,
         largest_at_mm=[0.0, 0.0, 0.0],
