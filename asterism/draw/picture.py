@@ -24,6 +24,8 @@ PICTURE_HEIGHT_PX = 1120
 PICTURE_MARGIN_PX = 60
 # height of the title and the caption at the top
 CAPTION_HEIGHT_PX = 150
+# half the time of the usual level 6, for 8 % more bytes
+PNG_LEVEL = 4
 # the perspective view fills the left part of the picture, the two drawings to scale fill the rest
 PERSPECTIVE_WIDTH_PX = 1240
 # mean width of a letter in pixels per typographic point of its size
@@ -49,7 +51,7 @@ def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(canvas, thing, (low + high) / 2)
     write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
-    canvas.image.save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
+    canvas.image.save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI), compress_level=PNG_LEVEL)
 
 
 def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.draw.bare_sheet import bare
-from asterism.draw.render import FABRIC_SIDE, Scene, scene
+from asterism.draw.render import Scene, scene
+from asterism.draw.shading import FABRIC_SIDE
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS
 from asterism.reports.views import ORANGE, aligned_views, together

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib import colormaps
 
 from asterism.draw.bare_sheet import bare
-from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.draw.shading import FABRIC_SIDE
 from asterism.shape.comparison import Comparison
 from equilibrium.arrays import Floats
 

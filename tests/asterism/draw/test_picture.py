@@ -14,7 +14,8 @@ import pytest
 from PIL import Image
 
 from asterism.draw.picture import PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, caption, draw_shape
-from asterism.draw.render import FABRIC_SIDE, PLASTIC_SIDE, camera, render, scene
+from asterism.draw.render import camera, render, scene
+from asterism.draw.shading import FABRIC_SIDE, PLASTIC_SIDE
 from asterism.shape.shape import Shape
 from tests.asterism import sheets
 

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from asterism.draw.picture import shape_image
 from asterism.draw.pin_marks import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks
-from asterism.draw.render import PINS
+from asterism.draw.shading import PINS
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.design.design import Design

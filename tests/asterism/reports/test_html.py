@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.draw.render import FABRIC_SIDE, PINS, PLASTIC_SIDE
+from asterism.draw.shading import FABRIC_SIDE, PINS, PLASTIC_SIDE
 from asterism.reports.html import png
 
 
