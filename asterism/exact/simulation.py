@@ -49,6 +49,7 @@ def exact_shape(
     starts: int = 1,
     near: Shape | None = None,
     plan: Layout | None = None,
+    coarser: bool = True,
 ) -> Shape:
     """Compute an equilibrium of the exact model, from the design's start, from a given shape, or from many starts.
 
@@ -63,6 +64,8 @@ def exact_shape(
     near : shape of the same design, such as its preview, that replaces the design's start. Each star bumps to the side
         that the design asks for. Requires `starts` = 1.
     plan : layout of the design; computed by default.
+    coarser : search on coarser meshes first, which finds low minima from afar. Without them, the shape follows `near`
+        to the next minimum, and has no estimate of its mesh error. With one start only.
 
     Returns
     -------
@@ -101,7 +104,13 @@ def exact_shape(
     before = {"mesh": meshed - start, "model": built - meshed}
     if starts == 1:
         equilibrium, levels = solve_on_meshes(
-            model, solver.start, seed=solver.seed, backend=backend, report=report, near=near.at if near else None
+            model,
+            solver.start,
+            seed=solver.seed,
+            backend=backend,
+            report=report,
+            near=near.at if near else None,
+            coarser=coarser,
         )
         minima = one_minimum(model, equilibrium, near is not None)
         return _shape(model, equilibrium, levels, before | equilibrium.seconds, time.perf_counter() - start, minima)

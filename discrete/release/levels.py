@@ -67,6 +67,7 @@ def solve_on_meshes(
     max_iterations: int = 500,
     report: Report | None = None,
     near: SurfaceMap | None = None,
+    coarser: bool = True,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
     """Find an equilibrium of a model through coarser meshes of the same sheet.
 
@@ -75,13 +76,14 @@ def solve_on_meshes(
     model, start, seed, backend, method, max_iterations, report : as in `solve_on_mesh`.
     near : surface, bumps included, from which the coarsest mesh starts at full release, with all supports in place. If
         the model has contact and the surface intersects itself, the search starts from the print.
+    coarser : search on coarser meshes first. A surface that is nearly an equilibrium of the fine mesh does without.
 
     Returns
     -------
     The equilibrium on the mesh of the model, and the levels from coarse to fine. Iterations, factorisations and seconds
     of the equilibrium are totals over all levels.
     """
-    models = [*coarser_models(model), model]
+    models = [*(coarser_models(model) if coarser else ()), model]
     level_report = prefixed_report(report, f"{models[0].n_vertices} vertices") if len(models) > 1 else report
     first: StartKind | State = start
     if near is not None:
