@@ -60,10 +60,10 @@ class ExactSensitivity:
 
     Examples
     --------
-    >>> from asterism.exact.simulation import simulate
+    >>> from asterism.exact.simulation import exact_shape
     >>> design = Design.from_dict({"stars": {"length_mm": 6.0}, "border": {"rings": 0}, "mesh": {"edge_mm": 4.0}})
     >>> points = np.array([[4.0, 0.0], [0.0, 0.0]])
-    >>> moves = ExactSensitivity(design, simulate(design), points).moves("thickness_mm")
+    >>> moves = ExactSensitivity(design, exact_shape(design), points).moves("thickness_mm")
     >>> moves.shape
     (2, 3, 1)
     """

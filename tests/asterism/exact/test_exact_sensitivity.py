@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.exact.exact_sensitivity import ExactSensitivity, mesh_along_arms
-from asterism.exact.simulation import simulate
+from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.prolongation import fit_to_surface
@@ -52,7 +52,7 @@ def test_the_derivative_is_the_limit_of_finite_changes(
     pins: list[dict[str, object]], size: Literal["length_mm", "thickness_mm"], step: float
 ) -> None:
     design = sheet(pins)
-    shape = simulate(design)
+    shape = exact_shape(design)
     moves = ExactSensitivity(design, shape, POINTS).moves(size)
     column = list(SIZES).index(size)
     for star in (0, 5):
@@ -73,7 +73,7 @@ def test_the_derivative_is_the_limit_of_finite_changes(
 @pytest.mark.slow
 def test_stars_changed_together_give_the_same_as_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     design = sheet([PINNED])
-    sensitivity = ExactSensitivity(design, simulate(design), POINTS)
+    sensitivity = ExactSensitivity(design, exact_shape(design), POINTS)
     together = sensitivity.moves("length_mm")
     monkeypatch.setattr("asterism.exact.exact_sensitivity.EXACT_COLOUR_STEPS", 1000)
     alone = sensitivity.moves("length_mm")
@@ -83,7 +83,7 @@ def test_stars_changed_together_give_the_same_as_one_by_one(monkeypatch: pytest.
 def test_the_shape_of_another_design_is_refused() -> None:
     star = {"stars": dict(SIZES), "border": {"rings": 0}, "mesh": {"edge_mm": 4.0}}
     design = Design.from_dict(star)
-    shape = simulate(design)
+    shape = exact_shape(design)
     with pytest.raises(ValueError, match="has the mesh of another design"):
         ExactSensitivity(Design.from_dict(star | {"mesh": {"edge_mm": 2.0}}), shape, np.zeros((1, 2)))
     thicker = Design.from_dict(star | {"stars": SIZES | {"thickness_mm": 0.6}})
