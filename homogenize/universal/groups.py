@@ -68,18 +68,20 @@ class Group:
 
 
 GROUPS = (
-    Group("arm", "arm length over spacing", (0.05, 0.8), logarithmic=False),
+    Group("arm", "arm length over spacing", (0.06, 0.8), logarithmic=False),
     Group("stretch", "stretch", (1.1, 2.0), logarithmic=False),
-    Group("bending", "bending number", (3e-4, 0.08)),
-    Group("couple", "couple number", (3e-4, 0.009)),
-    Group("fabric", "fabric thickness over spacing", (0.015, 0.08)),
+    Group("bending", "bending number", (4e-4, 0.06)),
+    Group("couple", "couple number", (4e-4, 0.007)),
+    Group("fabric", "fabric thickness over spacing", (0.03, 0.08)),
     Group("aspect", "width over thickness", (1.3, 8.0)),
     Group("thickness", "arm thickness over spacing", (0.01, 0.05)),
-    Group("edge", "mesh edge over spacing", (0.05, 0.125), logarithmic=False),
+    Group("edge", "mesh edge over spacing", (0.05, 0.1), logarithmic=False),
 )
 GROUP_KEYS = tuple(group.key for group in GROUPS)
 # rest curvature times spacing, above which a released arm would curl to a third of the spacing
 MAX_ARM_CURL = 3.0
+# fabric thickness over mesh edge; on coarser meshes the compressed fabric between the stars buckles as the mesh lets it
+MIN_FABRIC_TO_EDGE = 0.45
 
 
 def star_groups(fabric: Fabric, plastic: Plastic, spacing_mm: float, edge_mm: float, sizes: Floats) -> Floats:

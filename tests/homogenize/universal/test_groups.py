@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from homogenize.cell.sample import Sample, solve_cell
+from equilibrium.arrays import Floats
+from homogenize.cell.sample import solve_cell
 from homogenize.universal.groups import GROUP_KEYS, GROUPS, coordinates_of_groups, reference_cell, star_groups
 from pattern.design.design import Design
 
@@ -26,15 +27,16 @@ KNIT: dict[str, Any] = {
 ANGLES = (0.0, np.pi / 6)
 
 
-def groups_of(design: Design, edge_mm: float) -> np.ndarray:
+def groups_of(design: Design, edge_mm: float) -> Floats:
     stars = design.required_stars
     sizes = np.array([[stars.length_mm, stars.thickness_mm, stars.width_mm]], dtype=float)
-    return star_groups(design.fabric, design.plastic, design.lattice.spacing_mm, edge_mm, sizes)[0]
+    return np.asarray(star_groups(design.fabric, design.plastic, design.lattice.spacing_mm, edge_mm, sizes)[0])
 
 
-def dimensionless(sample: Sample, design: Design) -> dict[str, Any]:
+def dimensionless(design: Design, edge_mm: float) -> dict[str, Any]:
+    sample: Any = solve_cell(design, edge_mm, ANGLES)
     d, force = design.lattice.spacing_mm, design.fabric.modulus_mpa * design.fabric.thickness_mm
-    assert sample.failed is None and sample.relief is not None
+    assert sample.failed is None
     return {
         "lam": sample.lam,
         "hoop": sample.natural_hoop,
@@ -57,8 +59,8 @@ def test_the_reference_cell_has_the_answer_of_every_cell_with_its_groups(data: d
     groups = groups_of(own, edge)
     reference, reference_edge = reference_cell(groups)
     np.testing.assert_allclose(groups_of(reference, reference_edge), groups, rtol=1e-12)
-    theirs = dimensionless(solve_cell(own, edge, ANGLES), own)
-    ours = dimensionless(solve_cell(reference, reference_edge, ANGLES), reference)
+    theirs = dimensionless(own, edge)
+    ours = dimensionless(reference, reference_edge)
     assert theirs["curl"].min() > 0.05
     for name, value in ours.items():
         np.testing.assert_allclose(value, theirs[name], rtol=2e-4, atol=2e-6, err_msg=name)
@@ -75,7 +77,7 @@ def test_which_groups_are_weak(key: str, strong: bool) -> None:
     answers = []
     for each in (groups, changed):
         cell, edge = reference_cell(each)
-        answers.append(dimensionless(solve_cell(cell, edge, ANGLES), cell))
+        answers.append(dimensionless(cell, edge))
     change = [abs(answers[1][name].mean() / answers[0][name].mean() - 1.0) for name in ("curl", "bending")]
     assert (max(change) > 0.05) if strong else (0.0 < max(change) < 0.02)
 

@@ -1,0 +1,104 @@
+"""Ways to interpolate the scattered cells of the universal law, compared on cells that they have not seen.
+
+    python -m benchmarks.universal_interpolation
+
+Each way is fitted to four fifths of the cells that are spread over the whole range, five times, and tested on the rest.
+Kriging is compared with the radial functions of scipy and with a polynomial chaos of total degree 3. The lengths of
+kriging scale the coordinates of one of the radial functions.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+
+from benchmarks.report import markdown, write_report
+from equilibrium.arrays import Floats
+from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
+from homogenize.universal.groups import GROUP_KEYS
+from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.law_errors import ERROR_FLOORS
+from homogenize.universal.universal_law import from_smooth, kriging_places, to_smooth
+from homogenize.universal.universal_law_file import load_universal_law
+
+FOLDS = 5
+DEGREE = 3
+SHARES = (50, 95)
+COMPARED = ("lam_n", "kappa", "bending")
+# from places and arm lengths of known cells and their values to the values at other places
+Way = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
+
+
+def kriging(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
+    lengths, noise = likely_lengths(places, arms, values)
+    return Kriging.through(places, arms, values[:, None], lengths, noise).values(asked, asked_arms)[:, 0]
+
+
+def radial(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
+    return np.asarray(RBFInterpolator(places, values / arms, kernel="cubic")(asked) * asked_arms)
+
+
+def scaled_radial(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
+    lengths, _ = likely_lengths(places, arms, values)
+    return radial(places / lengths, arms, values, asked / lengths, asked_arms)
+
+
+def polynomial_chaos(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
+    known, new = _monomials(places), _monomials(asked)
+    return np.asarray(new @ np.linalg.lstsq(known, values / arms, rcond=None)[0] * asked_arms)
+
+
+def _monomials(places: Floats) -> Floats:
+    """(n, M) products of at most `DEGREE` centred coordinates; least squares do not depend on their basis."""
+    x = np.column_stack([np.ones(len(places)), 2.0 * places - 1.0])
+    return np.column_stack(
+        [np.prod(x[:, list(chosen)], axis=1) for chosen in combinations_with_replacement(range(x.shape[1]), DEGREE)]
+    )
+
+
+WAYS: dict[str, Way] = {
+    "kriging (Matern 5/2)": kriging,
+    "RBFInterpolator, cubic": radial,
+    "the same, scaled by the lengths": scaled_radial,
+    "polynomial chaos of degree 3": polynomial_chaos,
+}
+
+
+def main() -> None:
+    law = load_universal_law()
+    groups, rows = law.groups[law.spread], law.rows[law.spread]
+    smooth, places, arms = to_smooth(rows, groups), kriging_places(groups), groups[:, GROUP_KEYS.index("arm")]
+    fold = np.random.default_rng(0).permutation(len(rows)) % FOLDS
+    separated = np.abs(rows[:, QUANTITY_NAMES.index("kappa")]) <= MAX_SEPARATED_CURL
+    lines, results = [], []
+    for name, way in WAYS.items():
+        begin, given = time.perf_counter(), smooth.copy()
+        for column in (QUANTITY_NAMES.index(quantity) for quantity in COMPARED):
+            for number in range(FOLDS):
+                test = fold == number
+                given[test, column] = way(places[~test], arms[~test], smooth[~test, column], places[test], arms[test])
+        values = from_smooth(given, groups)
+        cells = [name]
+        result: dict[str, Any] = {"way": name, "cells": int(separated.sum())}
+        for quantity in COMPARED:
+            n = QUANTITY_NAMES.index(quantity)
+            size = np.maximum(np.abs(rows[:, n]), ERROR_FLOORS.get(quantity, 0.0))
+            percent = (100.0 * np.abs(values[:, n] - rows[:, n]) / size)[separated]
+            shares = np.percentile(percent, SHARES).tolist()
+            result[quantity] = shares
+            cells.append(" / ".join(f"{share:.2f}" for share in shares))
+        result["seconds"] = time.perf_counter() - begin
+        results.append(result)
+        lines.append([*cells, f"{result['seconds']:.0f}"])
+    text = markdown(["", *(f"{name}: median / 95 %" for name in COMPARED), "s"], lines)
+    write_report("universal_interpolation", results, text)
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

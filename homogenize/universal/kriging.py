@@ -1,0 +1,150 @@
+"""Interpolation of scattered cells: kriging with a Matern kernel, one length for each coordinate.
+
+The function is a sum of kernels about the cells (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
+eqs. 2.25, 4.17 and 5.12). Every kernel carries the factor `u(x) u(x')`, with the arm length u. So the function is
+exactly zero for stars without arms, the bare fabric. The lengths and the noise maximise the likelihood of the cells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, lapack
+from scipy.optimize import minimize
+
+from equilibrium.arrays import Floats
+
+# bounds of the lengths, in coordinates from 0 to 1, and of the noise over the variance
+LENGTH_BOUNDS = (0.1, 30.0)
+NOISE_BOUNDS = (1e-8, 1.0)
+FIRST_LENGTH = 1.5
+FIRST_NOISE = 1e-3
+MAX_LIKELIHOOD_STEPS = 80
+# cells that the lengths are fitted to; time grows with the third power
+MAX_LIKELIHOOD_CELLS = 800
+# seed of the choice of these cells
+_CHOICE_SEED = 0
+
+
+@dataclass(frozen=True)
+class Kriging:
+    """C functions of G coordinates that share their lengths.
+
+    Attributes
+    ----------
+    places : (n, G) coordinates of the cells.
+    factors : (n,) u, arm lengths of the cells.
+    lengths : (G,) lengths of the kernel.
+    noise : variance of the cells' scatter over that of the kernel.
+    weights : (n, C).
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 1.0, 9)[:, None]
+    >>> line = Kriging.through(x, np.ones(9), 3.0 * x - 1.0, np.array([1.0]), 1e-8)
+    >>> value, slope = line(np.array([[0.43]]), np.ones(1), np.zeros((1, 1)))
+    >>> value.round(3), slope.round(2)
+    (array([[0.29]]), array([[[3.]]]))
+    """
+
+    places: Floats
+    factors: Floats
+    lengths: Floats
+    noise: float
+    weights: Floats
+
+    @classmethod
+    def through(cls, places: Floats, factors: Floats, values: Floats, lengths: Floats, noise: float) -> Kriging:
+        """The functions through (n, C) values, apart from the noise."""
+        matrix = _matrix(places, factors, lengths, noise)
+        return cls(places, factors, lengths, noise, cho_solve(cho_factor(matrix, lower=True), values))
+
+    def values(self, places: Floats, factors: Floats) -> Floats:
+        """(N, C) at places (N, G) with arm lengths (N,)."""
+        kernel, _ = _kernel(places, self.places, self.lengths)
+        return np.asarray(factors[:, None] * (kernel @ (self.factors[:, None] * self.weights)))
+
+    def __call__(self, places: Floats, factors: Floats, factor_slopes: Floats) -> tuple[Floats, Floats]:
+        """Values (N, C) and derivatives by the coordinates (N, G, C).
+
+        Parameters
+        ----------
+        factor_slopes : (N, G) derivatives of the arm length by the coordinates.
+        """
+        kernel, scaled = _kernel(places, self.places, self.lengths)
+        rows = self.factors[:, None] * self.weights
+        bare = kernel @ rows
+        # dk/dx = -(5/3) (1 + r) exp(-r) (x - x')/length^2
+        fall = -(5.0 / 3.0) * (1.0 + scaled) * np.exp(-scaled)
+        slopes = np.empty((len(places), places.shape[1], rows.shape[1]))
+        weighted = fall @ rows
+        for axis, length in enumerate(self.lengths):
+            inner = places[:, axis, None] * weighted - fall @ (self.places[:, axis, None] * rows)
+            slopes[:, axis] = factors[:, None] * inner / length**2 + factor_slopes[:, axis, None] * bare
+        return factors[:, None] * bare, slopes
+
+    def left_out(self, values: Floats) -> Floats:
+        """(n, C) what the other cells give at each cell, with the lengths of all; `values` are those of the cells."""
+        inverse = np.linalg.inv(_matrix(self.places, self.factors, self.lengths, self.noise))
+        return np.asarray(values - self.weights / np.diag(inverse)[:, None])
+
+
+def likely_lengths(places: Floats, factors: Floats, values: Floats) -> tuple[Floats, float]:
+    """Lengths (G,) and noise that make the values (n,) most likely. Equal cells give equal numbers.
+
+    Of more than `MAX_LIKELIHOOD_CELLS` cells a random choice is used.
+    """
+    count = places.shape[1]
+    chosen = np.random.default_rng(_CHOICE_SEED).permutation(len(values))[:MAX_LIKELIHOOD_CELLS]
+    start = np.log([*[FIRST_LENGTH] * count, FIRST_NOISE])
+    bounds = [tuple(np.log(LENGTH_BOUNDS))] * count + [tuple(np.log(NOISE_BOUNDS))]
+    best = minimize(
+        _negative_log_likelihood,
+        start,
+        args=(places[chosen], factors[chosen], values[chosen]),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=bounds,
+        options={"maxiter": MAX_LIKELIHOOD_STEPS},
+    ).x
+    return np.exp(best[:-1]), float(np.exp(best[-1]))
+
+
+def _kernel(places: Floats, others: Floats, lengths: Floats) -> tuple[Floats, Floats]:
+    """Matern kernel (N, n) with two derivatives, and its argument `r = sqrt(5) |x - x'|` in scaled coordinates."""
+    a, b = places / lengths, others / lengths
+    squares = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2.0 * a @ b.T
+    scaled = np.sqrt(5.0 * np.maximum(squares, 0.0))
+    return (1.0 + scaled + scaled**2 / 3.0) * np.exp(-scaled), scaled
+
+
+def _matrix(places: Floats, factors: Floats, lengths: Floats, noise: float) -> Floats:
+    kernel, _ = _kernel(places, places, lengths)
+    return np.asarray(factors[:, None] * factors * kernel + noise * np.eye(len(places)))
+
+
+def _negative_log_likelihood(
+    logarithms: Floats, places: Floats, factors: Floats, values: Floats
+) -> tuple[float, Floats]:
+    """Minus the logarithm of the likelihood with the best variance, and its gradient by the logarithms."""
+    lengths, noise, n = np.exp(logarithms[:-1]), float(np.exp(logarithms[-1])), len(values)
+    kernel, scaled = _kernel(places, places, lengths)
+    both = factors[:, None] * factors
+    low, failed = lapack.dpotrf(both * kernel + noise * np.eye(n), lower=1)
+    if failed:
+        return 1e10, np.zeros_like(logarithms)
+    half = np.tril(lapack.dpotri(low, lower=1)[0])
+    inverse = half + np.tril(half, -1).T
+    weights = inverse @ values
+    variance = float(values @ weights) / n
+    loss = 0.5 * n * np.log(variance) + np.log(np.diag(low)).sum()
+    spread = inverse - np.outer(weights, weights) / variance
+    base = spread * both * (5.0 / 3.0) * (1.0 + scaled) * np.exp(-scaled)
+    rows = base.sum(axis=1)
+    gradient = np.empty_like(logarithms)
+    for axis, length in enumerate(lengths):
+        x = places[:, axis] / length
+        gradient[axis] = rows @ x**2 - x @ base @ x
+    gradient[-1] = 0.5 * noise * np.trace(spread)
+    return float(loss), gradient

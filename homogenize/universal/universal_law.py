@@ -1,0 +1,215 @@
+"""The universal law: dimensionless responses of unit cells as smooth functions of their dimensionless groups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from equilibrium.arrays import Bools, Floats, Ints
+from homogenize.errors import CampaignError
+from homogenize.law.law_table import QUANTITY_NAMES, SMALL_CURL
+from homogenize.universal.cell_rows import WAVE_NAMES
+from homogenize.universal.groups import (
+    GROUP_KEYS,
+    GROUPS,
+    MAX_ARM_CURL,
+    MIN_FABRIC_TO_EDGE,
+    arm_curl,
+    coordinates_of_groups,
+    mismatch,
+)
+from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.solved_cells import SolvedCells
+
+_POISSON = 0.3
+# on equilateral triangles the paper's hinges are three times as stiff as the plate
+_HINGES_OVER_PLATE = 3.0
+# fewer usable cells give no law
+MIN_CELLS = 40
+# of a coordinate: rounding at the limits of the groups
+LIMIT_TOLERANCE = 1e-6
+# arm length over spacing, below which arms count as so long in the slenderness: shorter ones change little
+MIN_SLENDER_ARM = 0.05
+_Q = len(QUANTITY_NAMES)
+_ARM, _STRETCH, _BENDING, _FABRIC, _EDGE = (
+    GROUP_KEYS.index(key) for key in ("arm", "stretch", "bending", "fabric", "edge")
+)
+
+
+@dataclass(frozen=True)
+class UniversalLaw:
+    """The law and the cells that it goes through.
+
+    Attributes
+    ----------
+    cells : all solved cells, also those without an answer.
+    parts : for each quantity its interpolation, and one for all waves ("waves").
+    left_out : (n, Q) quantities that the law would give at each cell that it goes through without that cell; the
+        lengths of the interpolation are those of all cells.
+    spread_count : so many of the cells, the first ones, are spread evenly over the range.
+    made : versions, command and machine.
+    """
+
+    cells: SolvedCells
+    parts: dict[str, Kriging]
+    left_out: Floats
+    spread_count: int
+    made: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def groups(self) -> Floats:
+        """(n, G) groups of the cells that the law goes through."""
+        return self.cells.groups[self.cells.usable]
+
+    @cached_property
+    def rows(self) -> Floats:
+        """(n, R) their dimensionless responses."""
+        return self.cells.rows[self.cells.usable]
+
+    @cached_property
+    def spread(self) -> Bools:
+        """(n,) which of the cells that the law goes through are spread evenly over the range."""
+        return np.asarray(np.flatnonzero(self.cells.usable) < self.spread_count)
+
+    def __call__(self, groups: Floats) -> Floats:
+        """(N, Q + 2 W) quantities of `law_table.QUANTITY_NAMES` and amplitudes of the waves, for groups (N, G).
+
+        The values are dimensionless, see `cell_rows`. For stars without arms they are those of the bare fabric.
+        """
+        places, arms = kriging_places(groups), groups[:, _ARM]
+        stored = np.column_stack([self.parts[name].values(places, arms) for name in self.parts])
+        return from_smooth(stored, groups)
+
+    def covers(self, groups: Floats) -> Bools:
+        """(N,) whether groups (N, G) are inside the range, and the nearest of all solved cells can make the law."""
+        nearest = self._tree.query(self._scaled(groups))[1]
+        return np.asarray(within_limits(groups).all(axis=1) & self.cells.usable[nearest])
+
+    def nearest_cells(self, groups: Floats, count: int) -> Ints:
+        """(N, count) numbers of the cells of the law nearest to groups (N, G), in the lengths of its curvature."""
+        tree = cKDTree(self._scaled(self.groups))
+        return np.reshape(tree.query(self._scaled(groups), min(count, len(self.groups)))[1], (len(groups), -1))
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self._scaled(self.cells.groups))
+
+    def _scaled(self, groups: Floats) -> Floats:
+        return kriging_places(np.nan_to_num(groups)) / self.parts["kappa"].lengths
+
+
+def universal_law(
+    cells: SolvedCells,
+    spread_count: int,
+    made: dict[str, Any] | None = None,
+    report: Callable[[str], None] | None = None,
+) -> UniversalLaw:
+    """The law through cells. Equal cells give equal numbers.
+
+    Parameters
+    ----------
+    spread_count, made : see `UniversalLaw`.
+    report : called with the name of each quantity.
+
+    Raises
+    ------
+    CampaignError
+        Too few cells have an answer.
+    """
+    usable = cells.usable
+    if usable.sum() < MIN_CELLS:
+        raise CampaignError(f"the universal law needs {MIN_CELLS} cells with an answer, and has {usable.sum()}")
+    groups = cells.groups[usable]
+    smooth, columns = to_smooth(cells.rows[usable], groups), _columns()
+    places, arms = kriging_places(groups), groups[:, _ARM]
+    parts, left_out = {}, []
+    for name, own in columns.items():
+        if report is not None:
+            report(name)
+        lead = own[int(np.argmax(np.std(smooth[:, own], axis=0)))]  # waves share the lengths of the largest one
+        lengths, noise = likely_lengths(places, arms, smooth[:, lead])
+        parts[name] = Kriging.through(places, arms, smooth[:, own], lengths, noise)
+        left_out.append(parts[name].left_out(smooth[:, own]))
+    quantities = from_smooth(np.hstack(left_out), groups)[:, :_Q]
+    return UniversalLaw(cells, parts, quantities, spread_count, made or {})
+
+
+def kriging_places(groups: Floats) -> Floats:
+    """(N, G) coordinates that the law is interpolated over, of groups (N, G).
+
+    The bending number is divided by the mismatch of the metrics and by the square of the arm's length, as the load of
+    a slender arm over its buckling load is: arms of all lengths and stretches then begin to curl at similar places.
+    """
+    arms = np.maximum(groups[:, _ARM], MIN_SLENDER_ARM)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        places = coordinates_of_groups(groups)
+        low, high = GROUPS[_BENDING].limits
+        places[:, _BENDING] -= np.log(mismatch(groups[:, _STRETCH]) * arms**2) / np.log(high / low)
+    return np.nan_to_num(places, neginf=0.0, posinf=1.0)
+
+
+def within_limits(groups: Floats) -> Bools:
+    """(N, G) whether groups (N, G) are inside their limits; bare fabric (arm 0) is inside, and its couple is free."""
+    with np.errstate(invalid="ignore"):
+        places = coordinates_of_groups(groups)
+        within = (places >= -LIMIT_TOLERANCE) & (places <= 1.0 + LIMIT_TOLERANCE)
+        within[:, _BENDING] &= arm_curl(groups) <= MAX_ARM_CURL * (1.0 + LIMIT_TOLERANCE)
+        within[:, _EDGE] &= groups[:, _FABRIC] >= MIN_FABRIC_TO_EDGE * groups[:, _EDGE] * (1.0 - LIMIT_TOLERANCE)
+    within[:, _ARM] |= groups[:, _ARM] == 0.0
+    return within
+
+
+def bare_quantities(groups: Floats) -> Floats:
+    """(N, Q) dimensionless quantities of the bare fabric: stretched by the print, flat, with the hinges of the paper.
+
+    Moduli refer to areas and strains of the print, so powers of the stretch enter.
+    """
+    stretch, plate = groups[:, _STRETCH], groups[:, _FABRIC]
+    zero = np.zeros(len(groups))
+    a11 = stretch**2 / (1.0 - _POISSON**2)
+    bare = {
+        "lam": 1.0 / stretch,
+        "lam_n": 1.0 / stretch,
+        "bending": _HINGES_OVER_PLATE * plate**2 / (12.0 * (1.0 - _POISSON**2) * stretch**2),
+        "a11": a11,
+        "a12": _POISSON * a11,
+    }
+    return np.column_stack([bare.get(name, zero) for name in QUANTITY_NAMES])
+
+
+def to_smooth(rows: Floats, groups: Floats) -> Floats:
+    """(N, Q + 2 W) what is interpolated, of rows (N, R): zero for the bare fabric, and smooth over the range."""
+    bare = bare_quantities(groups)
+    values = {name: rows[:, n] for n, name in enumerate(QUANTITY_NAMES)}
+    base = {name: bare[:, n] for n, name in enumerate(QUANTITY_NAMES)}
+    smooth = {name: np.log(values[name] / base[name]) for name in ("lam", "lam_n", "bending", "a11")}
+    smooth["kappa"] = np.arcsinh(values["kappa"] / SMALL_CURL)
+    smooth["a12"] = (values["a12"] - base["a12"]) / base["a11"]
+    smooth["c3"] = values["c3"] / values["bending"]
+    smooth["offset_mm"] = values["offset_mm"]
+    waves = rows[:, _Q : _Q + len(WAVE_NAMES)]
+    return np.column_stack([*(smooth[name] for name in QUANTITY_NAMES), waves])
+
+
+def from_smooth(smooth: Floats, groups: Floats) -> Floats:
+    """The inverse of `to_smooth`."""
+    bare = bare_quantities(groups)
+    stored = {name: smooth[:, n] for n, name in enumerate(QUANTITY_NAMES)}
+    base = {name: bare[:, n] for n, name in enumerate(QUANTITY_NAMES)}
+    values = {name: base[name] * np.exp(stored[name]) for name in ("lam", "lam_n", "bending", "a11")}
+    values["kappa"] = SMALL_CURL * np.sinh(stored["kappa"])
+    values["a12"] = base["a12"] + base["a11"] * stored["a12"]
+    values["c3"] = stored["c3"] * values["bending"]
+    values["offset_mm"] = stored["offset_mm"]
+    return np.column_stack([*(values[name] for name in QUANTITY_NAMES), smooth[:, _Q:]])
+
+
+def _columns() -> dict[str, list[int]]:
+    """The columns of each part of the law, of the array of `to_smooth`."""
+    columns = {name: [number] for number, name in enumerate(QUANTITY_NAMES)}
+    return columns | {"waves": list(range(_Q, _Q + len(WAVE_NAMES)))}

@@ -1,0 +1,140 @@
+"""The campaign of the universal law, the law through its cells, its errors and its file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from homogenize.campaign.campaign import CampaignProgress
+from homogenize.errors import CampaignError, LawError
+from homogenize.law.law_table import QUANTITY_NAMES
+from homogenize.universal.groups import GROUP_KEYS, arm_curl
+from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.law_errors import left_out_errors
+from homogenize.universal.spread_cells import spread_groups
+from homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
+from homogenize.universal.universal_law import UniversalLaw, bare_quantities, from_smooth, to_smooth
+from homogenize.universal.universal_law_file import load_universal_law, universal_law_bytes
+from tests.homogenize import same_process
+from tests.homogenize.universal import answers
+
+PLAN = UniversalPlan(spread=70, rounds=1, refined=10)
+
+
+@pytest.fixture(autouse=True)
+def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("homogenize.universal.solved_cells.local_workers", same_process.workers)
+
+
+@pytest.fixture(scope="module")
+def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr("homogenize.universal.solved_cells.local_workers", same_process.workers)
+        return run_universal_campaign(PLAN, tmp_path_factory.mktemp("campaign"), solve=answers.solve)
+
+
+def test_an_interrupted_campaign_gives_the_same_law(law: UniversalLaw, tmp_path: Path) -> None:
+    def stop(progress: CampaignProgress) -> None:
+        if progress.done == 40:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_universal_campaign(PLAN, tmp_path, solve=answers.solve, report=stop)
+    assert len(list(tmp_path.iterdir())) == 40
+    done: list[int] = []
+    resumed = run_universal_campaign(
+        PLAN, tmp_path, solve=answers.solve, report=lambda progress: done.append(progress.done)
+    )
+    assert done[0] == 40
+    assert [part.weights.tobytes() for part in resumed.parts.values()] == [
+        part.weights.tobytes() for part in law.parts.values()
+    ]
+
+
+def test_a_longer_campaign_goes_on_from_a_law(law: UniversalLaw, tmp_path: Path) -> None:
+    done: list[int] = []
+    longer = run_universal_campaign(
+        UniversalPlan(spread=90), tmp_path, law, solve=answers.solve, report=lambda progress: done.append(progress.done)
+    )
+    assert done[0] == 70 and len(longer.cells) == 90
+    assert np.array_equal(longer.cells.groups[:70], law.cells.groups[:70])
+
+
+def test_cells_of_other_code_are_refused(law: UniversalLaw, tmp_path: Path) -> None:
+    old = UniversalLaw(law.cells, law.parts, law.left_out, law.spread_count, {**law.made, "code": "old"})
+    run_universal_campaign(UniversalPlan(spread=70), tmp_path, old, solve=answers.solve)
+    with pytest.raises(CampaignError, match="other answers"):
+        run_universal_campaign(UniversalPlan(spread=70), tmp_path, old, solve=answers.other_code)
+
+
+def test_too_few_answers_give_no_law(tmp_path: Path) -> None:
+    with pytest.raises(CampaignError, match="needs 40 cells with an answer, and has 0"):
+        run_universal_campaign(UniversalPlan(spread=50), tmp_path, solve=answers.fails)
+
+
+def test_the_law_follows_cells_that_it_has_not_seen(law: UniversalLaw) -> None:
+    groups = spread_groups(60, seed=7)
+    groups = groups[law.covers(groups)]
+    cells = np.array([(answers.solve(row)[0] or {})["row"] for row in groups.tolist()])[:, : len(QUANTITY_NAMES)]
+    given = law(groups)[:, : len(QUANTITY_NAMES)]
+    lam, bending = QUANTITY_NAMES.index("lam_n"), QUANTITY_NAMES.index("bending")
+    assert np.median(np.abs(given / cells - 1.0)[:, [lam, bending]], axis=0).max() < 0.01
+    table = left_out_errors(law).table()
+    assert 0.0 < table["lam_n"][0] < 1.0 and table["kappa"][0] < 30.0
+
+
+def test_left_out_values_are_those_of_a_law_without_the_cell() -> None:
+    rng = np.random.default_rng(0)
+    places, arms = rng.random((30, 3)), 0.2 + rng.random(30)
+    values = arms * np.sin(3.0 * places[:, 0] + places[:, 1])
+    lengths, noise = likely_lengths(places, arms, values)
+    whole = Kriging.through(places, arms, values[:, None], lengths, noise)
+    without = Kriging.through(places[1:], arms[1:], values[1:, None], lengths, noise)
+    np.testing.assert_allclose(whole.left_out(values[:, None])[0], without.values(places[:1], arms[:1])[0], rtol=1e-6)
+
+
+def test_kriging_has_the_derivatives_of_its_values() -> None:
+    rng = np.random.default_rng(1)
+    places, arms = rng.random((25, 3)), 0.2 + rng.random(25)
+    law = Kriging.through(places, arms, rng.normal(size=(25, 2)), np.array([0.7, 1.2, 2.0]), 1e-6)
+    asked, slope = rng.random((4, 3)), np.tile([0.0, 0.0, 1.0], (4, 1))
+    _, slopes = law(asked, 0.3 + asked[:, 2], slope)
+    for axis in range(3):
+        step = 1e-6 * np.eye(3)[axis]
+        ends = [law.values(asked + sign * step, 0.3 + (asked + sign * step)[:, 2]) for sign in (-1.0, 1.0)]
+        np.testing.assert_allclose(slopes[:, axis], (ends[1] - ends[0]) / 2e-6, rtol=1e-5, atol=1e-5)
+
+
+def test_stars_without_arms_are_bare_fabric(law: UniversalLaw) -> None:
+    groups = spread_groups(5, seed=3)
+    groups[:, GROUP_KEYS.index("arm")] = 0.0
+    np.testing.assert_array_equal(law(groups)[:, : len(QUANTITY_NAMES)], bare_quantities(groups))
+
+
+def test_smooth_forms_go_back() -> None:
+    groups = spread_groups(20, seed=4)
+    rows = np.array([(answers.solve(row)[0] or {})["row"] for row in groups.tolist()])
+    back = from_smooth(to_smooth(rows, groups), groups)
+    np.testing.assert_allclose(back, rows[:, : back.shape[1]], rtol=1e-10, atol=1e-14)
+
+
+def test_cells_are_spread_with_whole_arms() -> None:
+    groups = spread_groups(300)
+    arm, edge, fabric = (groups[:, GROUP_KEYS.index(key)] for key in ("arm", "edge", "fabric"))
+    np.testing.assert_allclose(np.rint(arm / edge), arm / edge, atol=1e-6)
+    assert (arm_curl(groups) <= 3.0).all() and (fabric / edge >= 0.45 - 1e-9).all()
+    assert np.array_equal(spread_groups(20), groups[:20]) and not np.array_equal(spread_groups(20, 1), groups[:20])
+
+
+def test_the_file_holds_the_law(law: UniversalLaw, tmp_path: Path) -> None:
+    path = tmp_path / "universal.npz"
+    path.write_bytes(universal_law_bytes(law))
+    read = load_universal_law(path)
+    groups = spread_groups(10, seed=5)
+    np.testing.assert_array_equal(read(groups), law(groups))
+    assert read.cells.problems == law.cells.problems and read.made == law.made
+    path.write_bytes(path.read_bytes()[:-3000])
+    with pytest.raises(LawError, match="damaged"):
+        load_universal_law(path)
