@@ -22,7 +22,7 @@ from equilibrium.arrays import Floats
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from homogenize.universal.groups import GROUP_KEYS
 from homogenize.universal.kriging import Kriging, likely_lengths
-from homogenize.universal.law_errors import ERROR_FLOORS
+from homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS
 from homogenize.universal.universal_law import from_smooth, kriging_places, to_smooth
 from homogenize.universal.universal_law_file import load_universal_law
 
@@ -87,7 +87,7 @@ def main() -> None:
         result: dict[str, Any] = {"way": name, "cells": int(separated.sum())}
         for quantity in COMPARED:
             n = QUANTITY_NAMES.index(quantity)
-            size = np.maximum(np.abs(rows[:, n]), ERROR_FLOORS.get(quantity, 0.0))
+            size = np.maximum(np.abs(rows[:, n]), DIMENSIONLESS_ERROR_FLOORS.get(quantity, 0.0))
             percent = (100.0 * np.abs(values[:, n] - rows[:, n]) / size)[separated]
             shares = np.percentile(percent, SHARES).tolist()
             result[quantity] = shares

@@ -12,7 +12,7 @@ from homogenize.universal.universal_law import UniversalLaw
 
 # An error is relative to the value of the cell, or to this value if that is larger. Values are dimensionless. The floor
 # of the curvature is a fiftieth over the spacing: a sheet of 10 stars across then rises by a fortieth of its diameter.
-ERROR_FLOORS = {"kappa": 0.02, "a12": 0.05, "c3": 2e-4, "offset_mm": 0.005}
+DIMENSIONLESS_ERROR_FLOORS = {"kappa": 0.02, "a12": 0.05, "c3": 2e-4, "offset_mm": 0.005}
 SHARES_PERCENT = (50, 95, 99)
 _KAPPA = QUANTITY_NAMES.index("kappa")
 
@@ -45,6 +45,6 @@ class LeftOutErrors:
 def left_out_errors(law: UniversalLaw) -> LeftOutErrors:
     """The errors of the law at each of its cells if it goes through all others."""
     cells, given = law.rows[:, : len(QUANTITY_NAMES)], law.left_out
-    floors = np.array([ERROR_FLOORS.get(name, 0.0) for name in QUANTITY_NAMES])
+    floors = np.array([DIMENSIONLESS_ERROR_FLOORS.get(name, 0.0) for name in QUANTITY_NAMES])
     percent = 100.0 * np.abs(given - cells) / np.maximum(np.abs(cells), floors)
     return LeftOutErrors(percent, np.abs(cells[:, _KAPPA]) <= MAX_SEPARATED_CURL, law.spread)

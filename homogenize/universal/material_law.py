@@ -30,7 +30,7 @@ NODE_COUNTS = (16, 9, 5)
 SIZE_MARGIN = 1.35
 # cells whose left-out errors give the error at a star
 NEAREST_CELLS = 12
-CHECKED_QUANTITIES = ("lam_n", "kappa", "bending")
+STATED_QUANTITIES = ("lam_n", "kappa", "bending")
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class UniversalLawErrors:
 
     Attributes
     ----------
-    percent : (S, 3) rms of `CHECKED_QUANTITIES` for each star.
+    percent : (S, 3) rms of `STATED_QUANTITIES` for each star.
     covered : (S,) the star is in the range of the universal law.
     outside : why the first star that is not covered is outside; empty if all are.
     """
@@ -50,10 +50,10 @@ class UniversalLawErrors:
 
     @property
     def typical_percent(self) -> dict[str, float]:
-        """Rms over the covered stars, for each of `CHECKED_QUANTITIES`."""
+        """Rms over the covered stars, for each of `STATED_QUANTITIES`."""
         known = self.percent[self.covered]
-        rms = np.sqrt((known**2).mean(axis=0)) if len(known) else np.full(len(CHECKED_QUANTITIES), np.inf)
-        return dict(zip(CHECKED_QUANTITIES, map(float, rms), strict=True))
+        rms = np.sqrt((known**2).mean(axis=0)) if len(known) else np.full(len(STATED_QUANTITIES), np.inf)
+        return dict(zip(STATED_QUANTITIES, map(float, rms), strict=True))
 
 
 def check_common(design: Design) -> None:
@@ -82,7 +82,7 @@ def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_
     covered = law.covers(groups)
     errors = left_out_errors(law)
     near = law.nearest_cells(groups, NEAREST_CELLS)
-    columns = [QUANTITY_NAMES.index(name) for name in CHECKED_QUANTITIES]
+    columns = [QUANTITY_NAMES.index(name) for name in STATED_QUANTITIES]
     weight = errors.separated[near][..., None].astype(float)
     total = np.maximum(weight.sum(axis=1), 1.0)
     percent = np.sqrt((weight * errors.percent[near][:, :, columns] ** 2).sum(axis=1) / total)
