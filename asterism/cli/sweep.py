@@ -89,4 +89,7 @@ def sweep(
         stop(f"interrupted; finished designs are in {folder}, and the same command continues from there", 130)
     run.table(result.summary.table(), doubts=result.doubts)
     run.files(directory, files)
-    return NO_ANSWER if result.failed == len(result.points) else 0
+    if result.failed < len(result.points):
+        return 0
+    run.warn("no design has a shape; the column problem of sweep.csv has the reasons")
+    return NO_ANSWER

@@ -129,10 +129,13 @@ def _distance(first: ComparedDesign, other: ComparedDesign) -> float | None:
         return None
     if np.abs(one.outline - two.outline).max() > SAME_OUTLINE_MM or len(one.holes) + len(two.holes) > 0:
         return None
-    design = first.job.drawn
-    same = symmetries(design, one)
-    comparison = compare_shapes(first.shape, other.shape, one, same, design.gravity.pull)
-    return 0.01 * comparison.rms_percent * comparison.diameter_mm
+    # the stars of the two may differ in number: each print is turned by its own symmetries
+    own, firsts = symmetries(other.job.drawn, two), symmetries(first.job.drawn, one)
+    pull = first.job.drawn.gravity.pull
+    comparisons = [compare_shapes(first.shape, other.shape, one, own, pull)]
+    if len(firsts) > len(own):
+        comparisons.append(compare_shapes(other.shape, first.shape, two, firsts, pull))
+    return min(0.01 * each.rms_percent * each.diameter_mm for each in comparisons)
 
 
 def _headings(names: Sequence[str]) -> list[str]:

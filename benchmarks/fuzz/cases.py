@@ -24,6 +24,28 @@ ODD_OPTIONS = (
     "\u661f", "none.toml", "design.json", "out", "prusa-mk4", "ender-3", "pla", "mm", "cm", "in", "auto", "up", "down",
     "paper", "consistent", "none", "timoshenko", "zero", "per-thickness", "superlu", "amg", "flat", "bump", "above",
 )  # fmt: skip
+# parameters of sweeps that some designs can have, entries, and values
+SWEPT = (
+    "stars.length_mm=6,8", "stars.length_mm=5:14:3", "stars.thickness_mm=0.3:0.5:3", "stars.thickness_mm=0.2:0.6",
+    "stars.width_mm=0.8,2", "border.rings=1,2", "border.rings=0:2", "fabric.stretch=1.35,1.75", "gravity.on=true,false",
+    "pins.0.scale=0.5:0.95:3", "pins.0.step=0:1", "mesh.edge_mm=4,6", "lattice.spacing_mm=15:20:2", "solver.seed=1:9",
+    "fabric.bending=paper,none", "stars.length_mm.from=6:12:3", "stars.override.0.thickness_mm=0.3,0.6",
+    "border.polygon_mm.0.0=-30:-20:2", "border.star_margin_mm=2:9", "lattice.orientation_deg=0:90:3",
+    'stars.length_mm=7,{"profile": "radial", "from": 9, "to": 5, "over_mm": 60}',
+)  # fmt: skip
+SWEPT_PATHS = (
+    "stars.length_mm", "stars.thickness_mm", "stars.width_mm", "stars.length_mm.from", "stars.override.0.thickness_mm",
+    "stars.override[0].remove", "border.rings", "border.polygon_mm.0.1", "pins.0.scale", "pins.1.step", "pins.0.where",
+    "pins", "fabric.stretch", "fabric.thickness_mm", "fabric.bending", "gravity.on", "solver.seed", "solver.start",
+    "mesh.edge_mm", "lattice.spacing_mm", "lattice.arms", "lattice", "name", "material.law", "stars.lenght_mm",
+    "stars", "", ".", "stars.", "stars..length_mm", "pins.9.scale", "pins.-1.scale", "\u661f",
+)  # fmt: skip
+SWEPT_VALUES = (
+    "0.3,0.4", "0.3:0.5:3", "0.3:0.5", "6:9:2", "1:3", "1:3:3", "1,2", "true,false", "paper,none", "flat,bump",
+    "nan:1:2", "0:inf:2", "1:2:1", "1:2:-1", "1:2:1e9", "1:2:100000", "1:1:2", "2:1", "1:2:3:4", ":", "::", ",",
+    "0.3,0.3", "0.3,", "x", "[1.3,1.4],1.35", "[[", '{"formula": "7+x/50"},8', '{"a"', "null", "1e308:1e309:2",
+    "-1:1:2", "1e-300,1e300", "0.3:0.4:2,0.5", "\u661f,\u2603", "none.npz,law.npz",
+)  # fmt: skip
 OPTIONS: dict[str, tuple[str, ...]] = {
     "preview": ("--side", "--law", "--material", "-o", "--strict", "--quiet"),
     "simulate": ("--edge", "--start", "--seed", "--fabric-bending", "--backend", "-o", "--material", "--strict"),
@@ -39,6 +61,8 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "law show": ("-o",),
     "new": ("-o",),
     "printers": (),
+    "sweep": ("--samples", "--seed", "--jobs", "--law", "--material", "-o", "--strict", "--quiet"),
+    "compare-designs": ("--printer", "--plastic", "--law", "--material", "-o", "--strict", "--quiet"),
 }  # fmt: skip
 FLAGS = ("--strict", "--quiet", "--no-border", "--outside")
 
@@ -167,6 +191,52 @@ def _profiles(rng: Rng, kit: Path, folder: Path) -> list[str]:
     return ["export", _design(rng, folder, intact=True), f"--{name}", f"{name}.toml"]
 
 
+def _sweeps(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    """A sweep of a few designs, whose parameters may be wrong."""
+    name = _design(rng, folder, intact=rng.random() < 0.8)
+    words = ["sweep", name, *(word for _ in range(int(rng.integers(1, 3))) for word in ("--vary", _varied(rng)))]
+    if rng.random() < 0.4:
+        words += ["--samples", pick(rng, ["2", "3", "5", "1", "0", "-1", "nan", "x", "20000"])]
+    if rng.random() < 0.2:
+        option = pick(rng, OPTIONS["sweep"][1:])
+        words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
+    if rng.random() < 0.1 and _exact_is_small(name, folder):
+        words.append("--exact")
+    return words
+
+
+def _varied(rng: Rng) -> str:
+    """Words of one parameter: mostly an entry of a design with values that it may have."""
+    if rng.random() < 0.5:
+        return str(pick(rng, SWEPT))
+    path = pick(rng, SWEPT_PATHS)
+    if rng.random() < 0.4:
+        base = pick(rng, [0.35, 1, 8.0])
+        values = pick(rng, ["{0},{1}", "{0}:{1}:2", "{0}:{1}:3", "{0}:{1}", "{0}", "{1}:{0}:2"])
+        text = values.format(base, pick(rng, [1.1, 1.5, 2]) * base)
+    else:
+        text = pick(rng, SWEPT_VALUES)
+    form: str = pick(rng, ["{}={}"] * 12 + ["{}", "={1}", "{} = {}", "{}=={}"])
+    return form.format(path, text)
+
+
+def _comparisons(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    """Two or three designs on one page."""
+    names = []
+    for number in range(int(rng.integers(2, 4))):
+        name = _design(rng, folder, intact=number > 0 and rng.random() < 0.7)
+        part = f"{number}-{name}"
+        (folder / name).rename(folder / part)
+        names.append(part)
+    words = ["compare-designs", *names]
+    if rng.random() < 0.3:
+        option = pick(rng, OPTIONS["compare-designs"])
+        words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
+    if rng.random() < 0.1 and all(_exact_is_small(name, folder) for name in names):
+        words.append("--exact")
+    return words
+
+
 def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
     command = pick(rng, OPTIONS)
     words = command.split()
@@ -177,6 +247,8 @@ def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
         "new": lambda: [pick(rng, ["tube", "dome", "nothing", ""])],
         "strips new": list,
         "printers": list,
+        "sweep": lambda: [_design(rng, folder, intact=True), "--vary", "stars.thickness_mm=0.3,0.4"],
+        "compare-designs": lambda: 2 * [_design(rng, folder, intact=True)],
     }
     words += inputs[command]() if command in inputs else [_design(rng, folder, intact=True)]
     for _ in range(int(rng.integers(1, 3))):
@@ -196,6 +268,8 @@ MAKERS: dict[str, Callable[[Rng, Path, Path], list[str]]] = {
     "drawing": _drawings,
     "shape": _shapes,
     "profile": _profiles,
+    "sweep": _sweeps,
+    "comparison": _comparisons,
     "option": _options,
 }
 # how often each kind comes
@@ -203,5 +277,5 @@ KINDS = (
     ["design"] * 8
     + ["option"] * 4
     + ["strips", "scan", "drawing"] * 2
-    + ["material", "law", "shape", "profile", "target"]
+    + ["material", "law", "shape", "profile", "target", "sweep", "comparison"]
 )

@@ -8,16 +8,19 @@ import sys
 import tempfile
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.fuzz.cases import Case, make_case
 from benchmarks.fuzz.judge import MAX_SECONDS, failures, files_in
 from benchmarks.fuzz.kit import make_kit
+from homogenize.campaign.workers import SubmitAll
 
-# pictures are drawn in one case of this many; in the others they are blank, since to draw one takes a second
-DRAWN_EVERY = 10
+# in one case of this many, pictures are drawn and sweeps have processes of their own; in the others pictures are blank
+# and sweeps compute in the process of the case, since a picture takes half a second and a new process seconds
+COMPLETE_EVERY = 10
 UNFORESEEN = 99
 
 
@@ -64,7 +67,9 @@ def _load_all() -> None:
     import asterism.measure.compare.compare
     import asterism.measure.strips.fit_strips
     import asterism.print.export
+    import asterism.reports.compare_designs
     import asterism.reports.design_report
+    import asterism.sweeps.run
     import asterism.verification.run  # noqa: F401
 
 
@@ -95,8 +100,9 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
             os.dup2(os.open(name, flags), descriptor)
         sys.stdout, sys.stderr = (os.fdopen(n, "w", errors="backslashreplace", closefd=False) for n in (1, 2))
         resource.setrlimit(resource.RLIMIT_CPU, (MAX_SECONDS, MAX_SECONDS + 5))
-        if case.number % DRAWN_EVERY:
+        if case.number % COMPLETE_EVERY:
             _draw_nothing()
+            _compute_here()
         sys.argv = ["asterism", *case.words]
         from asterism.cli.main import main
 
@@ -120,6 +126,17 @@ def _draw_nothing() -> None:
         Image.new("RGB", (8, 8)).save(path, format="png")  # type: ignore[arg-type]
 
     asterism.reports.write_results.draw_shape = blank
+
+
+def _compute_here() -> None:
+    """Let sweeps compute in this process."""
+    import asterism.sweeps.run
+
+    @contextmanager
+    def no_workers(jobs: int) -> Iterator[SubmitAll]:
+        yield lambda function, arguments: ((number, function(*given)) for number, given in enumerate(arguments))
+
+    asterism.sweeps.run.local_workers = no_workers
 
 
 def summary(outcomes: list[Outcome]) -> list[list[str]]:

@@ -50,6 +50,18 @@ def test_numbers_are_those_of_the_previews_and_prints(compared: tuple[DesignsCom
     assert all(key in shapes[0].summary for key in COMPARED_KEYS)
 
 
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_prints_with_one_outline_have_a_distance_whatever_stars_they_have(
+    order: tuple[int, int], tmp_path: Path
+) -> None:
+    fewer = {"length_mm": 8.0, "override": [{"site": [0, 1], "remove": True}]}
+    designs = [small(), small(stars=fewer)]
+    result = compare_designs([designs[number] for number in order], tmp_path / "page.html", names=["a", "b"])
+    stars_of = row(result, "stars").values
+    distance = result.designs[1].distance_mm
+    assert sorted(stars_of) == [6.0, 7.0] and distance is not None and 0.0 < distance < 5.0
+
+
 def test_differences_are_those_from_the_first(compared: tuple[DesignsComparison, str]) -> None:
     height = row(compared[0], "height")
     first, second, third = height.with_differences()

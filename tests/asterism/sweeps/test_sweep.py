@@ -194,6 +194,14 @@ def test_wrong_words_end_the_command_at_once(
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
 
 
+def test_a_sweep_without_a_shape_ends_with_1_and_a_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = command(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=30", "-q"], capsys, monkeypatch)
+    assert ended.status == 1
+    assert ended.line == "asterism: no design has a shape; the column problem of sweep.csv has the reasons"
+
+
 def test_many_designs_need_consent(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
