@@ -1,4 +1,4 @@
-"""`asterism law`: the content of a law."""
+"""`asterism law`: the content of a law, and the universal law."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
-app = typer.Typer(help="Show the content of a law.", invoke_without_command=True)
+app = typer.Typer(help="Show a law, or make the universal law of all fabrics.", invoke_without_command=True)
 
 
 @app.callback()
@@ -18,7 +18,7 @@ def _needs_a_command(context: typer.Context) -> None:
     from asterism.cli.common.mistake import Mistake
 
     if context.invoked_subcommand is None:
-        raise Mistake("law: needs a command, show")
+        raise Mistake("law: needs a command: show, errors or universal")
 
 
 @command
@@ -37,4 +37,67 @@ def show(
     run.lines(lines)
 
 
-app.command()(show)
+@command
+def errors(
+    run: Run,
+    path: Annotated[
+        Path | None, typer.Argument(help="File of a universal law (.npz). Without a file: the one of the package.")
+    ] = None,
+) -> None:
+    """Print the range of the universal law, and its errors at cells that are left out."""
+    from asterism.laws.universal import universal_law_lines
+
+    run.lines(universal_law_lines(path))
+
+
+@command
+def universal(
+    run: Run,
+    output: Annotated[Path, output_option("File of the law.")] = Path("universal.npz"),
+    cells: Annotated[int, typer.Option(min=64, max=100_000, help="Cells spread over the whole range.")] = 4000,
+    rounds: Annotated[int, typer.Option(min=0, max=20, help="Rounds of further cells where the law is worst.")] = 2,
+    refined: Annotated[int, typer.Option(min=1, max=10_000, help="Cells of each round.")] = 500,
+    start: Annotated[
+        Path | None, typer.Option("--from", help="Universal law whose cells are used again (default: the package's).")
+    ] = None,
+    afresh: Annotated[bool, typer.Option("--afresh", help="Solve all cells again.")] = False,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, max=1000, help="Number of processes (default: one per core).")
+    ] = None,
+    dask: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, instead of processes on this machine.")
+    ] = None,
+) -> None:
+    """Compute the universal law: one law for all fabrics, plastics, stretches and spacings.
+
+    The command continues an interrupted run: finished cells stay beside the law, in LAW.samples.
+    """
+    from asterism.cli.common.mistake import Mistake
+    from asterism.cli.common.stop import stop
+    from asterism.laws.calibrate import samples_folder
+    from asterism.laws.universal import make_universal_law, universal_law_lines
+    from homogenize.campaign.workers import default_jobs
+    from homogenize.universal.universal_campaign import UniversalPlan
+    from homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW
+
+    if output.suffix != ".npz":
+        raise Mistake(f"--output: {str(output)!r} must end with .npz")
+    if jobs is not None and dask is not None:
+        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+    if afresh and start is not None:
+        raise Mistake("--afresh: conflicts with --from")
+    begun = None if afresh else start or (PACKAGED_UNIVERSAL_LAW if PACKAGED_UNIVERSAL_LAW.exists() else None)
+    try:
+        make_universal_law(
+            UniversalPlan(cells, rounds, refined), output, begun, jobs or default_jobs(), dask, run.stream
+        )
+    except KeyboardInterrupt:
+        folder = samples_folder(output)
+        if not folder.exists():
+            raise
+        stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
+    run.lines(universal_law_lines(output))
+
+
+for function in (show, errors, universal):
+    app.command()(function)

@@ -60,7 +60,7 @@ def calibrate(
     if not material.fabric.has_bending:
         raise DesignError("fabric.bending", WITHOUT_BENDING, material.fabric.bending)
     check_writable(output.parent, output.name)
-    versions = _versions()
+    versions = package_versions()
     folder = samples_folder(output)
     start = time.perf_counter()
     try:
@@ -85,7 +85,7 @@ def calibrate(
     return law
 
 
-def _versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
     """Versions of the packages that compute the cells."""
     packages = ["numpy", "scipy", *(["numba"] if HAVE_NUMBA else [])]
     return {"asterism": __version__, **{name: version(name) for name in packages}}
