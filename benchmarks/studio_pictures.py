@@ -1,4 +1,4 @@
-"""Pictures of the studio's page in ten states, small and large, light and dark.
+"""Pictures of the studio's page in eleven states, small and large, light and dark.
 
 python -m benchmarks.studio_pictures FOLDER [STATE ...]    (with states: these only)
 
@@ -101,6 +101,16 @@ def outline(page: StudioPage, take: Take) -> None:
     take()
 
 
+def weights(page: StudioPage, take: Take) -> None:
+    """Weights of places in a fit, painted by one stroke."""
+    page.open("gallery-dome")
+    page.item("tool-weight").click()
+    page.fill("weight", 12)
+    page.drag(*STROKE)
+    page.summarised()
+    take()
+
+
 def warning(page: StudioPage, take: Take) -> None:
     page.open("gallery-tube")
     page.wait("studio.isSummarised && studio.state.warnings.length > 0")
@@ -138,7 +148,7 @@ def export(page: StudioPage, take: Take) -> None:
 
 STATES: dict[str, State] = {
     state.__name__: state
-    for state in (start, dome, brush, selection, needles, outline, warning, verifying, verified, export)
+    for state in (start, dome, brush, selection, needles, outline, weights, warning, verifying, verified, export)
 }
 
 

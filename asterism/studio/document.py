@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.results.files import write_file
-from asterism.studio import painted
+from asterism.studio import painted, weights
 from asterism.studio.autosave import Autosave, autosave_path
 from asterism.studio.changes import check_pictures, with_changes
 from asterism.studio.design_text import edited_text
@@ -197,6 +197,10 @@ class Document:
     def reset(self, sites: Sequence[painted.Site], gesture: Any = None) -> None:
         """Give stars the sizes of the design's profiles."""
         self._stars(painted.reset(self._entries(), sites), gesture, "reset")
+
+    def weigh(self, sites: Sequence[painted.Site], values: Sequence[float | None], gesture: Any = None) -> None:
+        """Other weights of places in a fit, at lattice sites; None takes a weight away."""
+        self.apply(weights.weighed(self.table, sites, values), gesture, "weights")
 
     def _entries(self) -> dict[painted.Site, dict[str, Any]]:
         return painted.entries_by_site(self.table, self.layout)

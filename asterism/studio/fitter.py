@@ -12,9 +12,18 @@ from asterism.studio.job_messages import Fitted
 from asterism.studio.messages import Surface
 from asterism.studio.requests import Hold
 from asterism.studio.verifier import ProgressSender
+from asterism.studio.weights import SheetWeights
 
 
-def run_fit(connection: Connection, job: int, target: Surface, name: str, hold: Hold, printer: str) -> None:
+def run_fit(
+    connection: Connection,
+    job: int,
+    target: Surface,
+    name: str,
+    hold: Hold,
+    printer: str,
+    weights: SheetWeights | None = None,
+) -> None:
     """The body of a fit's process. The exact model is left to a verification.
 
     Parameters
@@ -25,6 +34,7 @@ def run_fit(connection: Connection, job: int, target: Surface, name: str, hold: 
     name : of the target, for messages.
     hold : needles by the outline or a held border (`auto`), the whole border, or nothing.
     printer : name of the profile to whose layers and lines sizes are rounded.
+    weights : of places of the sheet; by default all count alike.
     """
     progress = ProgressSender(connection, job)
     progress("reading the target", 0, 0)
@@ -36,6 +46,7 @@ def run_fit(connection: Connection, job: int, target: Surface, name: str, hold: 
             border=True if hold == "border" else None,
             printer=load_printer(printer),
             exact=False,
+            weight=None if weights is None else weights.at_vertices(surface),
             say=lambda line: progress(line, 0, 0),
         )
     except Exception as error:

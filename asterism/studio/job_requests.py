@@ -15,6 +15,7 @@ from asterism.studio.messages import StudioProblem
 from asterism.studio.page_data import engine_problem_data, failure_data
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tabs
+from asterism.studio.weights import sheet_weights
 from pattern.design.files import plain
 
 VERIFICATION_PROCESS = "asterism.studio.verifier:run_verification"
@@ -74,7 +75,8 @@ class JobRequests:
                 target = self._studio.parts.target
                 if target is None:
                     raise ask.RequestError("target: send a file first")
-                arguments = (target.surface_of_file, target.name, request.hold, self._studio.printer)
+                weights = sheet_weights(table, document.layout, self._studio.shown.sheet, target)
+                arguments = (target.surface_of_file, target.name, request.hold, self._studio.printer, weights)
                 started = self._jobs.start("fit", document.revision, FIT_PROCESS, *arguments)
                 if started:
                     self._studio.fits.begin(document)

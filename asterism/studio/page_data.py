@@ -15,8 +15,10 @@ from asterism.studio.messages import Limits, StudioProblem, mistake_parts
 from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
+from asterism.studio.weights import weights_by_site
 from equilibrium.errors import Error
 from pattern.design.errors import BlankSheetError, DesignError
+from pattern.design.fit_weights import WEIGHT_RANGE
 from pattern.design.material_files import with_material_file
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from pattern.layout.layout import Layout
@@ -55,7 +57,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "kept_work": document.autosave.kept_work is not None,
         "design": _with_material(document),
         "plan": {
-            **plan_data(layout, painted_sites),
+            **plan_data(layout, painted_sites, weights_by_site(table)),
             "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
         },
         "printers": list(printers),
@@ -79,6 +81,7 @@ def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float
             "length_mm": [MIN_ARM_MM, layout.spacing_mm],
             "thickness_mm": list(THICKNESS_RANGE_MM),
             "width_mm": list(WIDTH_RANGE_MM),
+            "weight": list(WEIGHT_RANGE),
         },
         "law": None if limits is None else {key: list(ends) for key, ends in limits.law.items()},
         "stretches": [] if limits is None else list(limits.stretches),

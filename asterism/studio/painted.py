@@ -80,8 +80,8 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
 
     Returns
     -------
-    The table with those entries only that are given by star or place, or set a branch; sites (n, 2) and their sizes
-    (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
+    The table without weights of a fit, with those entries only that are given by star or place, or set a branch; sites
+    (n, 2) and their sizes (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
     """
     base, sites, sizes, gone = [], [], [], []
     for entry in table["stars"].get("override", ()):
@@ -95,8 +95,9 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
     stars = {key: value for key, value in table["stars"].items() if key != "override"} | (
         {"override": base} if base else {}
     )
+    rest = {key: value for key, value in table.items() if key != "fit"}  # no matter of the shape
     return (
-        {**table, "stars": stars},
+        {**rest, "stars": stars},
         np.asarray(sites, dtype=np.int64).reshape(-1, 2),
         np.asarray(sizes, dtype=float).reshape(-1, 3),
         np.asarray(gone, dtype=np.int64).reshape(-1, 2),

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from asterism.studio.weights import PLAIN_WEIGHT
+from pattern.design.stars import Site
 from pattern.layout.layout import Layout
 
 PLAN_DIGITS = 5
 
 
-def plan_data(layout: Layout, painted_sites: set[tuple[int, int]]) -> dict[str, Any]:
+def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, float]) -> dict[str, Any]:
     """Plain data of a layout; lengths in mm.
 
     Parameters
     ----------
     painted_sites : sites whose sizes differ from the design's profiles.
+    weights : of places in a fit, where they are painted.
 
     Returns
     -------
     outline_mm, spacing_mm, lattice, sites (in the order of the stars' numbers: site, at_mm, sizes_mm, arms, removed,
-    painted), pins (one entry a table of the design), ignored_sites.
+    painted, weight), pins (one entry a table of the design), ignored_sites.
     """
     places = layout.lattice.place(layout.sheet_sites)
     arms: list[list[Any]] = [[] for _ in layout.sheet_sites]
@@ -37,6 +41,7 @@ def plan_data(layout: Layout, painted_sites: set[tuple[int, int]]) -> dict[str, 
             "arms": arms[number],
             "removed": sizes[0] == 0.0,
             "painted": tuple(site) in painted_sites,
+            "weight": weights.get(tuple(site), PLAIN_WEIGHT),
         }
         for number, (site, at, sizes) in enumerate(
             zip(layout.sheet_sites.tolist(), _plain(places), _plain(layout.site_sizes_mm), strict=True)

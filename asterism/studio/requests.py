@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from equilibrium.errors import Error
 
@@ -134,6 +134,20 @@ class StarsRequest(GestureRequest):
     sites: Sites
 
 
+class Weigh(GestureRequest):
+    """Other weights of places in a fit; null takes a weight away."""
+
+    type: Literal["weigh"]
+    sites: Sites
+    weights: SizesOfSites
+
+    @model_validator(mode="after")
+    def _one_a_site(self) -> Self:
+        if len(self.weights) != len(self.sites):
+            raise ValueError(f"weights must have one value for each of the {len(self.sites)} sites")
+        return self
+
+
 class FlipRequest(Request):
     type: Literal["flip"]
 
@@ -224,6 +238,7 @@ AnyRequest = Annotated[
     | Change
     | Paint
     | StarsRequest
+    | Weigh
     | FlipRequest
     | FormRequest
     | SlotRequest

@@ -12,6 +12,7 @@ from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProbl
 from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
+from equilibrium.arrays import Array
 from pattern.design.files import plain
 
 # meshes and forms that are kept; older ones are dropped
@@ -67,6 +68,13 @@ class Shown:
         self._last = (frame.mesh, {"revision": revision, **header}, arrays)
         for tab in tabs:
             tab.show(*self._last)
+
+    @property
+    def sheet(self) -> tuple[Array, Array] | None:
+        """Printed (V, 2) and shown (V, 3) places of the last sheet, mm; None without one."""
+        if self._last is None or (packed := self.meshes.get(self._last[0])) is None:
+            return None
+        return frames.unpack(packed)[2]["printed"], self._last[2]["positions"]
 
     def add_summary(self, summary: ShapeSummary, revision: int) -> None:
         """Numbers, warnings and forms of a shape."""

@@ -245,6 +245,8 @@ class Studio:
                 document.change(request.changes, gesture)
             case ask.Paint():
                 document.paint(request.sites, request.sizes, gesture)
+            case ask.Weigh():
+                document.weigh(request.sites, request.weights, gesture)
             case ask.StarsRequest():
                 change = {"remove": document.remove, "restore": document.restore, "reset": document.reset}
                 change[request.type](request.sites, gesture)

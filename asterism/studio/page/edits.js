@@ -63,6 +63,17 @@ export class Edits {
     this.#mark("reset", keys, (key) => (this.#local.sizes.delete(key), this.#local.reset.add(key)));
   }
 
+  /** Weights of places in a fit: Map(key -> number, or null for none). */
+  weigh(values) {
+    const pending = this.#waiting.get("weigh")?.values ?? new Map();
+    for (const [key, value] of values) {
+      this.#local.weights.set(key, value);
+      pending.set(key, value);
+    }
+    this.#later("weigh", { kind: "weigh", values: pending });
+    this.#draw();
+  }
+
   /** Changes of the design file by dotted key; `local` is what to draw until the server answers. */
   design(changes, local = {}) {
     Object.assign(this.#local, local);
@@ -149,6 +160,9 @@ export class Edits {
     else if (message.kind === "sizes") {
       fields.sites = [...message.values.keys()].map(siteOf);
       fields[message.quantity] = [...message.values.values()];
+    } else if (message.kind === "weigh") {
+      fields.sites = [...message.values.keys()].map(siteOf);
+      fields.weights = [...message.values.values()];
     } else fields.sites = [...message.keys].map(siteOf);
     this.connection.send(message.kind, fields);
   }

@@ -22,6 +22,9 @@ export function fixed(value, digits = 1) {
 
 export const mm = (value, digits = 1) => `${fixed(value, digits)} mm`;
 
+/** A weight, as a factor. */
+export const times = (value) => `×${Number(value.toFixed(value < 10 ? 1 : 0)) || value}`;
+
 export const percent = (value, digits = 1) => `${fixed(value, digits)} %`;
 
 export const size = (values, digits = 0) => `${values.map((value) => fixed(value, digits)).join(" × ")} mm`;

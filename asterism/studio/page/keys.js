@@ -13,7 +13,7 @@ const HELP = {
     ["Ctrl+S", "Save"],
     ["Ctrl+O", "Open"],
     ["Ctrl+E", "Export"],
-    ["V B G O N R", "Select, brush, sizes, outline, needles, ruler"],
+    ["V B G O N W R", "Select, brush, sizes, outline, needles, weight, ruler"],
     ["T", "Table of stars"],
     ["Esc", "Cancel what runs, clear the selection"],
     ["?", "This help"],
@@ -113,7 +113,7 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     if (tool) actions.choose(tool);
     else if (event.key === "?") openHelp();
     else if (event.key.toLowerCase() === "t") actions.openTable();
-    else if (event.key === "[" || event.key === "]") tools.brush.tool.grow(event.key === "]" ? 1 : -1);
+    else if (event.key === "[" || event.key === "]") (tools[store.get("tool")].tool.grow ? tools[store.get("tool")] : tools.brush).tool.grow(event.key === "]" ? 1 : -1);
     else if (event.key.toLowerCase() === "s") store.set({ snap: !store.get("snap") });
     else if (event.key.toLowerCase() === "p") store.set({ printArea: !store.get("printArea") });
     else if (event.key.toLowerCase() === "f") plan.fit();

@@ -18,6 +18,7 @@ import { buildStart } from "./panels/start.js";
 import { buildStatus } from "./panels/status.js";
 import { toast } from "./panels/toasts.js";
 import { buildTools, buildTop } from "./panels/top.js";
+import { weightPanel } from "./panels/weight.js";
 import { PlanCanvas } from "./plan/canvas.js";
 import { BrushTool } from "./plan/tools/brush.js";
 import { GradientTool } from "./plan/tools/gradient.js";
@@ -25,6 +26,7 @@ import { NeedleTool } from "./plan/tools/needles.js";
 import { OutlineTool } from "./plan/tools/outline.js";
 import { RulerTool } from "./plan/tools/ruler.js";
 import { SelectTool } from "./plan/tools/select.js";
+import { WeightTool } from "./plan/tools/weight.js";
 import { createStore } from "./store.js";
 import { listenToView } from "./view/pointer.js";
 import { Target } from "./view/target.js";
@@ -48,6 +50,7 @@ studio.tools = {
   gradient: { title: "Sizes", icon: "gradient", keys: "G", tool: new GradientTool(studio) },
   outline: { title: "Outline", icon: "outline", keys: "O", tool: new OutlineTool(studio) },
   needles: { title: "Needles", icon: "needles", keys: "N", tool: new NeedleTool(studio) },
+  weight: { title: "Weight", icon: "weight", keys: "W", tool: new WeightTool(studio) },
   ruler: { title: "Ruler", icon: "ruler", keys: "R", tool: new RulerTool(studio) },
 };
 try {
@@ -81,6 +84,7 @@ buildInspector($("inspector"), {
       gradient: (page) => gradientPanel(studio, page),
       outline: (page) => outlinePanel(studio, page),
       needles: (page) => needlesPanel(studio, page),
+      weight: (page) => weightPanel(studio, page),
       ruler: (page) => rulerPanel(studio, page),
     },
     sheet: (page) => materialPanel(studio, page),
@@ -162,6 +166,7 @@ const shown = {
   targetDistance: () => structuredClone(store.get("frame")?.target ?? null),
   ghost: () => (store.get("showTarget") ? (view?.target.surface.count ?? 0) / 3 : 0),
   camera: () => (view ? { turn: view.camera.turn, pitch: view.camera.pitch, distance: view.camera.distance } : null),
+  weights: () => store.get("sheet")?.stars.map((star) => star.weight) ?? [],
   sizes: () => store.get("sheet")?.stars.map((star) => [...star.sizes]) ?? [],
   screenOf: () => (point) => studio.plan.toScreen(point),
   viewOf: () => (point) => view?.toScreen(point),

@@ -8,7 +8,7 @@ const TIP_MARGIN_MM = 0.5;
 
 export const keyOf = (site) => `${site[0]},${site[1]}`;
 
-/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), outline, pins}. */
+/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, outline, pins}. */
 export class Sheet {
   constructor(document, local = emptyLocal()) {
     const { plan, design, limits } = document;
@@ -38,6 +38,7 @@ export class Sheet {
     for (const { key: field, column } of Object.values(QUANTITIES)) {
       if (change?.[field] !== undefined) sizes[column] = change[field];
     }
+    const weight = this.local.weights.has(key) ? (this.local.weights.get(key) ?? 1) : (entry.weight ?? 1);
     const removed = removal ?? entry.removed;
     const isChanged = change !== undefined || removal !== undefined || this.local.outline;
     const star = {
@@ -48,6 +49,7 @@ export class Sheet {
       removed,
       painted: entry.painted || change !== undefined,
       sizes,
+      weight,
     };
     star.isReset = this.local.reset.has(key);
     if (star.isReset) star.painted = false;
@@ -134,11 +136,11 @@ function heldEdges(table, outline) {
 }
 
 export function emptyLocal() {
-  return { sizes: new Map(), removed: new Map(), reset: new Set(), outline: null, pins: null };
+  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), outline: null, pins: null };
 }
 
 function readLimits(limits) {
-  const design = { length_mm: [0, 17.3], thickness_mm: [0.05, 5], width_mm: [0.1, 10], ...limits.design };
+  const design = { length_mm: [0, 17.3], thickness_mm: [0.05, 5], width_mm: [0.1, 10], weight: [0.01, 100], ...limits.design };
   const law = { ...limits.law };
   for (const { key } of Object.values(QUANTITIES)) {
     if (limits[key]) law[key] = limits[key];

@@ -43,6 +43,7 @@ export const isLong = ({ searching, busy, engine }) => Boolean(searching || (bus
 
 const REMEMBERED = [
   "brush",
+  "weightBrush",
   "symmetry",
   "snap",
   "grid",
@@ -83,6 +84,7 @@ export function createStore() {
     tool: "brush",
     page: "tool", // tool | sheet | shape
     brush: { quantity: "length", mode: "set", radius: 22, strength: 0.5, target: 9, amount: 1 },
+    weightBrush: { mode: "paint", radius: 22, strength: 0.5, weight: 5 },
     inLaw: true,
     symmetry: { mirrorX: false, mirrorY: false, sixfold: false },
     snap: true,

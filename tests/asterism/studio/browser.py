@@ -21,6 +21,7 @@ from tests.asterism.verification.browser import NAMES, browser, lacks_browser
 ARGUMENTS = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 VIEWPORT = {"width": 1280, "height": 720}
 PATIENCE_S = 120.0
+IS_MEASURED = "studio.targetDistance && studio.targetDistance.version === studio.target?.version"
 REST = (
     "studio.document && studio.engine === 'ready' && !studio.isWaiting && studio.shownRevision === studio.revision"
     " && studio.stage === 'equilibrium'"
@@ -139,6 +140,15 @@ class StudioPage:
         with self.page.expect_file_chooser() as chooser:
             self.item(name).click()
         chooser.value.set_files(str(path))
+
+    def load_target(self, path: Path) -> None:
+        """Load a target in place of that of another test, and wait until it lies on the sheet and is measured."""
+        self.item("tab-shape").click()
+        if self.get("Boolean(studio.target)"):
+            self.item("remove-target").click()
+            self.wait("!studio.target")
+        self.upload("load-target", path)
+        self.wait(f"studio.ghost > 0 && studio.target?.is_fitted && {IS_MEASURED}")
 
     def changed(self, act: Callable[[], Any]) -> None:
         """Do something that changes the document, and wait for the shape."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
 from asterism.studio.messages import Edit, Frame, Ready, ShownMesh, StudioProblem, Surface
+from asterism.studio.weights import SheetWeights
 
 
 def serve(connection: Connection) -> None:
@@ -58,7 +59,15 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
     connection.send(Verified(job, {"rms_percent": float("nan")}, mesh, shape, shape, shape[:, 0], ()))
 
 
-def fit(connection: Connection, job: int, target: Surface, name: str, hold: str, printer: str) -> None:
+def fit(
+    connection: Connection,
+    job: int,
+    target: Surface,
+    name: str,
+    hold: str,
+    printer: str,
+    weights: SheetWeights | None,
+) -> None:
     """A fit that gives a sheet of one ring; the targets `wait.obj` and `wide.obj` have none."""
     connection.send(JobProgress(job, "step 1, each star: 0.40 % of the diameter", 0, 0, 0.1))
     if name == "wait.obj":
@@ -69,6 +78,8 @@ def fit(connection: Connection, job: int, target: Surface, name: str, hold: str,
     table: dict[str, Any] = {"name": name, "border": {"rings": 1}, "stars": {"length_mm": 6.0}}
     if hold != "nothing":
         table["pins"] = [{"corners": [0, 1, 2, 3, 4, 5]}]
+    if weights is not None:
+        table["fit"] = {"weights": [{"site": [0, 0], "weight": float(weights.weight.max())}]}
     summary = {"needles": 0 if hold == "nothing" else 6, "size_mm": float(np.ptp(target.vertices[:, 0]))}
     connection.send(Fitted(job, summary, table, np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 5.0])))
 

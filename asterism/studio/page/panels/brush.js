@@ -139,7 +139,7 @@ export function brushPanel({ store }, { on }) {
 }
 
 /** Mirrors and sixfold symmetry while painting. */
-function symmetry({ store }, { on }) {
+export function symmetry({ store }, { on }) {
   const box = (key, text) =>
     check({
       text,

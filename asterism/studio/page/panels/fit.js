@@ -1,7 +1,7 @@
 // Part of the shape's panel: a fit of outline, stars and supports to the target, beside the work.
 
 import { button, choice, h, hint, refresh, section } from "../dom.js";
-import { capital, percent, seconds } from "../format.js";
+import { capital, percent, plural, seconds } from "../format.js";
 
 const HOLDS = { auto: "By the target", border: "Whole border", nothing: "Nothing" };
 
@@ -31,6 +31,7 @@ export function fitPart({ store, actions }, { on }) {
       section("Fit to the target"),
       ...(result?.summary ? numbers(result.summary, isOld) : [hint(about(result))]),
       h("div", { class: "field" }, h("label", {}, "Held"), holdChoice().element),
+      button({ text: "Paint where it comes nearer", kind: "wide", testid: "fit-weights", onclick: () => actions.choose("weight") }),
       button({
         text: result?.summary ? "Fit again" : "Fit to the target",
         kind: "wide",
@@ -64,9 +65,14 @@ function about(result) {
 function numbers(s, isOld) {
   const rows = [
     ["Distance, rms", `${percent(s.preview.mean_percent, 2)} of the diameter`],
+    ...(s.preview.weighted_percent === s.preview.mean_percent
+      ? []
+      : [["The same by the weights", percent(s.preview.weighted_percent, 2)]]),
     ["Largest distance", percent(s.preview.largest_percent, 1)],
-    ["Stars, held by", `${s.stars}, ${s.held_border ? "border" : `${s.needles} needles`}`],
-    ["Contraction needed, available", `${s.needed_ratio.toFixed(2)}, ${s.available_ratio.toFixed(2)}`],
+    ["Stars", String(s.stars)],
+    ["Held by", s.held_border ? "the border" : s.needles ? plural(s.needles, "needle") : "nothing"],
+    ["Contraction needed", s.needed_ratio.toFixed(2)],
+    ["Contraction available", s.available_ratio.toFixed(2)],
     ["Loss by rounding", s.rounding_loss_percent === null ? "–" : percent(s.rounding_loss_percent, 2)],
   ];
   return [

@@ -2,7 +2,7 @@
 
 import { h, replace } from "../dom.js";
 import { isLong } from "../store.js";
-import { capital, mm, percent, plural, size, trust } from "../format.js";
+import { capital, mm, percent, plural, size, times, trust } from "../format.js";
 
 export function buildStatus(element, { store, actions }) {
   const engine = h("span", { testid: "engine", role: "status" });
@@ -53,7 +53,8 @@ export function buildStatus(element, { store, actions }) {
         : star.removed
           ? "removed"
           : "no star here";
-      replace(place, `Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, h("b", {}, sizes));
+      const weight = star.weight === 1 ? "" : `, weight ${times(star.weight)}`;
+      replace(place, `Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, h("b", {}, sizes + weight));
     } else replace(place, chosen ? `${plural(chosen, "star")} selected` : "");
   }
   store.on(["state", "frame", "document", "connection", "sheet", "jobs"], update);

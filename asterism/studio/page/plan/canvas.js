@@ -42,6 +42,7 @@ export class PlanCanvas {
       "grid",
       "printArea",
       "brush",
+      "weightBrush",
       "support",
       "corner",
       "theme",

@@ -6,6 +6,7 @@ import { nice } from "../geometry.js";
 import { pointsOf, targetsOf } from "../supports.js";
 import { drawPrintArea } from "./print_area.js";
 import { polyline } from "./tools/common.js";
+import { drawWeights } from "./weights.js";
 
 export function drawPlan(context, plan) {
   const { canvas, store } = plan;
@@ -16,6 +17,7 @@ export function drawPlan(context, plan) {
   context.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
   if (store.get("printArea") && sheet.printer) drawPrintArea(paint);
   drawPaper(paint);
+  drawWeights(paint);
   drawStars(paint);
   drawSupports(paint);
   plan.tool?.draw?.(context, plan, colour);
@@ -270,7 +272,7 @@ function drawPulse({ context, plan, colour }) {
 
 function drawScaleBar(paint) {
   const { context, plan, colour } = paint;
-  const length = nice(80 / plan.scale);
+  const length = nice(70 / plan.scale);
   const [x, y] = [16, plan.canvas.clientHeight - 16];
   const end = x + length * plan.scale;
   context.strokeStyle = colour("muted");

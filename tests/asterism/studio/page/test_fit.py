@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.asterism.studio.browser import StudioPage
-from tests.asterism.studio.page.test_view import IS_MEASURED, cap
+from tests.asterism.studio.browser import IS_MEASURED, StudioPage
+from tests.asterism.studio.page.test_view import cap
 
 # the README's tests open the page in `test_page` only
 pytestmark = pytest.mark.slow
@@ -17,9 +17,7 @@ FIT_PATIENCE_S = 300.0
 
 def test_a_sheet_is_fitted_to_the_target_and_painted_further(page: StudioPage, tmp_path: Path) -> None:
     page.open("gallery-dome")
-    page.item("tab-shape").click()
-    page.upload("load-target", cap(tmp_path / "cap.stl"))
-    page.wait(f"studio.ghost === 450 && studio.target.is_fitted && {IS_MEASURED}")
+    page.load_target(cap(tmp_path / "cap.stl"))
     before = page.get("studio.document.design")
     page.item("fit-go").click()
     progress = "document.querySelector('[data-testid=fit-progress]').textContent"

@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.asterism.studio.browser import VIEWPORT, StudioPage
+from tests.asterism.studio.browser import IS_MEASURED, VIEWPORT, StudioPage
 
 # the README's tests open the page in `test_page` only
 pytestmark = pytest.mark.slow
-
-IS_MEASURED = "studio.targetDistance?.version === studio.target?.version"
 
 
 def cap(path: Path) -> Path:
@@ -42,11 +40,8 @@ def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: St
 
 def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, tmp_path: Path) -> None:
     page.open("gallery-dome")
-    page.item("tab-shape").click()
-    with page.page.expect_file_chooser() as chooser:
-        page.item("load-target").click()
-    chooser.value.set_files(cap(tmp_path / "cap.stl"))
-    page.wait(f"studio.ghost === 450 && studio.target.is_fitted && {IS_MEASURED}")
+    page.load_target(cap(tmp_path / "cap.stl"))
+    assert page.get("studio.ghost") == 450
     fitted = page.get("studio.targetDistance.rms_mm")
     assert 0.1 < fitted < 5.0
     page.item("view-colour").select_option("target")

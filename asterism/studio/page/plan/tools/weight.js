@@ -1,0 +1,74 @@
+// The brush of weights: paints where a fit comes nearer to the target.
+
+import { times } from "../../format.js";
+import { clamp, images } from "../../geometry.js";
+import { announce } from "../../panels/toasts.js";
+import { label } from "../draw.js";
+import { starsWithin } from "./common.js";
+import { StrokeTool } from "./stroke.js";
+
+const KEY_FACTOR = 1.5; // of + and −
+const LEAST_LOG = Math.log(1.1);
+const MIN_NUMBER_PX = 14; // half a cell that has room for its number
+
+export class WeightTool extends StrokeTool {
+  constructor(studio) {
+    super(studio, "weightBrush");
+  }
+
+  get hint() {
+    return "Paint where the fit comes nearer · Alt: erase · [ ] radius";
+  }
+
+  /** + and − change the weight at the star of the keyboard. */
+  key(event) {
+    const sheet = this.store.get("sheet");
+    const star = sheet.byKey.get(this.store.get("cursor"));
+    const factor = { "+": KEY_FACTOR, "=": KEY_FACTOR, "-": 1 / KEY_FACTOR }[event.key];
+    if (!factor) return super.key(event);
+    if (star) {
+      const weight = this.#allowed(sheet, star.weight * factor);
+      this.edits.once(() => this.edits.weigh(new Map([[star.key, weight]])));
+      announce(`Weight ${times(weight)}`);
+    }
+    return true;
+  }
+
+  dab(at, event) {
+    const sheet = this.store.get("sheet");
+    const { mode, radius, strength, weight } = this.store.get("weightBrush");
+    const values = new Map();
+    for (const { star, away } of starsWithin(sheet, images(at, this.store.get("symmetry")), radius)) {
+      if (mode === "erase" || event.alt) {
+        if (star.weight !== 1) values.set(star.key, null);
+        continue;
+      }
+      // weights are factors: half of the way from 1 to 9 is 3
+      const share = strength * (1 - (away / radius) ** 2) ** 2;
+      const kept = this.#allowed(sheet, star.weight * (weight / star.weight) ** share);
+      if (star.weight === 1 && Math.abs(Math.log(kept)) < LEAST_LOG) continue; // the rim of the brush
+      if (Math.abs(kept - star.weight) > 1e-3) values.set(star.key, kept);
+    }
+    if (values.size) this.edits.weigh(values);
+  }
+
+  #allowed(sheet, weight) {
+    return Number(clamp(weight, ...sheet.limits.design.weight).toFixed(3));
+  }
+
+  said() {
+    const { mode, weight } = this.store.get("weightBrush");
+    return mode === "erase" ? "erase" : times(weight);
+  }
+
+  draw(context, plan, colour) {
+    const sheet = this.store.get("sheet");
+    const reach = 0.5 * sheet.spacing * plan.scale;
+    for (const star of reach < MIN_NUMBER_PX ? [] : sheet.stars) {
+      if (star.weight === 1) continue;
+      const [x, y] = plan.toScreen(star.at);
+      label({ context, colour }, times(star.weight), [x, y + 0.72 * reach + 4], "center", "weight");
+    }
+    super.draw(context, plan, colour);
+  }
+}
