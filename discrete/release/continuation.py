@@ -6,6 +6,7 @@ path becomes unstable; final minimisation and certificate.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import closing
 
@@ -32,6 +33,8 @@ EQUILIBRIUM_TOLERANCE = 1e-8
 PATH_TOLERANCE = 1e-4
 # 1: gradient norm over the norm of the vertex weights; the weight alone decides how a stiff sheet on needles hangs
 WEIGHT_TOLERANCE = 1e-3
+# 1: decrease of the energy by a Newton step over the elastic energy, after which a coarse mesh is accurate enough
+COARSE_DECREASE = 1e-7
 # 1: negative eigenvalue over modulus times thickness, beyond which a loosely converged state counts as unstable
 INSTABILITY_THRESHOLD = 1e-7
 # 1: first blend of the Hessian at a state from another mesh; the factorisation would refuse smaller ones
@@ -65,9 +68,11 @@ def gradient_tolerance(model: DiscreteModel) -> float:
 class ReleaseContinuation:
     """Minimises step by step and counts the effort; parameters as in `discrete.release.single_mesh.solve_on_mesh`."""
 
-    def __init__(self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int) -> None:
+    def __init__(
+        self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int, coarse: bool = False
+    ) -> None:
         self.backend, self.method, self.max_iterations = backend, method, max_iterations
-        self.report, self.seed = report, seed
+        self.report, self.seed, self.coarse = report, seed, coarse
         self.effort = Effort()
 
     def follow(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
@@ -136,11 +141,16 @@ class ReleaseContinuation:
         return end
 
     def _certify(self, model: DiscreteModel, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
-        """Minimise to the final tolerance; while the smallest eigenvalue is negative, leave the saddle and repeat."""
+        """Minimise to the final tolerance; while the smallest eigenvalue is negative, leave the saddle and repeat.
+
+        On a coarse mesh, the factorisation of the last step is evidence enough.
+        """
         result = self._minimise(model, state, gradient_tolerance(model), factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
-        while True:
+        lowest, error = math.nan, math.nan
+        while not (self.coarse and result.settled):
             pair = self._lowest_mode(model, result.state, factor, "certificate")
+            lowest, error = pair.value, pair.error
             # near a saddle on a fine mesh the gradient may stay above the tolerance
             if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == MAX_PERTURBATIONS:
                 break
@@ -155,8 +165,8 @@ class ReleaseContinuation:
             model.energies(result.state),
             result.gradient_norm,
             gradient_tolerance(model),
-            pair.value,
-            pair.error,
+            lowest,
+            error,
             bump_heights(model, result.state),
             self.effort.iterations,
             self.effort.factorisations,
@@ -173,6 +183,13 @@ class ReleaseContinuation:
         pair = self.effort.clock(stage, lowest_mode, model, state, factor, self.seed)
         self.effort.factorisations += pair.factorisations
         return pair
+
+    def _small_decrease(self, model: DiscreteModel, state: State) -> float:
+        """N mm, decrease of the energy by a Newton step that ends the search on a coarse mesh."""
+        if not self.coarse:
+            return 0.0
+        energies = model.energies(state)
+        return COARSE_DECREASE * (sum(energies.values()) - energies.get("gravity", 0.0))
 
     def _minimise(
         self,
@@ -201,6 +218,7 @@ class ReleaseContinuation:
                 report=stage_report,
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides
+                small_decrease=self._small_decrease(model, state) if stage != "release" else 0.0,
             ),
         )
         self.effort.add(result)

@@ -90,7 +90,8 @@ def solve_on_meshes(
         models[0].set_release(1.0)
         on_surface = fit_to_surface(models[0], near(models[0].mesh.points))
         first = on_surface if is_intersection_free(models[0], on_surface) else start
-    coarsest = solve_on_mesh(models[0], first, None, seed, backend, method, max_iterations, level_report)
+    coarse = len(models) > 1
+    coarsest = solve_on_mesh(models[0], first, None, seed, backend, method, max_iterations, level_report, coarse)
     return solve_through_levels(models, coarsest, start, seed, backend, method, max_iterations, report)
 
 
@@ -121,7 +122,8 @@ def solve_through_levels(
         before = coarse, equilibrium.state
         prepared = time.perf_counter() - begun
         level_report = prefixed_report(report, f"{fine.n_vertices} vertices")
-        equilibrium = solve_on_mesh(fine, state, None, seed, backend, method, max_iterations, level_report)
+        last = fine is models[-1]
+        equilibrium = solve_on_mesh(fine, state, None, seed, backend, method, max_iterations, level_report, not last)
         path += equilibrium.path
         levels.append(_level(fine, equilibrium, {"prolongation": prepared, **equilibrium.seconds}))
     stages: dict[str, float] = {}

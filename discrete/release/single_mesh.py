@@ -26,6 +26,7 @@ def solve_on_mesh(
     method: Method = "blended",
     max_iterations: int = 500,
     report: Report | None = None,
+    coarse: bool = False,
 ) -> Equilibrium:
     """Find an equilibrium of a model and certify it.
 
@@ -41,6 +42,7 @@ def solve_on_mesh(
     method : treatment of indefinite Hessians, see `equilibrium.newton.minimise`.
     max_iterations : of each minimisation.
     report : called after every iteration with the name of the stage.
+    coarse : a finer mesh follows. The result is only as accurate as it needs, and usually has no certificate.
 
     Returns
     -------
@@ -68,7 +70,7 @@ def solve_on_mesh(
     """
     if method not in get_args(Method):
         raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
-    continuation = ReleaseContinuation(backend, method, max_iterations, report, seed)
+    continuation = ReleaseContinuation(backend, method, max_iterations, report, seed, coarse)
     if isinstance(start, State):
         if releases is not None:
             raise ValueError("releases: a state is minimised at full release; give one or the other")

@@ -14,6 +14,9 @@ from equilibrium.linear.sparse_pattern import SparsePattern
 
 MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
 LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues
+LANCZOS_VECTORS = 8  # of a positive definite matrix, whose smallest eigenvalue is wanted and not its mode
+LANCZOS_TOLERANCE = 1e-6  # of such a matrix: the eigenvalue has a relative error of about its square
+MODE_TOLERANCE = 1e-9  # of a matrix that is not positive definite, whose mode is wanted as well
 SHIFT_GROWTH = 10.0  # after a shift for which the matrix is not positive definite
 
 
@@ -94,8 +97,11 @@ def smallest_eigenvalue(
         _, vectors = np.linalg.eigh(_dense(pattern, data, modes))
         vector = vectors[:, 0]
     else:
+        # a negative eigenvalue needs an accurate mode: it decides which way a saddle is left
+        loose = factorisations == 1
+        ncv, tolerance = (min(LANCZOS_VECTORS, size), LANCZOS_TOLERANCE) if loose else (None, MODE_TOLERANCE)
         try:
-            _, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=1e-9, maxiter=400)
+            _, vectors = eigsh(operator, k=1, which="LA", v0=start, ncv=ncv, tol=tolerance, maxiter=400)
         except ArpackNoConvergence as stopped:  # the residual below measures the error
             vectors = stopped.eigenvectors if len(stopped.eigenvalues) else start[:, None]
         vector = project(vectors[:, 0])

@@ -57,6 +57,8 @@ class NewtonResult:
     seconds : wall time by part.
     history : one entry for each iteration, the initial state first.
     stagnated : not converged, but rounding errors allow no further progress.
+    settled : the last step was a full one with the exact Hessian, which was positive definite there, and its model
+        lowered the energy by at most `small_decrease`.
     """
 
     state: AnyState
@@ -69,6 +71,7 @@ class NewtonResult:
     seconds: dict[str, float] = field(default_factory=dict)
     history: list[Iteration] = field(default_factory=list)
     stagnated: bool = False
+    settled: bool = False
 
 
 def minimise(
@@ -82,6 +85,7 @@ def minimise(
     report: Callable[[Iteration], None] | None = None,
     blend: float = 0.0,
     check_definite: bool = True,
+    small_decrease: float = 0.0,
 ) -> NewtonResult:
     """Minimise the energy of a problem by Newton's method with a line search.
 
@@ -97,6 +101,8 @@ def minimise(
     report : called after every iteration.
     blend : first regularisation. A good guess saves the factorisations of matrices that would be refused.
     check_definite : factorise the exact Hessian at the last state, for `NewtonResult.definite`.
+    small_decrease : the iteration also ends after a full step that lowers the quadratic model of the energy by at most
+        this, which soft modes cannot mislead as they do the gradient's norm.
 
     Raises
     ------
@@ -111,7 +117,7 @@ def minimise(
     norm = float(np.linalg.norm(gradient))
     regularisation = Regularisation(problem, factor, method, shift, clock, blend)
     step = 0.0
-    line_search_failed = False
+    line_search_failed = settled = False
     lowest_energy, smallest_norm, last_progress = energy, norm, 0
     for number in range(max_iterations + 1):
         history.append(Iteration(number, energy, norm, regularisation.amount, step))
@@ -124,7 +130,8 @@ def minimise(
         ):
             lowest_energy, smallest_norm, last_progress = min(lowest_energy, energy), min(smallest_norm, norm), number
         stagnated = number >= last_progress + MAX_IDLE_ITERATIONS
-        if norm <= tolerance or line_search_failed or number == max_iterations or not np.isfinite(norm) or stagnated:
+        ended = norm <= tolerance or line_search_failed or number == max_iterations or not np.isfinite(norm)
+        if ended or stagnated or settled:
             break
         direction = regularisation.direction(state, gradient)
         path, longest = problem.path(state, direction, method == "shifted")
@@ -138,6 +145,7 @@ def minimise(
         state, energy, step = accepted
         gradient = clock("gradient", problem.gradient, state)
         norm = float(np.linalg.norm(gradient))
+        settled = regularisation.is_exact and step == 1.0 and -0.5 * slope <= small_decrease
         regularisation.decrease()
     return NewtonResult(
         state=state,
@@ -150,4 +158,5 @@ def minimise(
         seconds=clock.seconds,
         history=history,
         stagnated=tolerance < norm and stagnated,
+        settled=settled,
     )

@@ -102,6 +102,11 @@ class Regularisation:
         accepted = self._factorise(self._hessian(state, 0.0))
         return accepted and (not self._iterative or self._iterative.proves_definite())
 
+    @property
+    def is_exact(self) -> bool:
+        """The last direction is that of the exact Hessian, which a factorisation has proven positive definite."""
+        return self.amount == 0.0 and self._iterative is None
+
     def decrease(self) -> None:
         """After a successful step: reduce the amount, unless the step needed an increase."""
         if not self._was_refused:

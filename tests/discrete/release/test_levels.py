@@ -11,6 +11,7 @@ from discrete.release.prolongation import prolong
 from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
 from pattern.design.design import Design
+from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
@@ -39,6 +40,17 @@ def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
     alone = solve_on_mesh(fine)
     assert found.is_minimum and alone.is_minimum
     assert found.energy == pytest.approx(alone.energy, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
+    sheet = model(3.4)
+    accurate, early = (solve_on_mesh(sheet, coarse=coarse) for coarse in (False, True))
+    assert accurate.is_minimum and not early.is_minimum
+    assert early.factorisations < accurate.factorisations
+    assert early.energy == pytest.approx(accurate.energy, rel=1e-9)
+    rotation, shift = rigid_fit(early.state.positions, accurate.state.positions)
+    np.testing.assert_allclose(early.state.rotated(rotation, shift).positions, accurate.state.positions, atol=1e-3)
 
 
 def test_small_models_have_one_level() -> None:

@@ -327,3 +327,26 @@ def test_a_convex_model_that_is_not_quite_convex_is_stiffened_until_it_serves():
     assert found.converged and found.definite
     assert found.energy == pytest.approx(-2.0)
     assert max(entry.blend for entry in found.history) > 1.0
+
+
+def test_the_iteration_ends_after_a_step_of_small_decrease() -> None:
+    def bowl(decrease: float) -> NewtonResult:
+        energy = Analytic(
+            lambda x: (x**4).sum() + x @ x, lambda x: 4 * x**3 + 2 * x, lambda x: np.diag(12 * x**2 + 2), 2
+        )
+        factor = make_factor(energy.pattern, "superlu")
+        return minimise(energy, np.array([1.0, -0.5]), factor, 1e-12, small_decrease=decrease, check_definite=False)
+
+    accurate, early = bowl(0.0), bowl(1e-4)
+    assert accurate.converged and not accurate.settled
+    assert early.settled and not early.converged and early.iterations < accurate.iterations
+    # the step itself is taken, and the decrease after it is about the square
+    assert early.energy - accurate.energy < 1e-6
+
+
+def test_a_step_without_the_exact_hessian_does_not_end_the_iteration() -> None:
+    """Off a maximum of the energy, the first steps are regularised, and lower the energy by little."""
+    energy = Analytic(lambda x: (x**4).sum() - x @ x, lambda x: 4 * x**3 - 2 * x, lambda x: np.diag(12 * x**2 - 2), 1)
+    factor = make_factor(energy.pattern, "superlu")
+    result = minimise(energy, np.array([1e-3]), factor, 1e-12, small_decrease=1e-3, check_definite=False)
+    assert abs(result.state[0]) == pytest.approx(0.5**0.5, rel=1e-2)
