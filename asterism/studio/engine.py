@@ -21,13 +21,12 @@ from asterism.previews.default_law import law_of
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
+from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import Busy, Edit, FitTarget, Flip, Frame, Limits, Parts, ShowForm, StudioProblem
+from asterism.studio.messages import Busy, Edit, FitTarget, Flip, Limits, Parts, ShowForm, StudioProblem
 from asterism.studio.rest_summary import blank_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
-from asterism.studio.sheet_view import SheetView, blank_messages
-from asterism.studio.target_distance import TargetComparison
 from equilibrium.arrays import Floats
 from equilibrium.errors import Error
 from homogenize.errors import ForeignLaw
@@ -59,13 +58,7 @@ class Engine:
         self._known: Edit | None = None
         self._design: Design | None = None
         self._limits: Any = None
-        self._coarse: SheetView | None = None
-        self._fine: SheetView | None = None
-        self._last_view: SheetView | None = None
-        self._shown_seq, self._shown_stage = 0, ""
-        self._parts = Parts(0)
-        self._target: TargetComparison | None = None
-        self._meshes = 0
+        self._frames = EngineFrames(self._send)
         self._is_resting = True
         self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
         self._equilibrium_at, self._equilibrium_sizes = -np.inf, np.empty((0, 3))
@@ -83,7 +76,7 @@ class Engine:
         """Show an edit, another side or another form; with other parts; or lay the target on the shape."""
         self._bounds.begin(message.seq)
         if isinstance(message, Parts):
-            self._try(lambda: self._show_parts(message))
+            self._try(lambda: self._frames.send_again(message, self._preview, self._is_dragging))
             return
         self._is_resting = False
         if isinstance(message, Edit):
@@ -93,7 +86,7 @@ class Engine:
         elif isinstance(message, ShowForm):
             self._try(lambda: self._search(lambda: self._show_form(message.index)))
         elif isinstance(message, FitTarget):
-            self._try(self._fit_target)
+            self._try(lambda: self._frames.send_pose(self._preview, message.seq))
 
     def rest(self) -> None:
         """After a while without edits: a fine frame, and all that is known about the shape."""
@@ -126,6 +119,10 @@ class Engine:
     def _say(self, text: str) -> None:
         self._send(Busy(self._bounds.seq, text))
 
+    @property
+    def _is_dragging(self) -> bool:
+        return self._known is not None and self._known.is_dragging
+
     # edits
 
     def _edit(self, edit: Edit) -> None:
@@ -145,7 +142,7 @@ class Engine:
     def _show_design(self, design: Design, edit: Edit) -> None:
         if edit.is_opened or self._preview is None:
             self._open(design, edit.snapshot)
-            self._show("equilibrium", None)
+            self._show(EQUILIBRIUM, None)
         else:
             self._show_stages(self._preview, design, edit)
 
@@ -221,7 +218,7 @@ class Engine:
             self._send(StudioProblem(self._bounds.seq, "no other side", text))
             return
         self._owes_search = False
-        self._show("equilibrium", None)
+        self._show(EQUILIBRIUM, None)
 
     def _show_form(self, index: int) -> None:
         if self._preview is None or not 0 <= index < len(self._preview.forms):
@@ -229,37 +226,7 @@ class Engine:
             return
         self._preview.show_form(index)
         self._owes_search = False
-        self._show("equilibrium", None)
-
-    # what frames hold, and the target
-
-    def _show_parts(self, parts: Parts) -> None:
-        """Send the last equilibrium again, with these parts."""
-        if parts.version != self._parts.version:
-            self._target = None if parts.target is None else TargetComparison(parts.target, parts.version)
-        self._parts = parts
-        preview, view = self._preview, self._last_view
-        if preview is not None and view is not None and view.shows(preview) and self._shown_stage == "equilibrium":
-            frame = self._frame(view, preview, "equilibrium", None, self._shown_seq)
-            self._send(replace(frame, seconds=preview.seconds, is_again=True))
-
-    def _fit_target(self) -> None:
-        preview, view = self._preview, self._last_view
-        if preview is None or view is None or self._target is None:
-            self._send(StudioProblem(self._bounds.seq, "no target", "there is no target or no shape to lay it on"))
-            return
-        positions = view.frame(preview, self._bounds.seq, "equilibrium").positions
-        self._send(self._target.pose(self._bounds.seq, positions, view.triangles))
-
-    def _frame(self, view: SheetView, preview: Preview, stage: str, x: Floats | None, seq: int | None = None) -> Frame:
-        """A stage with the parts that are asked for. The distance to the target waits until the pointer is up."""
-        assert self._known is not None
-        self._last_view, self._shown_stage = view, stage
-        self._shown_seq = self._bounds.seq if seq is None else seq
-        frame = view.frame(preview, self._shown_seq, stage, x, self._parts.smooth)
-        if self._target is None or self._known.is_dragging or stage == "linear":
-            return frame
-        return replace(frame, target=self._target.distance(frame.positions, view.weights))
+        self._show(EQUILIBRIUM, None)
 
     # what is shown
 
@@ -267,35 +234,20 @@ class Engine:
         """Send a stage on the coarse mesh."""
         preview = self._preview
         assert preview is not None and self._known is not None
-        view = self._coarse = self._view(preview, self._coarse, is_fine=False)
-        if stage == "equilibrium" and preview.equilibrium.guess != EDIT_START:
-            view.stand_up(preview, x)
-        frame = self._frame(view, preview, stage, x)
+        frame = self._frames.coarse(preview, self._bounds.seq, stage, x, self._known.is_dragging)
         snapshot = None
-        if stage == "equilibrium":
+        if stage == EQUILIBRIUM:
             self._equilibrium_at = time.monotonic()
             self._equilibrium_sizes = preview.sheet.layout.site_sizes_mm
             snapshot = None if self._known.is_dragging else pickle.dumps(preview.snapshot())
         seconds = {"since asked": self._bounds.seconds, **preview.seconds}
         self._send(replace(frame, snapshot=snapshot, seconds=seconds))
 
-    def _view(self, preview: Preview, view: SheetView | None, is_fine: bool) -> SheetView:
-        """A view of the preview's sheet. Its mesh is sent before the first frame, and again with other arms."""
-        if view is None or not view.shows(preview):
-            view = SheetView(preview, is_fine)
-        layout = preview.sheet.layout
-        if not view.has_arms_of(layout):
-            self._meshes += 1
-            self._send(view.numbered(self._meshes, layout))
-        return view
-
     def _show_blank(self, design: Design) -> None:
         """Send the flat sheet of a design without stars, and all that there is to know of it."""
         self._is_resting = True
-        self._meshes += 1
-        seq = self._bounds.seq
-        for message in (*blank_messages(design, self._meshes, seq), blank_summary(seq)):
-            self._send(message)
+        self._frames.send_blank(design, self._bounds.seq)
+        self._send(blank_summary(self._bounds.seq))
 
     def _show_at_rest(self) -> None:
         preview, known = self._preview, self._known
@@ -306,15 +258,13 @@ class Engine:
         if self._owes_search:
             preview.search_again()
             self._owes_search = False
-            self._show("equilibrium", None)
+            self._show(EQUILIBRIUM, None)
         shape = preview.shape()
-        view = self._fine = self._view(preview, self._fine, is_fine=True)
+        self._frames.prepare_fine(preview)
         if self._inbox.has_waiting:
             raise Superseded
-        if self._coarse is not None:
-            view.rotation = self._coarse.rotation
         seq = self._bounds.seq
-        frame = self._frame(view, preview, "equilibrium", None)
+        frame = self._frames.fine(preview, seq)
         self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
         self._send(rest_summary(seq, preview, shape))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
@@ -17,6 +17,9 @@ from asterism.studio.messages import Edit, Frame, Limits, ShapeSummary, ShownMes
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
 from pattern import gallery
+
+if TYPE_CHECKING:
+    from tests.asterism.studio.engine_pipe import EnginePipe
 
 HOST = "127.0.0.1:7000"
 TOKEN = "a-token-of-the-tests"
@@ -114,3 +117,12 @@ def client(studio: Studio) -> Iterator[TestClient]:
 def page(client: TestClient) -> Iterator[Page]:
     with client.websocket_connect(f"ws://{HOST}/{TOKEN}/live", headers={"origin": f"http://{HOST}"}) as socket:
         yield Page(socket)
+
+
+@pytest.fixture
+def engine() -> Iterator[EnginePipe]:
+    from tests.asterism.studio.engine_pipe import EnginePipe  # the solvers take most of a second
+
+    pipe = EnginePipe()
+    yield pipe
+    pipe.close()

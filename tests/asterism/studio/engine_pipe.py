@@ -6,6 +6,7 @@ import queue
 import threading
 from typing import Any
 
+import asterism
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Frame, ShapeSummary, Stop, StudioProblem
@@ -52,3 +53,10 @@ class EnginePipe:
         self._to.put(Stop())
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
+
+
+def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
+    data = asterism.new(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
+    for section, entries in sections.items():
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
+    return data

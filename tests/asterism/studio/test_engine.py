@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,34 +10,13 @@ import pytest
 import asterism
 from asterism.studio.messages import (
     Busy,
-    Cancel,
     Edit,
-    FitTarget,
-    Flip,
     Frame,
     Limits,
-    Parts,
-    ShowForm,
     ShownMesh,
-    Surface,
-    TargetPose,
 )
 from pattern.layout.build import layout
-from tests.asterism.studio.engine_pipe import EnginePipe
-
-
-@pytest.fixture
-def engine() -> Iterator[EnginePipe]:
-    pipe = EnginePipe()
-    yield pipe
-    pipe.close()
-
-
-def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
-    data = asterism.new(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
-    for section, entries in sections.items():
-        data[section] = data[section] | entries if isinstance(entries, dict) else entries
-    return data
+from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 
 def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) -> None:
@@ -155,87 +133,6 @@ def test_an_error_of_the_first_edit_is_no_end(engine: EnginePipe) -> None:
     assert engine.frame(2).is_minimum
 
 
-def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    before = engine.frame(1)
-    engine.send(Cancel(2), Edit(2, table(border={"rings": 4})))
-    assert engine.problem(2).kind == "cancelled"
-    engine.send(Edit(3, table()))
-    assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
-
-
-def test_a_cancelled_flip_leaves_the_form_and_its_summary_follows(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    before = engine.frame(1)
-    engine.send(Cancel(2), Flip(2))
-    assert engine.problem(2).kind == "search ended"
-    assert engine.summary(2).numbers["height_mm"] == pytest.approx(before.height_mm, rel=0.02)
-    engine.send(Flip(3))
-    assert engine.frame(3).height_mm < before.height_mm
-
-
-def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    first = engine.frame(1)
-    engine.send(Flip(2))
-    flipped = engine.frame(2)
-    assert np.abs(flipped.positions - first.positions).max() > 1.0
-    engine.send(Edit(3, table(), is_opened=True, snapshot=first.snapshot))
-    assert engine.frame(3).positions == pytest.approx(first.positions, abs=1e-4)
-    # of another mesh: the shape is found anew
-    engine.send(Edit(4, table(border={"rings": 2}), is_opened=True, snapshot=first.snapshot))
-    assert engine.frame(4).is_minimum
-
-
-def test_the_form_of_an_opened_design_does_not_depend_on_those_opened_before(engine: EnginePipe) -> None:
-    for seq, name in enumerate(("dome", "cone", "dome"), 1):
-        engine.send(Edit(seq, table(name), is_opened=True))
-        expected = asterism.preview(asterism.Design.from_dict(table(name))).summary
-        summary = engine.summary(seq)
-        assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
-        assert [notice.text for notice in summary.warnings] == expected["warnings"]
-
-
-def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table("cone"), is_opened=True))
-    engine.frame(1)
-    engine.send(Cancel(2), Edit(2, table(), is_opened=True))
-    assert engine.problem(2).kind == "cancelled"
-    engine.send(Flip(3))
-    assert engine.problem(3).kind == "no other side"
-    engine.send(Edit(4, sites=np.array([[0, 0]]), sizes_mm=np.array([[8.0, np.nan, np.nan]])))
-    edited = asterism.Design.from_dict(table(stars={"override": [{"site": [0, 0], "length_mm": 8.0}]}))
-    height = engine.summary(4).numbers["height_mm"]
-    assert height == pytest.approx(asterism.preview(edited).height_mm, rel=1e-9)
-
-
-def test_a_flip_waits_for_the_shape_of_the_edit_before(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.studio.search_bounds.STALE_S", 0.0)
-    engine.send(Edit(1, table(), is_opened=True), Flip(2))
-    first = engine.frame(1)
-    assert engine.frame(2).height_mm < first.height_mm
-
-
-def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> None:
-    other = EnginePipe()
-    other.send(Edit(1, table(), is_opened=True), Flip(2))
-    flipped = other.frame(2)
-    other.close()
-    engine.send(Edit(3, table(), snapshot=flipped.snapshot))
-    assert engine.frame(3).positions == pytest.approx(flipped.positions, abs=1e-4)
-
-
-def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:
-    data = asterism.new("fig8-l-increasing").to_dict()
-    engine.send(Edit(1, data))
-    summary = engine.summary(1)
-    assert [form.is_shown for form in summary.forms] == [True, False]
-    engine.send(ShowForm(2, 0))
-    assert engine.frame(2).is_minimum
-    engine.send(ShowForm(3, 7))
-    assert engine.problem(3).kind == "no such form"
-
-
 def test_removed_stars_have_no_arms(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     engine.frame(1)
@@ -245,16 +142,6 @@ def test_removed_stars_have_no_arms(engine: EnginePipe) -> None:
     assert frame.mesh == mesh.mesh and 0 not in mesh.arm_site and len(frame.arms) == len(mesh.arm_site) == 36 * 3
     engine.send(Edit(3, removed=np.empty((0, 2))))
     assert len(engine.frame(3).arms) == 37 * 3
-
-
-def test_free_sheets_keep_their_pose_while_they_change(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table("tube")))
-    first = engine.frame(1)
-    assert first.positions[:, 2].min() == pytest.approx(0.0, abs=1e-5) and len(first.needles) == 0
-    engine.send(Edit(2, sites=np.array([[0, 0]]), sizes_mm=np.array([[np.nan, 0.41, np.nan]])))
-    linear, final = engine.frame(2, "linear"), engine.frame(2)
-    assert np.abs(linear.positions - final.positions).max() < 3.0
-    assert engine.summary(2).numbers["height_mm"] > 0.0
 
 
 def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -287,67 +174,3 @@ def test_a_sheet_without_stars_is_flat_and_released(engine: EnginePipe) -> None:
     assert len(engine.frame(3).arms) == 0
     engine.send(Edit(4, removed=np.empty((0, 2))))
     assert len(engine.frame(4).arms) == 37 * 3
-
-
-def test_another_outline_goes_on_from_the_old_shape_and_is_searched_at_rest(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    engine.summary(1)
-    smaller = table(border={"rings": 2})
-    engine.send(Edit(2, smaller))
-    quick = engine.frame(2)
-    summary = engine.summary(2)
-    expected = asterism.preview(asterism.Design.from_dict(smaller)).summary
-    assert quick.is_minimum and summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
-    assert [notice.text for notice in summary.warnings] == expected["warnings"]
-    # a form that was chosen stays at rest
-    engine.send(Flip(3))
-    flipped = engine.frame(3)
-    assert engine.summary(3).numbers["height_mm"] == pytest.approx(flipped.height_mm, rel=0.05)  # on other meshes
-
-
-def test_frames_hold_the_sheet_without_bumps_when_they_are_asked_to(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    assert engine.frame(1).smooth is None
-    engine.summary(1)
-    engine.send(Parts(1, smooth=True))
-    frame = engine.frame(1)
-    mesh = next(answer for answer in engine.answers if isinstance(answer, ShownMesh) and answer.mesh == frame.mesh)
-    preview = asterism.Preview(asterism.Design.from_dict(table()))
-    inside = np.abs(mesh.printed).max(axis=1) < 40.0
-    places = preview.at(mesh.printed[inside].astype(float)).smooth
-    assert frame.is_again and frame.smooth.positions[inside] == pytest.approx(places, abs=1e-3)
-    assert np.abs(frame.smooth.positions - frame.positions).max() > 0.5
-    assert frame.smooth.arms.shape == frame.arms.shape and frame.smooth.needles.shape == frame.needles.shape
-    engine.send(Edit(2, sites=np.array([[0, 0]]), sizes_mm=np.array([[6.0, np.nan, np.nan]]), is_dragging=True))
-    assert engine.frame(2, "linear").smooth is not None
-
-
-def test_a_free_sheet_without_bumps_stands_where_the_sheet_with_bumps_does(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table("star")), Parts(1, smooth=True))
-    engine.summary(1)
-    frame = [answer for answer in engine.answers if isinstance(answer, Frame)][-1]
-    assert np.abs(frame.smooth.positions - frame.positions).max() < 3.0
-
-
-def test_a_target_is_laid_on_the_shape_and_measured_at_rest(engine: EnginePipe) -> None:
-    for seq in (1, 2):
-        engine.send(Edit(seq, table()))
-        engine.summary(seq)
-    frame = [answer for answer in engine.answers if isinstance(answer, Frame)][-1]
-    mesh = next(answer for answer in engine.answers if isinstance(answer, ShownMesh) and answer.mesh == frame.mesh)
-    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    away = frame.positions.astype(float) @ turn.T + [200.0, 0.0, 50.0]
-    engine.send(Parts(2, target=Surface(away, mesh.triangles), version=1), FitTarget(3))
-    assert engine.frame(2).target.rms_mm > 100.0
-    pose = engine.until(lambda answer: isinstance(answer, TargetPose) and answer.seq == 3)
-    laid = away @ pose.rotation.T + pose.shift
-    engine.send(Parts(3, target=Surface(laid, mesh.triangles), version=2))
-    target = engine.frame(2).target  # the shape is that of the last edit
-    assert target.version == 2 and target.max_mm < 0.1 and target.distance.shape == (len(laid),)
-    engine.send(Edit(4, sites=np.array([[0, 0]]), sizes_mm=np.array([[6.0, np.nan, np.nan]]), is_dragging=True))
-    assert engine.frame(4).target is None
-
-
-def test_a_target_is_not_laid_on_a_sheet_that_does_not_exist(engine: EnginePipe) -> None:
-    engine.send(FitTarget(1))
-    assert engine.problem(1).kind == "no target"
