@@ -52,7 +52,7 @@ def cell_stability(cell: UnitCell, state: State) -> CellStability:
     hessian, torus = cell.unfolded_hessian(state), cell.mesh
     for signs in SIGN_CHANGES:
         change = np.prod(np.array(signs) ** np.abs(torus.image), axis=1)
-        inner = reduction_matrix(torus.base, change, cell.images.turn, torus.n_base, len(cell.edges))
+        inner = reduction_matrix(cell.images, change, len(cell.edges))
         low = sp.tril(inner.T @ hessian @ inner, format="csc")
         low.sort_indices()
         pattern = SparsePattern.from_lower(low)

@@ -17,6 +17,7 @@ exactly that of the tube's energy. The constant of Gaussian curvature, which no 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,8 @@ from scipy.sparse.linalg import splu
 from discrete.model.state import State
 from equilibrium.arrays import Array
 from homogenize.cell.flat_cell import FlatCell
-from homogenize.cell.unit_cell import UnitCell
+from homogenize.cell.periodic_images import PeriodicImages
+from homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 # Voigt: 11, 22 and 2 x 12 as symmetric matrices
 VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
@@ -76,23 +78,35 @@ def effective_stiffness(cell: UnitCell, flat: FlatCell) -> EffectiveStiffness:
 
     hessian, force = cell.unfolded_hessian(state), cell.unfolded_gradient(state)
     load = force[: 3 * n_points].reshape(-1, 3)
+    at_joints, first_spin = cell.images.joint_point, 3 * n_points + len(cell.edges)
+    spins = rotations[:, at_joints]
+    torques = force[first_spin:].reshape(-1, 3)
     imposed = np.zeros((hessian.shape[0], 6))
     imposed[: 3 * n_points] = moves.reshape(6, -1).T
+    imposed[first_spin:] = spins.reshape(6, -1).T
     pulled = hessian @ imposed
-    inner = reduction_matrix(torus.base, np.ones(n_points), None, n_base, len(cell.edges))
-    held = 3 * int(torus.star_vertices[0]) + np.arange(3)
+    inner = reduction_matrix(cell.images, np.ones(n_points), len(cell.edges), turned=False)
+    held = 3 * ANCHOR + np.arange(3)
     free = np.setdiff1d(np.arange(inner.shape[1]), held)
     coupling = inner.T @ pulled
     for i in range(3, 6):  # the images turn what moves
         torque = np.cross(load, rotations[i])
         for axis in range(3):
             coupling[axis : 3 * n_base : 3, i] += np.bincount(torus.base, torque[:, axis], n_base)
+        # two rotations one after the other: half of their product is in the spin that stands for both
+        twisted = 0.5 * np.cross(torques, spins[i])
+        for axis in range(3):
+            coupling[3 * n_base + len(cell.edges) + axis :: 3, i] += np.bincount(
+                cell.images.joint, twisted[:, axis], cell.images.n_joints
+            )
     coupling = coupling[free]
     stiff = (inner.T @ hessian @ inner).tocsc()[free][:, free]
     whole = imposed.T @ pulled - coupling.T @ splu(stiff.tocsc()).solve(coupling)
     whole += _second_order(load, rotations, place, span @ flat.deformation.T, span, inverse)
+    whole += _changed_slopes(torques, span[at_joints], inverse)
     whole = 0.5 * (whole + whole.T) / cell.area
-    moment = np.einsum("ux,iux->i", load, moves[3:]) / cell.area
+    moment = np.einsum("ux,iux->i", load, moves[3:]) + np.einsum("kx,ikx->i", torques, spins[3:])
+    moment /= cell.area
     return EffectiveStiffness(_of_lower_surface(whole, moment, -mean_height(cell, state), inverse @ inverse), moment)
 
 
@@ -114,25 +128,31 @@ def _of_lower_surface(stiffness: Array, moment: Array, depth: float, inverse_met
 
 
 def mean_height(cell: UnitCell, state: State) -> float:
-    """mm, height of a flat cell's points over the held star's centre, weighted by printed area."""
+    """mm, height of a flat cell's points over the held point, weighted by printed area."""
     z = state.positions[: cell.mesh.n_base, 2]
-    return float(cell.weights @ z - z[cell.mesh.star_vertices[0]])
+    return float(cell.weights @ z - z[ANCHOR])
 
 
-def reduction_matrix(base: Array, signs: Array, turn: Array | None, n_base: int, n_twists: int) -> sp.csr_matrix:
-    """(3 U + R, 3 V + R) unfolded degrees of freedom from those of the cell.
+def reduction_matrix(images: PeriodicImages, signs: Array, n_twists: int, turned: bool = True) -> sp.csr_matrix:
+    """(3 U + R + 3 K, 3 V + R + 3 J) unfolded degrees of freedom from those of the cell.
 
     Parameters
     ----------
-    base : (U,) base point of each unfolded point.
+    images : of the points and joints.
     signs : (U,) factors of the images.
-    turn : (U, 3, 3) rotations of the images; None for identities.
-    n_base, n_twists : V and R.
+    n_twists : R.
+    turned : the images turn; otherwise they move as their base points.
     """
-    count = len(base)
-    blocks = signs[:, None, None] * (np.broadcast_to(np.eye(3), (count, 3, 3)) if turn is None else turn)
-    points = sp.bsr_matrix((blocks, base, np.arange(count + 1)), shape=(3 * count, 3 * n_base))
-    return sp.block_diag([points, sp.identity(n_twists)], format="csr")
+
+    def block(base: Array, factors: Array, turn: Array, n_base: int) -> sp.bsr_matrix:
+        blocks = factors[:, None, None] * (turn if turned else np.eye(3))
+        rows = np.arange(len(base) + 1)
+        return sp.bsr_matrix((blocks, base, rows), shape=(3 * len(base), 3 * n_base))
+
+    parts = [block(images.base, signs, images.turn, images.n_base), sp.identity(n_twists)]
+    if images.n_joints:
+        parts.append(block(images.joint, signs[images.joint_point], images.joint_turn, images.n_joints))
+    return sp.block_diag(parts, format="csr")
 
 
 def _about(tilt: Array) -> Array:
@@ -149,10 +169,21 @@ def _second_order(load: Array, rotations: Array, place: Array, reach: Array, spa
         for j in range(3, 6):
             both = 0.5 * (np.cross(rotations[i], twice[j]) + np.cross(rotations[j], twice[i]))
             out[i, j] = (load * both).sum()
-    for i, strain in enumerate(VOIGT_BASIS):
-        # at a given K the slope of the images changes with F
-        for j, form in enumerate(VOIGT_BASIS):
-            change = -inverse.T @ strain @ inverse @ inverse.T @ form
-            out[i, 3 + j] = (load * np.cross(_about(span @ change.T), place)).sum()
-            out[3 + j, i] = out[i, 3 + j]
+    for i, j, about in _changed_rotations(span, inverse):
+        out[i, 3 + j] = out[3 + j, i] = (load * np.cross(about, place)).sum()
     return out
+
+
+def _changed_slopes(torques: Array, span: Array, inverse: Array) -> Array:
+    """(6, 6) work of the torques (K, 3) at joints on the second derivatives of their images; span (K, 2)."""
+    out = np.zeros((6, 6))
+    for i, j, about in _changed_rotations(span, inverse):
+        out[i, 3 + j] = out[3 + j, i] = (torques * about).sum()
+    return out
+
+
+def _changed_rotations(span: Array, inverse: Array) -> Iterator[tuple[int, int, Array]]:
+    """Strain i, curvature j, and the change (n, 3) of the images' rotations: their slope at a given K depends on F."""
+    for i, strain in enumerate(VOIGT_BASIS):
+        for j, form in enumerate(VOIGT_BASIS):
+            yield i, j, _about(span @ (-inverse.T @ strain @ inverse @ inverse.T @ form).T)

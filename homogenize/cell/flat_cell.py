@@ -13,7 +13,7 @@ from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
 from equilibrium.arrays import Array
 from equilibrium.newton.minimise import NewtonResult, minimise
-from homogenize.cell.unit_cell import UnitCell
+from homogenize.cell.unit_cell import ANCHOR, UnitCell
 from pattern.design.lattice import DEFAULT_SPACING_MM
 
 # part of the stretch that is released
@@ -33,10 +33,11 @@ class FlatCell:
 
     Attributes
     ----------
-    state : the star's centre is at the origin, the images of the cell vectors in the plane z = 0.
+    state : the centre of the first star, or the first node of a motif, is at the origin. The images of the cell vectors
+        are in the plane z = 0.
     energy : N mm per mm^2 of print.
     deformation : (2, 2) symmetric F, with the images `a_m = F A_m` of the cell vectors.
-    bump : (S,) mm, height of each star's centre over its tips; positive on the plastic side.
+    bump : (S,) mm, height of each star's centre over its tips; positive on the plastic side. None for a motif: (0,).
     gradient_norm : N.
     definite : the Hessian on the cell is positive definite, apart from rotations.
     iterations : of Newton's method.
@@ -87,7 +88,9 @@ def relax_flat_cell(cell: UnitCell) -> tuple[FlatCell, FlatCell | None]:
 
 def _released(cell: UnitCell) -> FlatCell:
     cell.set_flat()
-    state = with_bumps(cell, cell.printed_state(), BUMP_HEIGHT_RATIO * cell.spacing)
+    state = cell.printed_state()
+    if len(cell.mesh.star_vertices):
+        state = with_bumps(cell, state, BUMP_HEIGHT_RATIO * cell.spacing)
     iterations = 0
     for release in RELEASE_STEPS:
         cell.set_release(release)
@@ -109,13 +112,20 @@ def _released(cell: UnitCell) -> FlatCell:
 def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
     """The flat cell with its stars on the other side, from the mirrored state; None if that is no equilibrium."""
     cell.set_flat()
-    mirror = np.array([1.0, 1.0, -1.0])
-    start = with_orthogonal_directors(cell, State(flat.state.positions * mirror, -flat.state.directors * mirror))
+    start = with_orthogonal_directors(cell, _mirrored(flat.state))
     minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
     if not minimum.converged:
         return None
     other = flat_cell_from_minimum(cell, minimum, minimum.iterations)
     return other if (np.sign(other.bump) == -np.sign(flat.bump)).all() else None
+
+
+def _mirrored(state: State) -> State:
+    """The state mirrored in the plane z = 0. The plastic stays on its side: normals turn round."""
+    mirror = np.array([1.0, 1.0, -1.0])
+    frames = state.frames * mirror
+    frames[:, 2] *= -1.0
+    return State(state.positions * mirror, -state.directors * mirror, frames)
 
 
 def flat_cell_from_minimum(cell: UnitCell, minimum: NewtonResult, iterations: int) -> FlatCell:
@@ -135,7 +145,7 @@ def with_bumps(cell: UnitCell, state: State, height: float) -> State:
     positions = state.positions.copy()
     positions[: len(base), 2] += height * (np.exp(-((distance / (BUMP_WIDTH_RATIO * cell.spacing)) ** 2)) - 1.0)
     whole = moved_state(cell.unfolded(state), cell.edges, cell.images.unfold(positions), np.zeros(len(cell.edges)))
-    return State(positions, whole.directors)
+    return State(positions, whole.directors, state.frames)
 
 
 def without_rotation(cell: UnitCell, state: State) -> tuple[State, Array]:
@@ -147,12 +157,12 @@ def without_rotation(cell: UnitCell, state: State) -> tuple[State, Array]:
     rotation = np.empty((3, 3))
     rotation[:, :2] = left @ right
     rotation[:, 2] = np.cross(rotation[:, 0], rotation[:, 1])
-    base = (state.positions[:n] - state.positions[cell.mesh.star_vertices[0]]) @ rotation
-    turned = State(np.vstack([base, images @ rotation]), state.directors @ rotation)
+    base = (state.positions[:n] - state.positions[ANCHOR]) @ rotation
+    turned = State(np.vstack([base, images @ rotation]), state.directors @ rotation, state.frames @ rotation)
     return with_orthogonal_directors(cell, turned), right.T @ np.diag(sizes) @ right
 
 
 def with_orthogonal_directors(cell: UnitCell, state: State) -> State:
     """The state with directors orthogonal to their edges, which rounding or other images disturb."""
     along = edge_tangents(cell.images.unfold(state.positions), cell.edges)
-    return State(state.positions, orthonormal_to_tangents(state.directors, along))
+    return State(state.positions, orthonormal_to_tangents(state.directors, along), state.frames)

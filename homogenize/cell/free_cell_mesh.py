@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from equilibrium.arrays import Floats, Ints
+from equilibrium.arrays import Floats
 from homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
 from homogenize.cell.graded_steps import MAX_EDGE_TO_GAP_RATIO, graded_steps
-from homogenize.cell.image_numbering import ImageNumbering, new_triangles
 from homogenize.cell.mirror_points import NearbyArms, with_symmetry
-from homogenize.cell.periodic_delaunay import PeriodicTriangles
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from homogenize.cell.tiles import MeshPath, Tiles
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import distance_to_segment
 
@@ -60,25 +57,12 @@ def free_cell_mesh(
     least = float(triangulation.angles.min())
     if least < MIN_CELL_ANGLE_DEG:
         raise MeshError(f"the mesh of the cell would have angles of {least:.1f} degrees: use a shorter edge")
-    return _Tiles(triangulation, repeat).torus(arms, surrounded)
-
-
-@dataclass(frozen=True)
-class _Arm:
-    """The path of an arm from the star's centre, which is point 0.
-
-    Attributes
-    ----------
-    point : (n,) points; image : (n, 2) their images.
-    """
-
-    point: Ints
-    image: Ints
+    return Tiles(triangulation, repeat).star_mesh(arms, surrounded)
 
 
 def _frame(
     vectors: Floats, directions: Floats, length: float, edge_mm: float, segments: int | None
-) -> tuple[MeshConstraints, list[_Arm]]:
+) -> tuple[MeshConstraints, list[MeshPath]]:
     """The points on the arms, and the paths of the arms over them."""
     inverse, same = np.linalg.inv(vectors), TOUCHING_TOLERANCE * float(np.linalg.norm(vectors, axis=1).min())
     points, sizes, arms = [np.zeros(2)], [edge_mm], []
@@ -86,7 +70,7 @@ def _frame(
         along = _stations(vectors, directions, direction, length, edge_mm, segments)
         step = np.diff(along)
         sizes[0] = min(sizes[0], step[0])
-        arm = _Arm(np.zeros(len(along), dtype=np.int64), np.zeros((len(along), 2), dtype=np.int64))
+        arm = MeshPath(np.zeros(len(along), dtype=np.int64), np.zeros((len(along), 2), dtype=np.int64))
         for k, place in enumerate(along[1:, None] * direction, start=1):
             off = place - np.array(points)
             image = np.round(off @ inverse).astype(np.int64)
@@ -127,77 +111,3 @@ def _stations(
     if MAX_EDGE_TO_GAP_RATIO * gap.min() < 1e-3 * edge_mm:
         raise MeshError("arms of neighbouring stars overlap")
     return graded_steps(along, even, gap)
-
-
-class _Tiles:
-    """The triangles of one cell, repeated in n x m cells that close to a larger torus."""
-
-    def __init__(self, triangles: PeriodicTriangles, repeat: tuple[int, int]) -> None:
-        self._triangles = triangles
-        self._cells = np.array([[i, j] for i in range(repeat[0]) for j in range(repeat[1])])
-        self._repeat = np.array(repeat)
-        self._number = ImageNumbering(len(self._cells) * len(triangles.points))
-
-    def _all(self, point: Ints, image: Ints) -> Ints:
-        """(n m E, k) unfolded points of points (E, k) with images (E, k, 2), in every cell."""
-        where = self._cells[:, None, None] + image
-        away, home = where // self._repeat, where % self._repeat
-        base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
-        return self._number(base.ravel(), *away.reshape(-1, 2).T).reshape(-1, point.shape[1])
-
-    def torus(self, arms: list[_Arm], surrounded: bool) -> PeriodicMesh:
-        """The whole mesh, with these arms on every star."""
-        mesh = self._triangles
-        triangles = self._all(mesh.corner, mesh.image)
-        point, image = _pairs(mesh)
-        # a hinge from either side is the same: that whose edge has the lower name
-        there, back = mesh.edges()
-        once = there < back
-        from_base = image - image[:, :1]
-        hinges = self._all(point[once], from_base[once])
-        rods = [self._all(arm.point[None], arm.image[None]) for arm in arms]
-        around: Ints = np.empty((0, 3), dtype=np.int64)
-        if surrounded:
-            around = new_triangles(self._all(*_touching(mesh)), triangles)
-        stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
-        base, away = self._number.unfolded()
-        cell = mesh.vectors * self._repeat[:, None]
-        tiled = (mesh.points + (self._cells @ mesh.vectors)[:, None]).reshape(-1, 2)
-        return PeriodicMesh(
-            points=tiled[base] + away @ cell,
-            base=base,
-            image=away,
-            triangles=triangles,
-            around=around,
-            hinges=hinges,
-            rods=tuple(rod for star in zip(*rods, strict=True) for rod in star),
-            arm_star=np.repeat(np.arange(len(stars)), len(arms)),
-            star_vertices=stars,
-            cell_vectors=cell,
-            n_base=len(tiled),
-        )
-
-
-def _touching(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
-    """Points (M, 3) and images (M, 3, 2) of all triangles that share a point with a triangle of the cell."""
-    at = mesh.corner.ravel()
-    order = np.argsort(at, kind="stable")
-    first = np.searchsorted(at[order], np.arange(len(mesh.points) + 1))
-    count = np.diff(first)[at]
-    own = np.repeat(np.arange(len(at)), count)  # a corner of the cell, once for each triangle at its point
-    within = np.arange(len(own)) - np.repeat(np.cumsum(count) - count, count)
-    other = order[first[at[own]] + within]
-    step = mesh.image.reshape(-1, 2)[own] - mesh.image.reshape(-1, 2)[other]
-    return mesh.corner[other // 3], mesh.image[other // 3] + step[:, None]
-
-
-def _pairs(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
-    """Points (3 T, 4) and images (3 T, 4, 2) of the edges of all triangles: two ends, left apex, right apex."""
-    there, back = mesh.edges()
-    order = np.argsort(there)
-    twin = order[np.searchsorted(there[order], back)]
-    turns = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])
-    corner, image = mesh.corner[:, turns].reshape(-1, 3), mesh.image[:, turns].reshape(-1, 3, 2)
-    # the twin's edge runs back: its second point is this one's first
-    right = image[:, 0] + image[twin, 2] - image[twin, 1]
-    return np.column_stack([corner, corner[twin, 2]]), np.concatenate([image, right[:, None]], axis=1)

@@ -22,9 +22,10 @@ class PeriodicMesh:
     triangles : (T, 3) counterclockwise, one of each class of images.
     around : (R, 3) images of triangles around those; none if the elements need no neighbours.
     hinges : (H, 4) edge, left apex, right apex; one of each class.
-    rods : paths of vertices along the arms, from the star's centre; each star is in one piece.
-    arm_star : (rods,) star of each arm.
-    star_vertices : (S,) centres of the stars.
+    rods : paths of vertices along the arms, from the star's centre, each star in one piece; or along the rods of a
+        motif, cell by cell, each rod in one piece.
+    arm_star : (rods,) star of each arm; empty for a motif.
+    star_vertices : (S,) centres of the stars; empty for a motif.
     cell_vectors : (2, 2) mm, rows.
     n_base : V.
     """

@@ -16,7 +16,7 @@ from discrete.model.state import State
 from equilibrium.arrays import Array
 from equilibrium.newton.minimise import minimise
 from homogenize.cell.flat_cell import FlatCell, cell_gradient_tolerance, with_orthogonal_directors
-from homogenize.cell.unit_cell import UnitCell
+from homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 
 @dataclass(frozen=True)
@@ -61,34 +61,35 @@ class UnrolledCell:
 
     Attributes
     ----------
-    positions : (V + 2, 3) mm; directors : (R, 3).
+    positions : (V + 2, 3) mm; directors : (R, 3); frames : (J, 3, 3).
     hoop : stretch around the tube.
     """
 
     positions: Array
     directors: Array
+    frames: Array
     hoop: float
 
 
 def unrolled_flat_cell(flat: FlatCell, angle: float) -> UnrolledCell:
     """A flat cell in the axes of a tube."""
-    return _along(flat.state.positions, flat.state.directors, flat.deformation, angle)
+    return _along(flat.state, flat.deformation, angle)
 
 
 def unrolled_in_direction(cell: UnitCell, tube: Tube, angle: float) -> UnrolledCell:
     """A tube, unrolled and in the axes of a tube in another direction."""
     sheet = unroll(cell, tube)
     deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.mesh.n_base :, :2]).T
-    return _along(sheet.positions, sheet.directors, deformation, angle)
+    return _along(State(sheet.positions, sheet.directors, sheet.frames), deformation, angle)
 
 
-def _along(positions: Array, directors: Array, deformation: Array, angle: float) -> UnrolledCell:
+def _along(state: State, deformation: Array, angle: float) -> UnrolledCell:
     """A flat state, turned so that points at equal angle on the tube have equal y."""
     across = np.linalg.solve(deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
     hoop = 1.0 / float(np.linalg.norm(across))
     (x, y) = hoop * across
     turn = np.array([[y, -x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]])
-    return UnrolledCell(positions @ turn.T, directors @ turn.T, hoop)
+    return UnrolledCell(state.positions @ turn.T, state.directors @ turn.T, state.frames @ turn.T, hoop)
 
 
 def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
@@ -105,7 +106,9 @@ def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
     macro = x[n:].copy()
     macro[:, 1] = tube.hoop * _around(cell, cell.cell_vectors)
     middle = _middles(cell, cell.images.unfold(x), k)
-    return UnrolledCell(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), tube.hoop)
+    at_joints = np.repeat(angle[cell.joint_vertices], 3)
+    frames = _turned(tube.state.frames.reshape(-1, 3), -at_joints).reshape(-1, 3, 3)
+    return UnrolledCell(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), frames, tube.hoop)
 
 
 def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> State:
@@ -122,7 +125,9 @@ def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: f
     positions[:n] = np.column_stack([base[:, 0], out * np.sin(turn), out * np.cos(turn)])
     positions[n:, 0] = sheet.positions[n:, 0]
     middle = _middles(cell, cell.images.unfold(positions), curvature)
-    return with_orthogonal_directors(cell, State(positions, _turned(sheet.directors, middle)))
+    at_joints = np.repeat(turn[cell.joint_vertices], 3)
+    frames = _turned(sheet.frames.reshape(-1, 3), at_joints).reshape(-1, 3, 3)
+    return with_orthogonal_directors(cell, State(positions, _turned(sheet.directors, middle), frames))
 
 
 def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> Tube:
@@ -166,14 +171,13 @@ def heights_over_mean_surface(cell: UnitCell, tube: Tube) -> Array:
 
 def centre_offset(cell: UnitCell, tube: Tube) -> float:
     """mm, height of the first star's centre over the tube's mean surface, positive outwards."""
-    return float(heights_over_mean_surface(cell, tube)[cell.mesh.star_vertices[0]])
+    return float(heights_over_mean_surface(cell, tube)[ANCHOR])
 
 
 def _angles(cell: UnitCell, points: Array, curvature: float) -> Array:
     """(V,) rad about the axis, on the same turn as the printed points."""
     sign = np.sign(curvature)
-    star = int(cell.mesh.star_vertices[0])
-    printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[star])
+    printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[ANCHOR])
     off = np.arctan2(sign * points[:, 1], sign * points[:, 2]) - printed
     return np.asarray(printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi)))
 

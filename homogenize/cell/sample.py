@@ -24,7 +24,7 @@ from homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surfa
 from homogenize.cell.symmetric_responses import symmetric_responses
 from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, is_threefold, tube_angles
 from homogenize.cell.tube_membrane import tube_membrane_stiffness
-from homogenize.cell.unit_cell import UnitCell
+from homogenize.cell.unit_cell import ANCHOR, UnitCell
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 
@@ -274,8 +274,8 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
 def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
     """(2, W) mm and mm^2: amplitudes on the flat cell, and their change per curvature."""
     waves = CorrugationWaves.of(cell.design.lattice)
-    n, star = cell.mesh.n_base, cell.mesh.star_vertices[0]
-    offsets = cell.printed[:n] - cell.printed[star]
+    n = cell.mesh.n_base
+    offsets = cell.printed[:n] - cell.printed[ANCHOR]
     lying = waves.amplitudes(offsets, flat.state.positions[:n, 2], cell.weights)
     rolled = waves.amplitudes(
         offsets, np.mean([heights_over_mean_surface(cell, tube) for tube in tubes], axis=0), cell.weights

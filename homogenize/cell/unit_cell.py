@@ -1,4 +1,4 @@
-"""The unit cell: n x m stars of an endless sheet, with periodic (flat) or objective (tube) boundary conditions."""
+"""The unit cell: n x m stars or motifs of an endless sheet, with periodic (flat) or objective (tube) boundaries."""
 
 from __future__ import annotations
 
@@ -9,24 +9,28 @@ from dataclasses import replace
 import numpy as np
 import scipy.sparse as sp
 
-from discrete.energies.bending.fabric_bending import BendingMesh
 from discrete.energies.bending.plate_patches import patches
-from discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
+from discrete.energies.bending.registry import FABRIC_BENDING
 from discrete.energies.elements import Elements
-from discrete.model.discrete_model import DiscreteModel
+from discrete.model.rotations import rotate_vectors
 from discrete.model.state import State, edge_tangents, moved_state
 from discrete.model.system import System
 from equilibrium.arrays import Array
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
-from homogenize.cell.cell_mesh import cell_mesh, star_size
+from homogenize.cell.cell_mesh import cell_mesh
+from homogenize.cell.motif_cell_mesh import motif_cell_mesh
 from homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
 from homogenize.cell.periodic_mesh import PeriodicMesh
+from homogenize.cell.unfolded_model import unfolded_model
 from pattern.design.design import Design
+from pattern.design.errors import DesignError
 from pattern.geometry.planar import triangle_areas
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
+from pattern.rods.motif_graph import MotifGraph, motif_graph
+
+# base point that is held: the centre of the first star, or the first node of a motif
+ANCHOR = 0
 
 
 class UnitCell(System):
@@ -37,9 +41,9 @@ class UnitCell(System):
 
     Parameters
     ----------
-    design : materials, lattice, and the star; its sizes are numbers.
+    design : materials, lattice, and the star or the motif; their sizes are numbers.
     edge_mm : of the mesh.
-    repeat : stars along A1 and A2.
+    repeat : stars or motifs along A1 and A2.
     segments : mesh edges of every arm; by default the number nearest to its length.
 
     Attributes
@@ -53,22 +57,31 @@ class UnitCell(System):
     ValueError
         The stars differ, or gravity is on.
     DesignError, MeshError
-        See `cell_mesh`.
+        See `cell_mesh`, `motif_graph` and `motif_cell_mesh`.
+
+    Notes
+    -----
+    All nodes of a motif at which rods end are joints with a frame of their own, also those at which one rod goes on as
+    another: two half edges in one line have the energy of a stencil.
     """
 
     def __init__(
         self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
     ) -> None:
         self.design = design
-        self.mesh = _inner_first(cell_mesh(design, edge_mm, repeat, segments))
+        motif = None if design.rods is None else motif_graph(design.rods, design.lattice)
+        self.mesh = _inner_first(_mesh(design, motif, edge_mm, repeat, segments))
         self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
-        self.model = _unfolded_model(design, self.mesh, self.printed)
+        self.model = unfolded_model(design, self.mesh, motif)
+        points = self.model.joints.vertices
+        vertices, joint = np.unique(self.mesh.base[points], return_inverse=True)
+        self._joint_images, self._base_joints = (points, joint), vertices
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
         self._factors: dict[bool, Factor] = {}
         self._unfolded_pattern: SparsePattern | None = None
         self.curvature: float | None = None
         self.angle = 0.0
-        self._set_images(_flat_images(self.mesh))
+        self._set_images(self._flat_images())
 
     def _set_images(self, images: PeriodicImages) -> None:
         """Take on other images; the elements stay the same."""
@@ -80,7 +93,7 @@ class UnitCell(System):
             if inner:
                 parts[name] = _rows(part, slice(0, inner))
             if len(part) > inner:
-                border = PeriodicElements(_rows(part, slice(inner, None)), images)
+                border = PeriodicElements(_rows(part, slice(inner, None)), images, len(self.model.edges))
                 parts[f"{name} of images" if inner else name] = border  # type: ignore[assignment]
         flat = self.curvature is None
         if flat in self._known:  # the images have changed, what hangs together has not
@@ -88,15 +101,18 @@ class UnitCell(System):
             self.held, self.free, self.pattern = self._known[flat]
             return
         rows = images.n_base + 2
-        held = np.zeros(3 * rows + len(self.model.edges), dtype=bool)
-        centre = 3 * int(self.mesh.star_vertices[0])
+        held = np.zeros(3 * rows + len(self.model.edges) + 3 * len(self._base_joints), dtype=bool)
         if flat:
-            held[centre : centre + 3] = True
+            held[3 * ANCHOR : 3 * ANCHOR + 3] = True
         else:
-            held[centre : centre + 2] = True
+            held[3 * ANCHOR : 3 * ANCHOR + 2] = True
             held[3 * images.n_base : 3 * rows] = [False, True, True] * 2
-        super().__init__(parts, rows, self.model.edges, held)
+        super().__init__(parts, rows, self.model.edges, held, joint_vertices=self._base_joints)
         self._known[flat] = (held, self.free, self.pattern)
+
+    def _flat_images(self) -> PeriodicImages:
+        turn = np.broadcast_to(np.eye(3), (len(self.mesh.base), 3, 3))
+        return PeriodicImages(self.mesh.base, turn, self.mesh.image, np.eye(3), self.mesh.n_base, *self._joint_images)
 
     def factor(self, backend: str = "auto") -> Factor:
         """Factorisation for the flat cell or the tube. The cell keeps it; `close` frees it."""
@@ -140,7 +156,7 @@ class UnitCell(System):
     def set_flat(self) -> None:
         """Take on periodic images: `x(X + A_m) = x(X) + a_m`."""
         self.curvature = None
-        self._set_images(_flat_images(self.mesh))
+        self._set_images(self._flat_images())
 
     def set_tube(self, curvature: float, angle: float = 0.0) -> None:
         """Take on objective images: `x(X + A_m) = R(phi_m) x(X) + tau_m e`, with `phi_m = curvature (t . A_m)`.
@@ -152,35 +168,42 @@ class UnitCell(System):
         """
         self.curvature, self.angle = curvature, angle
         torus, axial = self.mesh, np.diag([1.0, 0.0, 0.0])
-        self._set_images(PeriodicImages(torus.base, self._turns(curvature)[0], torus.image, axial, torus.n_base))
+        turn = self._turns(curvature)[0]
+        self._set_images(PeriodicImages(torus.base, turn, torus.image, axial, torus.n_base, *self._joint_images))
 
     def _turns(self, curvature: float) -> tuple[Array, Array]:
         """(U, 3, 3) rotations of the images about the axis, and their derivative by the curvature."""
-        along = self.mesh.image @ self.cell_vectors @ self.turn[1]
+        along = self._around
         cos, sin, zero = np.cos(curvature * along), np.sin(curvature * along), np.zeros(len(along))
         one = np.ones(len(along))
         turn = np.array([[one, zero, zero], [zero, cos, sin], [zero, -sin, cos]]).transpose(2, 0, 1)
         rate = np.array([[zero, zero, zero], [zero, -sin, cos], [zero, -cos, -sin]]).transpose(2, 0, 1)
         return turn, along[:, None, None] * rate
 
+    @property
+    def _around(self) -> Array:
+        """(U,) mm, printed length around the tube from each base point to its images."""
+        return np.asarray(self.mesh.image @ self.cell_vectors @ self.turn[1])
+
     def printed_state(self) -> State:
         """The print: flat, with the cell vectors as macroscopic rows."""
         base = np.pad(self.printed[: self.mesh.n_base], ((0, 0), (0, 1)))
         macro = np.pad(self.cell_vectors, ((0, 0), (0, 1)))
-        return State(np.vstack([base, macro]), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
+        frames = np.tile(np.eye(3), (len(self._base_joints), 1, 1))
+        return State(np.vstack([base, macro]), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)), frames)
 
     def unfolded(self, state: State) -> State:
         """The same state on the unfolded mesh."""
-        return State(self.images.unfold(state.positions), state.directors)
+        return State(self.images.unfold(state.positions), state.directors, self.images.unfold_frames(state.frames))
 
     def path(self, state: State, direction: Array, straight: bool = True) -> tuple[Callable[[float], State], float]:
         """Straight steps of the positions; parallel transport carries the directors along the unfolded rod edges."""
-        move, turn = self.displacements_and_twists(direction)
+        (move, turn), spin = self.displacements_and_twists(direction), self.spins(direction)
 
         def at(a: float) -> State:
             positions = state.positions + a * move
             whole = moved_state(self.unfolded(state), self.edges, self.images.unfold(positions), a * turn)
-            return State(positions, whole.directors)
+            return State(positions, whole.directors, rotate_vectors(a * spin, state.frames))
 
         fastest = float(np.sqrt((move[: self.mesh.n_base] ** 2).sum(axis=1).max()))
         return at, self._longest_move / max(fastest, 1e-30)
@@ -191,14 +214,15 @@ class UnitCell(System):
         return 0.1 * float(np.linalg.norm(self.mesh.cell_vectors, axis=1).min())
 
     def rigid_motions(self, state: State) -> Array:
-        """(free, k) motions without energy: rotations of a flat cell about its held star."""
+        """(free, k) motions without energy: rotations of a flat cell about its held point."""
         if self.curvature is not None:
             return np.empty((len(self.free), 0))
-        centre = state.positions[self.mesh.star_vertices[0]]
+        centre = state.positions[ANCHOR]
         x = state.positions.copy()
         x[: self.mesh.n_base] -= centre
         t = edge_tangents(self.images.unfold(state.positions), self.edges)
-        motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis]) for axis in np.eye(3)]
+        joints = len(state.frames)
+        motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis, np.tile(axis, joints)]) for axis in np.eye(3)]
         return np.asarray(np.array(motions).T[self.free] / np.abs(x).max())
 
     def rigid_modes(self, state: State) -> Array:
@@ -209,18 +233,22 @@ class UnitCell(System):
         """(k,) free degrees of freedom that prevent all rigid motions if they are held."""
         return independent_dofs(self.rigid_motions(state))
 
+    @property
+    def n_unfolded_dofs(self) -> int:
+        """3 U + R + 3 K: unfolded points, twists of the rod edges, and spins of the unfolded joints."""
+        return 3 * len(self.mesh.base) + len(self.edges) + 3 * len(self.images.joint)
+
     def unfolded_gradient(self, state: State) -> Array:
-        """(3 U + R,) N and N mm, gradient of the energy by the unfolded points and the twists."""
-        packed = self.unfolded(state).packed
-        size = 3 * len(self.mesh.base) + len(self.edges)
+        """(3 U + R + 3 K,) N and N mm, gradient of the energy by the unfolded points, the twists and the spins."""
+        packed, size = self.unfolded(state).packed, self.n_unfolded_dofs
         force = np.zeros(size)
         for part in self.model.parts.values():
             force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), size)
         return force
 
     def unfolded_hessian(self, state: State) -> sp.csr_matrix:
-        """(3 U + R, 3 U + R) N/mm, Hessian by the unfolded points and the twists, both triangles."""
-        size = 3 * len(self.mesh.base) + len(self.edges)
+        """(n, n) N/mm, Hessian by the n = 3 U + R + 3 K dofs of `unfolded_gradient`, both triangles."""
+        size = self.n_unfolded_dofs
         if self._unfolded_pattern is None:
             dofs = [part.dofs for part in self.model.parts.values()]
             self._unfolded_pattern = SparsePattern(dofs, size, np.arange(size))
@@ -240,7 +268,21 @@ class UnitCell(System):
             raise ValueError("a flat cell has no curvature to change")
         rate = self._turns(self.curvature)[1]
         moved = np.einsum("uij,uj->ui", rate, state.positions[self.images.base])
-        return float(self.unfolded_gradient(state)[: moved.size] @ moved.ravel()) / self.area
+        force = self.unfolded_gradient(state)
+        # the images turn by minus their angle about the axis, and their joints with them
+        about_axis = force[moved.size + len(self.edges) :].reshape(-1, 3)[:, 0]
+        turning = -float(about_axis @ self._around[self.images.joint_point])
+        return (float(force[: moved.size] @ moved.ravel()) + turning) / self.area
+
+
+def _mesh(
+    design: Design, motif: MotifGraph | None, edge_mm: float, repeat: tuple[int, int], segments: int | None
+) -> PeriodicMesh:
+    if motif is None:
+        return cell_mesh(design, edge_mm, repeat, segments)
+    if design.stars is not None:
+        raise DesignError("rods", "must stand alone in a unit cell, without [stars]")
+    return motif_cell_mesh(motif, edge_mm, repeat, FABRIC_BENDING[design.fabric.bending].needs_neighbours)
 
 
 def _rows(part: Elements, rows: slice) -> Elements:
@@ -260,39 +302,3 @@ def _inner_first(torus: PeriodicMesh) -> PeriodicMesh:
     if len(torus.around):  # triangles bend with their neighbours
         reach = patches(torus.triangles, torus.points, torus.around).vertices
     return replace(torus, triangles=torus.triangles[order(reach)], hinges=torus.hinges[order(torus.hinges)])
-
-
-def _unfolded_model(design: Design, torus: PeriodicMesh, printed: Array) -> DiscreteModel:
-    """The exact model on the unfolded points, with the hinges of the closed mesh."""
-    if design.gravity.on:
-        raise ValueError("a cell has no weight: an endless sheet would fall")
-    centres = printed[torus.star_vertices]
-    tips = printed[[rod[-1] for rod in torus.rods]]
-    ends = np.ones((len(tips), 2))
-    layout = Layout(
-        outline=np.empty((0, 2)),
-        centres=centres,
-        arm_star=torus.arm_star,
-        arm_tip=tips,
-        arm_thickness=star_size(design, "thickness_mm") * ends,
-        arm_width=star_size(design, "width_mm") * ends,
-        neighbours=np.empty((0, 2), dtype=np.int64),
-        pins=(),
-        lattice_vectors=np.asarray(design.lattice.vectors),
-        lattice_origin=np.zeros(2),
-    )
-    mesh = Mesh(printed, torus.triangles, torus.rods, torus.star_vertices, np.empty(0, dtype=np.int64), (), "aligned")
-    fabric = design.fabric
-    unbent = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": NO_BENDING.name})})
-    model = DiscreteModel(unbent, layout, mesh)
-    model.bending = FABRIC_BENDING[fabric.bending]
-    model.parts |= model.bending.build(
-        BendingMesh(torus.triangles, printed, torus.hinges, torus.around), model.fabric_plate, True
-    )
-    model.set_release(1.0)  # the parts that were added are those of the print so far
-    return model
-
-
-def _flat_images(torus: PeriodicMesh) -> PeriodicImages:
-    turn = np.broadcast_to(np.eye(3), (len(torus.base), 3, 3))
-    return PeriodicImages(torus.base, turn, torus.image, np.eye(3), torus.n_base)

@@ -20,7 +20,7 @@ from pattern.rods.clearance import check_rods
 from pattern.rods.curves import polyline
 from pattern.rods.graph import Rod, RodGraph
 from pattern.rods.hole_rings import check_holes, hole_rings
-from pattern.rods.planar_lines import cut_lines, is_closed
+from pattern.rods.planar_lines import Piece, cut_lines, is_closed
 
 MAX_COPIES = 20_000
 # mm: sections that vary over the sheet are evaluated at points this close along a rod
@@ -50,8 +50,8 @@ class DrawnPattern:
 
 
 @dataclass(frozen=True)
-class _Drawn:
-    """A line on the sheet, before it is cut."""
+class PlacedLine:
+    """A line at its place on the sheet, before it is cut; of a motif, with the number of its copy."""
 
     line: DrawnLine
     points: Floats
@@ -79,14 +79,15 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     (1, (0,), (), 125.7)
     """
     drawn = [
-        _Drawn(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]") for k, line in enumerate(rods.on_sheet)
+        PlacedLine(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]")
+        for k, line in enumerate(rods.on_sheet)
     ]
     rim = None if corners is not None else _rim(drawn, border.rods or "", "border.rods")
     if rim is not None:
         points = drawn[rim].points
         points = points if polygon_area(points[:-1]) > 0 else points[::-1].copy()
         corners = points[:-1]
-        drawn[rim] = _Drawn(drawn[rim].line, points, drawn[rim].name)
+        drawn[rim] = PlacedLine(drawn[rim].line, points, drawn[rim].name)
     assert corners is not None
     edges = [(f"border.holes[{k}]", hole.rods) for k, hole in enumerate(border.holes) if hole.rods is not None]
     hole_lines = [_rim(drawn, line, f"{name}.rods") for name, line in edges]
@@ -99,12 +100,8 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     kept = [part for k, each in enumerate(drawn) for part in ([each] if k in rims else _on_sheet(each, border, room))]
     if not kept:
         raise DesignError("rods", "must have at least one line on the sheet")
-    merge = MERGED_WIDTHS * min(float(_rod(each, each.points, 0, 0, rods).width.min()) for each in kept)
-    names = [each.name for each in kept]
-    nodes, pieces = cut_lines([each.points for each in kept], rods.join_mm, max(merge, rods.join_mm), names)
-    made = [_rod(kept[piece.line], piece.points, piece.start, piece.end, rods) for piece in pieces]
-    graph = RodGraph(nodes, tuple(made))
-    check_rods(graph)
+    graph, pieces = graph_of_lines(kept, rods)
+    made = graph.rods
     on_rim = [k for k, piece in enumerate(pieces) if rim is not None and kept[piece.line] is drawn[rim]]
     if on_rim:
         corners = np.concatenate([made[k].points[:-1] for k in on_rim])
@@ -119,7 +116,24 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     )
 
 
-def _rim(drawn: list[_Drawn], name: str, field: str) -> int:
+def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[Piece]]:
+    """The graph of lines that are cut where they meet, and the piece of a line that each rod is.
+
+    Raises
+    ------
+    DesignError
+        The lines cannot be printed. The message names them and the place.
+    """
+    merge = MERGED_WIDTHS * min(float(rod_of_piece(each, each.points, 0, 0, rods).width.min()) for each in lines)
+    names = [each.name for each in lines]
+    nodes, pieces = cut_lines([each.points for each in lines], rods.join_mm, max(merge, rods.join_mm), names)
+    made = (rod_of_piece(lines[piece.line], piece.points, piece.start, piece.end, rods) for piece in pieces)
+    graph = RodGraph(nodes, tuple(made))
+    check_rods(graph)
+    return graph, pieces
+
+
+def _rim(drawn: list[PlacedLine], name: str, field: str) -> int:
     """Number of the line that is the outline, or the edge of a hole."""
     named = [k for k, each in enumerate(drawn) if each.line.name == name]
     if len(named) != 1:
@@ -133,7 +147,7 @@ def _rim(drawn: list[_Drawn], name: str, field: str) -> int:
     return named[0]
 
 
-def _copies(rods: Rods, lattice: Lattice, corners: Floats) -> list[_Drawn]:
+def _copies(rods: Rods, lattice: Lattice, corners: Floats) -> list[PlacedLine]:
     """The lines of the motif at all lattice sites whose copies reach the sheet, site by site."""
     if not rods.motif:
         return []
@@ -147,7 +161,7 @@ def _copies(rods: Rods, lattice: Lattice, corners: Floats) -> list[_Drawn]:
     sheet = shapely.polygons(corners)
     is_on_sheet = shapely.distance(sheet, shapely.points(places)) <= reach
     return [
-        _Drawn(line, points + place, line.name or f"motif[{k}]", copy)
+        PlacedLine(line, points + place, line.name or f"motif[{k}]", copy)
         for copy, place in enumerate(places[is_on_sheet])
         for k, (line, points) in enumerate(zip(rods.motif, lines, strict=True))
     ]
@@ -163,7 +177,7 @@ def _room(
     return room.difference(shapely.union_all([*around, *map(shapely.Polygon, printed_holes)]))
 
 
-def _on_sheet(drawn: _Drawn, border: Border, inner: shapely.Polygon | shapely.MultiPolygon) -> list[_Drawn]:
+def _on_sheet(drawn: PlacedLine, border: Border, inner: shapely.Polygon | shapely.MultiPolygon) -> list[PlacedLine]:
     """The parts of a line where lines can be."""
     line = shapely.LineString(drawn.points)
     if shapely.covers(inner.buffer(1e-9), line):
@@ -177,13 +191,13 @@ def _on_sheet(drawn: _Drawn, border: Border, inner: shapely.Polygon | shapely.Mu
     lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
     merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines)))
     return [
-        _Drawn(drawn.line, shapely.get_coordinates(part), drawn.name, drawn.group)
+        PlacedLine(drawn.line, shapely.get_coordinates(part), drawn.name, drawn.group)
         for part in merged
         if shapely.length(part) >= MIN_ARM_MM
     ]
 
 
-def _rod(drawn: _Drawn, points: Floats, start: int, end: int, rods: Rods) -> Rod:
+def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: Rods) -> Rod:
     """A piece of a line as a rod, with its sections."""
     line = drawn.line
     thickness = rods.thickness_mm if line.thickness_mm is None else line.thickness_mm

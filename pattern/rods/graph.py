@@ -94,6 +94,8 @@ class RodGraph:
     rods : the rods. They meet at nodes only.
     paired : numbers of the nodes at which rods bend pair by pair, as in the paper: centres of stars that no rod of
         another star touches. All rods start there.
+    bonded : numbers of the nodes that are joints, however few rods end there. In a unit cell the other rods of such a
+        node are images.
 
     Examples
     --------
@@ -108,6 +110,7 @@ class RodGraph:
     nodes: Floats
     rods: tuple[Rod, ...]
     paired: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    bonded: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     @cached_property
     def ends_at(self) -> tuple[tuple[RodEnd, ...], ...]:
@@ -121,16 +124,22 @@ class RodGraph:
     @cached_property
     def links(self) -> tuple[tuple[RodEnd, RodEnd], ...]:
         """Pairs of ends at which one rod goes on as another, or a closed rod as itself, without a corner."""
-        return tuple((ends[0], ends[1]) for ends in self.ends_at if len(ends) == 2 and self._goes_on(*ends))
+        bonded = set(self.bonded.tolist())
+        return tuple(
+            (ends[0], ends[1])
+            for node, ends in enumerate(self.ends_at)
+            if node not in bonded and len(ends) == 2 and self._goes_on(*ends)
+        )
 
     @cached_property
     def joints(self) -> tuple[int, ...]:
-        """Nodes with a joint: corners, branches, crossings, and ends that meet; not `paired` nodes."""
-        paired = set(self.paired.tolist())
+        """Nodes with a joint: `bonded` ones, corners, branches, crossings, and ends that meet; not `paired` nodes."""
+        paired, bonded = set(self.paired.tolist()), set(self.bonded.tolist())
         return tuple(
             node
             for node, ends in enumerate(self.ends_at)
-            if node not in paired and len(ends) > 1 and not (len(ends) == 2 and self._goes_on(*ends))
+            if node in bonded
+            or (node not in paired and len(ends) > 1 and not (len(ends) == 2 and self._goes_on(*ends)))
         )
 
     @property

@@ -62,7 +62,7 @@ def test_hessian_is_the_slope_of_the_gradient(tube, bending):
     cell = UnitCell(design(0.0, fabric={"bending": bending}), EDGE)
     state = cell.printed_state()
     if tube:
-        sheet = UnrolledCell(state.positions, state.directors, 1.0)
+        sheet = UnrolledCell(state.positions, state.directors, state.frames, 1.0)
         state = rolled_state(cell, sheet, 0.06, 0.0)
     state = shaken(cell, state, 0.1)
     hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))

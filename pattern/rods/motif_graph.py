@@ -1,0 +1,125 @@
+"""The graph of one cell of a motif that repeats on a lattice: each rod once, with the cells to which it leads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from equilibrium.arrays import Floats, Ints
+from pattern.design.errors import DesignError
+from pattern.design.lattice import Lattice
+from pattern.design.rods import Rods
+from pattern.design.sizing.profile import Profile
+from pattern.rods.curves import polyline
+from pattern.rods.drawn_graph import PlacedLine, graph_of_lines
+from pattern.rods.graph import Rod
+
+# mm: places of a cell closer than this are one, but for rounding
+SAME_NODE_MM = 1e-5
+# copies of a motif around the cell, beyond which a motif is too long for its lattice
+MAX_NEARBY_COPIES = 2000
+
+
+@dataclass(frozen=True)
+class MotifGraph:
+    """Nodes and rods of one cell of a pattern that repeats without an end.
+
+    Attributes
+    ----------
+    vectors : (2, 2) mm, lattice vectors as rows.
+    nodes : (N, 2) mm, one place of each node. The first rod starts at the first node.
+    rods : one of each class of images. A rod runs from the node `start` to the image `end_image` of the node `end`.
+    end_image : (R, 2) numbers of lattice vectors.
+    """
+
+    vectors: Floats
+    nodes: Floats
+    rods: tuple[Rod, ...]
+    end_image: Ints
+
+    @property
+    def ends_at(self) -> Ints:
+        """(N,) number of rod ends at each node."""
+        ends = [end for rod in self.rods for end in (rod.start, rod.end)]
+        return np.bincount(np.array(ends, dtype=np.int64), minlength=len(self.nodes))
+
+
+def motif_graph(rods: Rods, lattice: Lattice) -> MotifGraph:
+    """The graph of the motif of `[rods]` on a lattice. Lines of neighbouring copies cut each other, and bond.
+
+    Raises
+    ------
+    DesignError
+        There is no motif, its sizes vary over the sheet, or it cannot be printed.
+
+    Examples
+    --------
+    A square grid has one node and two rods in its cell, which lead to the next cells:
+
+    >>> grid = Rods.model_validate({"motif": [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]})
+    >>> cell = motif_graph(grid, Lattice(kind="square", spacing_mm=10.0))
+    >>> len(cell.nodes), cell.ends_at.tolist(), cell.end_image.tolist()
+    (1, [4], [[1, 0], [0, 1]])
+    """
+    if not rods.motif:
+        raise DesignError("rods.motif", "is missing: a unit cell repeats a motif")
+    if rods.on_sheet:
+        raise DesignError("rods", "must have a motif alone: lines that do not repeat have no unit cell")
+    _check_equal(rods)
+    copies = [
+        PlacedLine(line, polyline(line, rods.curve_mm) + place, line.name or f"motif[{k}]", copy)
+        for copy, place in enumerate(_places_nearby(rods, lattice))
+        for k, line in enumerate(rods.motif)
+    ]
+    graph, pieces = graph_of_lines(copies, rods)
+    own = [rod for rod, piece in zip(graph.rods, pieces, strict=True) if piece.line < len(rods.motif)]
+    if not own:
+        raise DesignError("rods.motif", "must have a line that is longer than half its width")
+    return _folded(own, np.asarray(lattice.vectors))
+
+
+def _places_nearby(rods: Rods, lattice: Lattice) -> Floats:
+    """(n, 2) mm, shifts of the copies that touch the motif and of those that touch these; that of the motif first."""
+    points = np.concatenate([polyline(line, rods.curve_mm) for line in rods.motif])
+    reach = 2.0 * float(np.linalg.norm(np.ptp(points, axis=0))) + 4.0 * rods.join_mm
+    vectors = np.asarray(lattice.vectors)
+    if np.pi * reach**2 > MAX_NEARBY_COPIES * abs(np.linalg.det(vectors)):
+        raise DesignError("rods.motif", "is too long for its lattice: draw the lines of one cell")
+    # of rows of the lattice that a circle of this radius meets
+    most = np.ceil(reach * np.linalg.norm(np.linalg.inv(vectors), axis=0)).astype(int) + 1
+    steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in most), indexing="ij"), axis=-1).reshape(-1, 2)
+    steps = steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")]
+    places = steps @ vectors
+    return np.asarray(places[np.linalg.norm(places, axis=1) <= reach + np.linalg.norm(vectors, axis=1).max()])
+
+
+def _check_equal(rods: Rods) -> None:
+    sizes = [("rods", rods), *((f"rods.motif[{k}]", line) for k, line in enumerate(rods.motif))]
+    for place, section in sizes:
+        for name in ("thickness_mm", "width_mm"):
+            if isinstance(getattr(section, name), Profile):
+                raise DesignError(f"{place}.{name}", "must be a number: all copies in a unit cell are equal")
+
+
+def _folded(rods: list[Rod], vectors: Floats) -> MotifGraph:
+    """The rods with nodes of the cell, each moved so that it starts at the place of its node."""
+    inverse = np.linalg.inv(vectors)
+    nodes: list[Floats] = []
+
+    def node_at(place: Floats) -> tuple[int, Ints]:
+        """Number of the node at a place, and its image there."""
+        for number, known in enumerate(nodes):
+            image = np.rint((place - known) @ inverse).astype(np.int64)
+            if np.linalg.norm(place - known - image @ vectors) < SAME_NODE_MM:
+                return number, image
+        nodes.append(place)
+        return len(nodes) - 1, np.zeros(2, dtype=np.int64)
+
+    folded, end_image = [], []
+    for rod in rods:
+        start, image = node_at(rod.points[0])
+        end, far = node_at(rod.points[-1])
+        folded.append(replace(rod, points=rod.points - image @ vectors, start=start, end=end, group=-1))
+        end_image.append(far - image)
+    return MotifGraph(vectors, np.array(nodes), tuple(folded), np.array(end_image, dtype=np.int64))

@@ -1,0 +1,252 @@
+"""Cells of motifs: derivatives, rigid motions, cells cut elsewhere, supercells, and stars written as rods."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from discrete.model.state import State
+from homogenize.cell import unit_cell
+from homogenize.cell.cell_stability import cell_stability
+from homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
+from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from homogenize.cell.image_numbering import ImageNumbering
+from homogenize.cell.motif_cell_mesh import motif_cell_mesh
+from homogenize.cell.natural_curvature import trace_tubes
+from homogenize.cell.periodic_mesh import PeriodicMesh
+from homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
+from homogenize.cell.unit_cell import UnitCell
+from pattern.design.design import Design
+from pattern.rods.motif_graph import motif_graph
+from tests.homogenize.cells import design as star_design
+from tests.homogenize.cells import full, shaken
+from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, moved, parallel, stars, waves
+
+PATTERNS = {"grid": grid(), "diamonds": diamonds(), "honeycomb": honeycomb(6.0), "waves": waves()}
+EDGE = 3.0
+TURN = 0.3  # rad, of the tubes
+
+
+@functools.cache
+def relaxed(name: str) -> tuple[UnitCell, FlatCell]:
+    cell = UnitCell(motif_design(PATTERNS[name]), EDGE)
+    return cell, relax_flat_cell(cell)[0]
+
+
+def state_of(name: str, tube: bool, size: float = 0.05) -> tuple[UnitCell, State]:
+    """A cell away from equilibrium; all joints turn, and those at the border have images."""
+    cell, flat = relaxed(name)
+    if not tube:
+        cell.set_flat()
+        return cell, shaken(cell, flat.state, size)
+    return cell, shaken(cell, rolled_state(cell, unrolled_flat_cell(flat, TURN), 0.03, TURN), size)
+
+
+CASES = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
+NAMES = pytest.mark.parametrize("name", PATTERNS)
+
+
+@NAMES
+@CASES
+def test_derivatives(name: str, tube: bool) -> None:
+    cell, state = state_of(name, tube)
+    assert len(state.frames) == len(cell.joint_vertices) >= 1
+    direction = np.random.default_rng(5).normal(size=len(cell.free))
+    path = cell.path(state, direction)[0]
+    slope = sum(part.energies(path(1e-30j).packed).sum().imag / 1e-30 for part in cell.parts.values())
+    assert cell.gradient(state) @ direction == pytest.approx(slope, rel=1e-10)
+    step = 1e-4
+    second = (cell.energy(path(step)) + cell.energy(path(-step)) - 2.0 * cell.energy(state)) / step**2
+    hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))
+    assert direction @ hessian @ direction == pytest.approx(second, rel=1e-4)
+    convex = np.linalg.eigvalsh(full(cell.pattern.lower(cell.hessian(state, 1.0))))
+    assert convex[0] > -1e-10 * convex[-1]
+
+
+@NAMES
+def test_rigid_motions_have_no_energy(name: str) -> None:
+    rng = np.random.default_rng(1)
+    cell, state = state_of(name, tube=False)
+    rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    rotation *= np.sign(np.linalg.det(rotation))
+    turned = state.rotated(rotation, np.zeros(3))
+    turned.positions[: cell.mesh.n_base] += [3.0, -20.0, 7.0]
+    assert cell.energy(turned) == pytest.approx(cell.energy(state), rel=1e-12)
+    flat = relaxed(name)[1]
+    stiffness = cell.pattern.product(cell.hessian(flat.state, 0.0), cell.rigid_modes(flat.state))
+    assert np.abs(stiffness).max() < 1e-6 * np.abs(cell.hessian(flat.state, 0.0)).max()
+
+    cell, state = state_of(name, tube=True)
+    cos, sin = np.cos(1.3), np.sin(1.3)
+    rotation = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
+    turned = state.rotated(rotation, np.zeros(3))
+    turned.positions[: cell.mesh.n_base, 0] += 11.0
+    turned.positions[cell.mesh.n_base :] = state.positions[cell.mesh.n_base :]
+    assert cell.energy(turned) == pytest.approx(cell.energy(state), rel=1e-12)
+
+
+def recut(mesh: PeriodicMesh, points: np.ndarray, rods: np.ndarray) -> PeriodicMesh:
+    """The same torus, cut elsewhere: each base point (V, 2) and each rod (R, 2) is some lattice vectors away."""
+    number = ImageNumbering(mesh.n_base)
+
+    def renamed(vertices: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        image = mesh.image[vertices] - points[mesh.base[vertices]] + shift
+        return number(mesh.base[vertices].ravel(), *image.reshape(-1, 2).T).reshape(vertices.shape)
+
+    here = np.zeros(2, dtype=np.int64)
+    changes = {
+        "triangles": renamed(mesh.triangles, here),
+        "hinges": renamed(mesh.hinges, here),
+        "rods": tuple(renamed(rod, shift) for rod, shift in zip(mesh.rods, rods, strict=True)),
+    }
+    base, image = number.unfolded()
+    places = mesh.points[: mesh.n_base] + points @ mesh.cell_vectors
+    return replace(mesh, points=places[base] + image @ mesh.cell_vectors, base=base, image=image, **changes)
+
+
+@settings(max_examples=3, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 1000), tube=st.booleans(), name=st.sampled_from(["grid", "diamonds", "honeycomb"]))
+def test_the_energy_does_not_depend_on_where_the_cell_is_cut(seed: int, tube: bool, name: str) -> None:
+    """Every point and every rod of the cell stands for itself or for an image some cells away."""
+    rng = np.random.default_rng(seed)
+    cell, state = state_of(name, tube)
+    mesh, n = cell.mesh, cell.mesh.n_base
+    points, rods = rng.integers(-2, 3, size=(n, 2)), rng.integers(-2, 3, size=(len(mesh.rods), 2))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(unit_cell, "motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        other = UnitCell(motif_design(PATTERNS[name]), EDGE)
+    if tube:
+        other.set_tube(cell.curvature, cell.angle)
+
+    def turns(image: np.ndarray) -> np.ndarray:
+        angle = (cell.curvature or 0.0) * (image @ cell.cell_vectors @ cell.turn[1])
+        cos, sin, zero, one = np.cos(angle), np.sin(angle), np.zeros(len(angle)), np.ones(len(angle))
+        return np.array([[one, zero, zero], [zero, cos, sin], [zero, -sin, cos]]).transpose(2, 0, 1)
+
+    axes = np.diag([1.0, 0.0, 0.0]) if tube else np.eye(3)
+    x = np.einsum("uij,uj->ui", turns(points), state.positions[:n]) + points @ state.positions[n:] @ axes
+    of_edge = rods[cell.model.network.rod]
+    directors = np.einsum("rij,rj->ri", turns(of_edge), state.directors)
+    frames = state.frames @ turns(points[cell.joint_vertices]).transpose(0, 2, 1)
+    same = State(np.vstack([x, state.positions[n:]]), directors, frames)
+    assert other.energy(same) == pytest.approx(cell.energy(state), rel=1e-11)
+    macro = slice(3 * n, 3 * n + 6)
+    np.testing.assert_array_equal(other.joint_vertices, cell.joint_vertices)
+    if not tube:  # the images of all points pull at the cell vectors, wherever the base points are
+        ours, theirs = cell.full_gradient(state)[macro], other.full_gradient(same)[macro]
+        shift = points.T @ cell.full_gradient(state)[: 3 * n].reshape(-1, 3)
+        np.testing.assert_allclose(theirs, ours - shift.ravel(), atol=1e-8 * np.abs(ours).max())
+
+
+@pytest.mark.slow
+@settings(max_examples=4, deadline=None, derandomize=True)
+@given(x=st.floats(-30.0, 30.0), y=st.floats(-30.0, 30.0))
+def test_results_do_not_depend_on_where_the_motif_is_in_its_lattice(x: float, y: float) -> None:
+    expected = relaxed("diamonds")[1]
+    flat = relax_flat_cell(UnitCell(motif_design(moved(diamonds(), (x, y))), EDGE))[0]
+    assert flat.energy == pytest.approx(expected.energy, rel=1e-7)
+    np.testing.assert_allclose(flat.deformation, expected.deformation, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_results_do_not_depend_on_the_order_and_sense_of_the_lines(order: tuple[int, int]) -> None:
+    """The mesh does: it begins at the first node."""
+    motif, lattice = grid()
+    changed = [{"line_mm": motif[k]["line_mm"][::-1]} for k in order]
+    flat = relax_flat_cell(UnitCell(motif_design((changed, lattice)), 2.5))[0]
+    expected = relax_flat_cell(UnitCell(motif_design(grid()), 2.5))[0]
+    assert flat.energy == pytest.approx(expected.energy, rel=1e-3)
+    np.testing.assert_allclose(flat.deformation, expected.deformation, atol=1e-3)
+
+
+def test_supercells_have_four_times_the_energy_and_no_forces() -> None:
+    one, flat = relaxed("diamonds")
+    one.set_flat()
+    four = UnitCell(motif_design(diamonds()), EDGE, (2, 2))
+    cells, n = np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), one.mesh.n_base
+    images = flat.state.positions[n:]
+    positions = np.vstack([*(flat.state.positions[:n] + cell @ images for cell in cells), 2.0 * images])
+    state = State(positions, np.tile(flat.state.directors, (4, 1)), np.tile(flat.state.frames, (4, 1, 1)))
+    assert four.energy(state) == pytest.approx(4.0 * one.energy(flat.state), rel=1e-12)
+    assert np.linalg.norm(four.gradient(state)) < 1e-5
+    # the waves of one cell are those of the supercell
+    inner = reduction_matrix(four.images, np.ones(len(four.mesh.base)), len(four.edges))
+    values = np.linalg.eigvalsh((inner.T @ four.unfolded_hessian(state) @ inner).toarray())
+    stability = cell_stability(one, flat.state)
+    assert stability.supercell < 0.9 * stability.cell
+    assert np.abs(values / stability.supercell - 1.0).min() < 1e-6
+
+
+@pytest.mark.parametrize("name", ["grid", "diamonds"])
+def test_moment_is_the_slope_of_the_energy(name: str) -> None:
+    """Images of joints turn with the tube."""
+    cell, flat = relaxed(name)
+    step = 1e-4
+    ahead, here, behind = (
+        roll_cell(cell, unrolled_flat_cell(flat, TURN), 0.02 + side * step, TURN) for side in (1, 0, -1)
+    )
+    assert here.moment == pytest.approx((ahead.energy - behind.energy) / (2.0 * step), rel=1e-4)
+    again = rolled_state(cell, unroll(cell, here), 0.02, TURN)
+    np.testing.assert_allclose(again.frames, here.state.frames, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["grid", "diamonds"])
+def test_the_linear_cell_is_that_of_slightly_curved_tubes(name: str) -> None:
+    """The second derivative for a cylinder is the slope of the moment, by the print's curvature `hoop k`."""
+    cell, flat = relaxed(name)
+    linear = effective_stiffness(cell, flat)
+    around = np.array([-np.sin(TURN), np.cos(TURN)])
+    form = np.array([around[0] ** 2, around[1] ** 2, 2.0 * around[0] * around[1]])
+    a, b, d = linear.stiffness[:3, :3], linear.stiffness[:3, 3:], linear.stiffness[3:, 3:]
+    condensed = d - b.T @ np.linalg.solve(a, b)
+    ahead, behind = (roll_cell(cell, unrolled_flat_cell(flat, TURN), side * 1e-3, TURN) for side in (1, -1))
+    hoop = 0.5 * (ahead.hoop + behind.hoop)
+    assert 0.5 * (ahead.moment + behind.moment) / hoop == pytest.approx(linear.moment @ form, rel=1e-3)
+    assert (ahead.moment - behind.moment) / 2e-3 / hoop**2 == pytest.approx(form @ condensed @ form, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_stars_written_as_rods_are_stars() -> None:
+    """Pairs and a joint are the same up to the mesh; 0.1 % in stretch, 0.5 % in the mean natural curvature."""
+    results = []
+    for design in (star_design(10.0, 0.4), motif_design(stars(10.0), 0.4)):
+        cell = UnitCell(design, 1.5)
+        flat = relax_flat_cell(cell)[0]
+        tubes = [trace_tubes(cell, flat, angle).natural for angle in (0.0, np.pi / 6)]
+        results.append((flat, np.mean([tube.contracted_curvature for tube in tubes if tube is not None])))
+    (star, star_curvature), (rods, curvature) = results
+    np.testing.assert_allclose(rods.deformation, star.deformation, atol=1e-3)
+    assert rods.stretch == pytest.approx(star.stretch, rel=1e-3)
+    assert curvature == pytest.approx(star_curvature, rel=5e-3)
+
+
+@pytest.mark.parametrize("pattern", [parallel(), grid(), diamonds(), waves(), honeycomb(), stars()])
+def test_meshes_follow_the_rods(pattern: Pattern) -> None:
+    design = motif_design(pattern)
+    assert design.rods is not None
+    motif = motif_graph(design.rods, design.lattice)
+    mesh = motif_cell_mesh(motif, 2.0)
+    length = sum(np.linalg.norm(np.diff(mesh.points[rod], axis=0), axis=1).sum() for rod in mesh.rods)
+    assert length == pytest.approx(sum(rod.length for rod in motif.rods), rel=0.01)
+    assert mesh.area == pytest.approx(abs(np.linalg.det(motif.vectors)))
+    np.testing.assert_allclose(mesh.points[0], 0.0, atol=1e-12)
+
+
+def test_cells_that_cannot_be_are_refused() -> None:
+    pattern = grid()
+    with pytest.raises(ValueError, match=r"^rods\.motif: is missing"):
+        UnitCell(Design.from_dict({"rods": {"draw": pattern[0]}, "border": {"rectangle_mm": (60, 60)}}), EDGE)
+    with pytest.raises(ValueError, match=r"^rods: must have a motif alone"):
+        UnitCell(motif_design(pattern, rods={"motif": pattern[0], "draw": pattern[0]}), EDGE)
+    with pytest.raises(ValueError, match=r"^rods: must stand alone in a unit cell"):
+        UnitCell(motif_design(pattern, stars={"length_mm": 3.0}), EDGE)
+    with pytest.raises(ValueError, match=r"^rods\.thickness_mm: must be a number"):
+        UnitCell(motif_design(pattern, rods={"motif": pattern[0], "thickness_mm": {"formula": "0.3 + 0.001*r"}}), EDGE)
+    with pytest.raises(ValueError, match="weight"):
+        UnitCell(motif_design(pattern, gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
