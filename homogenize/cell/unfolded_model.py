@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from pattern.design.design import Design
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 from pattern.rods.graph import RodGraph
-from pattern.rods.motif_graph import MotifGraph
+
+if TYPE_CHECKING:
+    from pattern.rods.motif_graph import MotifGraph
 
 
 def unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | None) -> DiscreteModel:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,14 +21,15 @@ from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 from homogenize.cell.cell_mesh import cell_mesh
-from homogenize.cell.motif_cell_mesh import motif_cell_mesh
 from homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
 from homogenize.cell.periodic_mesh import PeriodicMesh
 from homogenize.cell.unfolded_model import unfolded_model
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.geometry.planar import triangle_areas
-from pattern.rods.motif_graph import MotifGraph, motif_graph
+
+if TYPE_CHECKING:
+    from pattern.rods.motif_graph import MotifGraph
 
 # base point that is held: the centre of the first star, or the first node of a motif
 ANCHOR = 0
@@ -69,8 +71,8 @@ class UnitCell(System):
         self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
     ) -> None:
         self.design = design
-        motif = None if design.rods is None else motif_graph(design.rods, design.lattice)
-        self.mesh = _inner_first(_mesh(design, motif, edge_mm, repeat, segments))
+        motif, mesh = _motif_and_mesh(design, edge_mm, repeat, segments)
+        self.mesh = _inner_first(mesh)
         self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
         self.model = unfolded_model(design, self.mesh, motif)
         points = self.model.joints.vertices
@@ -275,14 +277,19 @@ class UnitCell(System):
         return (float(force[: moved.size] @ moved.ravel()) + turning) / self.area
 
 
-def _mesh(
-    design: Design, motif: MotifGraph | None, edge_mm: float, repeat: tuple[int, int], segments: int | None
-) -> PeriodicMesh:
-    if motif is None:
-        return cell_mesh(design, edge_mm, repeat, segments)
+def _motif_and_mesh(
+    design: Design, edge_mm: float, repeat: tuple[int, int], segments: int | None
+) -> tuple[MotifGraph | None, PeriodicMesh]:
+    """The rods of one cell, or None for stars, and the mesh of the cells."""
+    if design.rods is None:
+        return None, cell_mesh(design, edge_mm, repeat, segments)
+    from homogenize.cell.motif_cell_mesh import motif_cell_mesh  # slow to import; cells of stars do without them
+    from pattern.rods.motif_graph import motif_graph
+
     if design.stars is not None:
         raise DesignError("rods", "must stand alone in a unit cell, without [stars]")
-    return motif_cell_mesh(motif, edge_mm, repeat, FABRIC_BENDING[design.fabric.bending].needs_neighbours)
+    motif = motif_graph(design.rods, design.lattice)
+    return motif, motif_cell_mesh(motif, edge_mm, repeat, FABRIC_BENDING[design.fabric.bending].needs_neighbours)
 
 
 def _rows(part: Elements, rows: slice) -> Elements:

@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from discrete.model.state import State
-from homogenize.cell import unit_cell
 from homogenize.cell.cell_stability import cell_stability
 from homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
 from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
@@ -118,7 +117,7 @@ def test_the_energy_does_not_depend_on_where_the_cell_is_cut(seed: int, tube: bo
     mesh, n = cell.mesh, cell.mesh.n_base
     points, rods = rng.integers(-2, 3, size=(n, 2)), rng.integers(-2, 3, size=(len(mesh.rods), 2))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(unit_cell, "motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        patch.setattr("homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
         other = UnitCell(motif_design(PATTERNS[name]), EDGE)
     if tube:
         other.set_tube(cell.curvature, cell.angle)
