@@ -3,7 +3,7 @@
 python -m benchmarks.fit_gallery FOLDER [--no-exact] [NAME ...]
 
 Each target is kept in FOLDER as soon as it is done, with its report; a further run goes on from there. The page is
-written when all six are done.
+written when all six are done. `python -m benchmarks.fit FOLDER` keeps the same fits in FOLDER/gallery.
 """
 
 from __future__ import annotations
@@ -58,13 +58,19 @@ def main() -> None:
         folder = given.folder / _file(name)
         if not (folder / "summary.json").exists():
             make, needles = TARGETS[name]
-            fitted = fit(make(), needles=needles, printer=load_printer("ultimaker2"), exact=not given.no_exact)
-            write_fit(fitted, folder)
-            write_small(_picture(fitted), DOCS / "pictures" / f"fit-{_file(name)}.webp")
+            keep(
+                name, fit(make(), needles=needles, printer=load_printer("ultimaker2"), exact=not given.no_exact), folder
+            )
         print(name, "done", flush=True)
     done = {name: given.folder / _file(name) / "summary.json" for name in SHOWN}
     if all(file.exists() for file in done.values()):
         write({name: json.loads(file.read_text()) for name, file in done.items()})
+
+
+def keep(name: str, fitted: Fit, folder: Path) -> None:
+    """Write the folder of a fit, and its picture for the page."""
+    write_fit(fitted, folder)
+    write_small(_picture(fitted), DOCS / "pictures" / f"fit-{_file(name)}.webp")
 
 
 def write(summaries: dict[str, dict[str, Any]]) -> None:

@@ -28,7 +28,7 @@ from pattern.layout.layout import Layout
 from pattern.layout.painted_stars import with_painted_stars
 
 RADIUS_MM, CORNERS, NEEDLES, SCALE = 56.0, 48, 16, 0.8
-CORRECTIONS = 2
+CORRECTIONS = 5
 
 
 def own_shape(border: bool) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def own_shape(border: bool) -> dict[str, Any]:
     first = 100.0 * search.best_rms / target.diameter_mm
     search.run()
     found = 100.0 * search.best_rms / target.diameter_mm
-    correction = ExactCorrection(search, target, fit_places, plan.lattice_vectors)
+    correction = ExactCorrection(search, target, plan.lattice_vectors)
     correction.run(held, CORRECTIONS)
     design = search.best.design(held)
     shape = preview(design, law)
@@ -80,12 +80,13 @@ def _where(border: bool) -> dict[str, Any]:
     return {"where": "border"} if border else {"corners": list(range(0, CORNERS, CORNERS // NEEDLES))}
 
 
-def _print(border: bool) -> Design:
+def _print(held: bool) -> Design:
     turn = 2.0 * np.pi * np.arange(CORNERS) / CORNERS
     ring = RADIUS_MM * np.column_stack([np.cos(turn), np.sin(turn)])
-    pins = [_where(border) | {"scale": SCALE}]
+    pins = [_where(held) | {"scale": SCALE}]
     stars = {"length_mm": 8.0, "thickness_mm": 0.45, "width_mm": 1.2}
-    data = {"stars": stars, "border": {"polygon_mm": ring.tolist(), "star_margin_mm": 3.0}, "pins": pins}
+    border = {"polygon_mm": ring.tolist(), "star_margin_mm": 3.0}
+    data = {"stars": stars, "border": border, "pins": pins, "mesh": {"edge_mm": paper_law().edge_mm}}
     return Design.from_dict(data)
 
 

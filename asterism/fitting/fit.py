@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.run import verify
-from asterism.verification.verification import Verification
+from asterism.verification.verification import RELEASE, Verification
 from discrete.release.continuation import Report
 from homogenize.law.law import Law
 from pattern.design.arguments import check_type
@@ -41,8 +42,8 @@ from pattern.layout.build import layout
 REACHED_PERCENT = 1.0
 # steps on the lengths after thicknesses are rounded
 ROUNDED_STEPS = 4
-# corrections by the exact model: of all sizes, and of the lengths after thicknesses are rounded
-MAX_CORRECTIONS, ROUNDED_CORRECTIONS = 3, 1
+# corrections by the exact model: of all sizes by default, and most of the lengths after thicknesses are rounded
+MAX_CORRECTIONS, MAX_ROUNDED_CORRECTIONS = 5, 3
 # a warning names the share of stars at the ends of the law's lengths from this one on
 MIN_SHARE_AT_BOUNDS = 0.1
 # % of the diameter, largest distance from which on a warning names its place
@@ -151,21 +152,36 @@ def fit(
     )
     search.run()
     by_preview = measured(search.best.design(guess.design))
-    of_exact = ExactCorrection(search, target, places, plan.lattice_vectors, report)
-    if exact and corrections:
+    of_exact, corrected = ExactCorrection(search, target, plan.lattice_vectors, report), exact and corrections > 0
+    if corrected:
         of_exact.run(guess.design, corrections)
-    unrounded = of_exact.distance
-    design = search.best.design(guess.design)
+    unrounded, base = of_exact.distance, guess.design
+    rounded_corrections = min(corrections, MAX_ROUNDED_CORRECTIONS)
     if printer is not None:
-        rounding = choose_rounding(layout(design), printer)
+        rounding = choose_rounding(layout(search.best.design(base)), printer)
         tell(f"rounding to layers of {rounding.layer_mm:g} mm on {rounding.first_layer_mm:g} mm")
-        base = with_rounding(guess.design, rounding)
-        search.refine(base, ROUNDED_STEPS, of_exact.offset_mm, lengths_only=True)
-        if exact and corrections:
-            of_exact.run(base, ROUNDED_CORRECTIONS, lengths_only=True)
+        base = with_rounding(base, rounding)
+        if corrected:
+            of_exact.run(base, rounded_corrections)
+        else:
+            search.refine_lengths(base, ROUNDED_STEPS)
+
+    def verified() -> Verification:
         design = search.best.design(base)
-    shape = preview(design, law)
-    verification = verify(design, law, report=report, say=tell, ready=shape, near=of_exact.exact) if exact else None
+        return verify(design, law, report=report, say=tell, ready=preview(design, law), near=of_exact.exact)
+
+    verification = verified() if exact else None
+    if corrected and verification is not None and _released_elsewhere(verification):
+        # the print comes to another minimum than the corrections followed: they begin again from that one
+        before, sizes = distance(verification.exact[RELEASE]), search.best
+        of_exact.run(base, rounded_corrections, verification.exact[RELEASE])
+        again = verified()
+        if distance(again.exact[again.result]).mean_percent < before.mean_percent:
+            verification = again
+        else:
+            search.best = sizes
+    design = search.best.design(base)
+    shape = verification.preview if verification is not None else preview(design, law)
     result = shape if verification is None else verification.exact[verification.result]
     of_preview = distance(shape)
     of_result = of_preview if verification is None else distance(result)
@@ -187,6 +203,7 @@ def fit(
         "unrounded": None if printer is None else by_preview,
         "preview": record,
         "exact": None if verification is None else _record(of_result, result),
+        "other_exact": _other(verification, distance),
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
         "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
         "within_percent": within_percent,
@@ -203,6 +220,11 @@ def fit(
     return Fit(design, target, guess, shape, verification, of_result, FitRecord.from_json(summary))
 
 
+def _released_elsewhere(verification: Verification) -> bool:
+    """Whether the flat print releases to another minimum than the one near the target, of lower energy."""
+    return verification.result == RELEASE and not verification.summary.starts_agree
+
+
 def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:
     return TargetDistanceRecord(
         mean_percent=distance.mean_percent,
@@ -212,6 +234,14 @@ def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:
         largest_at_mm=[float(part) for part in np.round(distance.farthest, 1)],
         is_minimum=bool(shape.summary["is_minimum"]),
     )
+
+
+def _other(verification: Verification | None, distance: Callable[[Shape], FitDistance]) -> TargetDistanceRecord | None:
+    """Distance of the exact minimum that is not the result; None if both starts lead to one."""
+    if verification is None or verification.summary.starts_agree:
+        return None
+    other = next(shape for name, shape in verification.exact.items() if name != verification.result)
+    return _record(distance(other), other)
 
 
 def _warnings(search: FitSearch, distance: FitDistance, verification: Verification | None) -> list[str]:

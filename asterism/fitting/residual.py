@@ -17,6 +17,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
+from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from pattern.geometry.normals import vertex_normals
 from pattern.geometry.planar import distance_to_outline, inside
@@ -28,6 +29,8 @@ PLACE_STEP, BUMP_STEP = 0.5, 0.125
 MIN_PLACE_MARGIN = 0.1
 # weight of the distance along the target, inside and at the outline
 SLIDE_WEIGHT, OUTLINE_SLIDE_WEIGHT = 0.15, 0.5
+# mm, places of the print this far off the triangles of the exact model are taken to them
+OFF_TRIANGLES_MM = 0.25
 # rounds of the registration of a free sheet
 POSE_ROUNDS = 30
 # mm, change of a place by one round that ends the registration
@@ -42,14 +45,14 @@ class FitPlaces:
     ----------
     points : (n, 2) mm: the residual's places, then the further ones over which bumps are averaged.
     count : number of the residual's places.
-    goals : (count, 3) mm, where the flattening has them.
+    all_goals : (n, 3) mm, where the flattening has the points.
     slide_weight : (count,).
     bump_mean : means of the bumps at the residual's places.
     """
 
     points: Floats
     count: int
-    goals: Floats
+    all_goals: Floats
     slide_weight: Floats
     bump_mean: CellMean
 
@@ -65,7 +68,12 @@ class FitPlaces:
         # the places themselves have no weight in the means: they would count twice
         shares = np.concatenate([np.full(count, 1e-9), np.ones(len(fine))])
         mean = CellMean(points, shares, lattice_vectors, np.arange(count))
-        return cls(points, count, target_map.places(points[:count]), weight, mean)
+        return cls(points, count, target_map.places(points), weight, mean)
+
+    @property
+    def goals(self) -> Floats:
+        """(count, 3) mm, where the flattening has the residual's places."""
+        return self.all_goals[: self.count]
 
 
 def _grid(outline: Floats, step: float) -> Floats:
@@ -110,21 +118,13 @@ class Residual:
     target : the surface.
     places : of the print.
     is_free : whether the sheet has no supports; then it is laid on the target.
-    offset_mm : (n, 3), added to the mean surface: the error of the preview as far as it is known.
     """
 
-    def __init__(
-        self, target: TargetSurface, places: FitPlaces, is_free: bool, offset_mm: Floats | None = None
-    ) -> None:
+    def __init__(self, target: TargetSurface, places: FitPlaces, is_free: bool) -> None:
         self._target, self.places, self._is_free = target, places, is_free
-        self._offset: Floats | float = 0.0 if offset_mm is None else offset_mm
         weight = target.weight_at(places.goals)
         self._weight = weight / weight.mean()
         self._scale = np.sqrt(self._weight / places.count)
-
-    def shifted(self, offset_mm: Floats | None) -> Residual:
-        """The residuals with another offset."""
-        return Residual(self._target, self.places, self._is_free, offset_mm)
 
     @cached_property
     def _normals(self) -> Floats:
@@ -135,7 +135,7 @@ class Residual:
         """The residuals of a preview, at its equilibrium or at degrees of freedom x (N, 3) of a stage."""
         shown = preview.lens(self.places.points)(x)
         count = self.places.count
-        surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps) + self._offset
+        surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps)
         rotation = np.eye(3)
         if self._is_free:
             rotation, shift = self.pose(surface)
@@ -171,9 +171,41 @@ class Residual:
         flat = responses.reshape(len(responses), 3 * size)
         moves = located.jets(flat)[:, 0].reshape(count, 3, size)
         moves = np.einsum("ab,nbp->nap", state.rotation, moves)
-        along = np.einsum("nkc,ncp->nkp", state.frame, moves)
+        return self._columns(state, np.einsum("nkc,ncp->nkp", state.frame, moves))
+
+    def of_exact(self, shape: Shape) -> SheetState:
+        """The residuals of an exact shape: means over a cell of its distances to the target.
+
+        A mean of distances is not shifted inwards by the curvature of the sheet, as a mean of places would be. The
+        states `places` and `frame` are those of all n points, the bumps included.
+        """
+        count, mean = self.places.count, self.places.bump_mean
+        surface = shape.at(self.places.points, OFF_TRIANGLES_MM)
+        rotation = np.eye(3)
+        if self._is_free:
+            rotation, shift = self.pose(surface[:count])
+            surface = surface @ rotation.T + shift
+        nearest = self._target.nearest(surface)
+        frame = _frames(self._normal_at(nearest.places, nearest.triangle))
+        normal = mean(np.einsum("nc,nc->n", surface - nearest.places, frame[:, 0])[:, None])[:, 0]
+        slide = np.einsum("nc,nkc->nk", mean(surface - self.places.all_goals), frame[:count, 1:])
+        values = self._scale[:, None] * np.column_stack([normal, self.places.slide_weight[:, None] * slide])
+        return SheetState(surface, rotation, normal, frame, values.ravel())
+
+    def exact_derivatives(self, state: SheetState, moves: Floats) -> Floats:
+        """(3 n, P) derivatives of the residuals of an exact shape, for motions (n, 3, P) of all points."""
+        count, size, mean = self.places.count, moves.shape[2], self.places.bump_mean
+        moves = np.einsum("ab,nbp->nap", state.rotation, moves)
+        normal = mean(np.einsum("nc,ncp->np", state.frame[:, 0], moves))
+        places = mean(moves.reshape(len(moves), 3 * size)).reshape(count, 3, size)
+        slide = np.einsum("nkc,ncp->nkp", state.frame[:count, 1:], places)
+        return self._columns(state, np.concatenate([normal[:, None], slide], axis=1))
+
+    def _columns(self, state: SheetState, along: Floats) -> Floats:
+        """(3 n, P) of the residuals, for motions (n, 3, P) along the frames of the places."""
+        count = self.places.count
         along[:, 1:] *= self.places.slide_weight[:, None, None]
-        columns = (self._scale[:, None, None] * along).reshape(3 * count, size)
+        columns = (self._scale[:, None, None] * along).reshape(3 * count, -1)
         if not self._is_free:
             return np.asarray(columns)
         rigid = self._rigid_columns(state)
@@ -181,10 +213,11 @@ class Residual:
 
     def _rigid_columns(self, state: SheetState) -> Floats:
         """(3 n, 6) residuals under small rigid motions."""
-        arm = state.places - state.places.mean(axis=0)
+        places, frame = state.places[: self.places.count], state.frame[: self.places.count]
+        arm = places - places.mean(axis=0)
         turns = np.stack([np.cross(axis, arm) for axis in np.eye(3)], axis=-1)
         shifts = np.broadcast_to(np.eye(3), (len(arm), 3, 3))
-        along = np.einsum("nkc,ncp->nkp", state.frame, np.concatenate([turns, shifts], axis=-1))
+        along = np.einsum("nkc,ncp->nkp", frame, np.concatenate([turns, shifts], axis=-1))
         along[:, 1:] *= self.places.slide_weight[:, None, None]
         return np.asarray((self._scale[:, None, None] * along).reshape(-1, 6))
 

@@ -96,21 +96,17 @@ class FitSearch:
         self._stage("smooth", MAX_SMOOTH_STEPS, self.start.smooth_basis())
         self._stage("stars", MAX_STAR_STEPS, None)
 
-    def refine(self, base: Design, steps: int, offset_mm: Floats | None = None, lengths_only: bool = False) -> None:
-        """Fit the stars again, from the best sizes.
+    def refine_lengths(self, base: Design, steps: int) -> None:
+        """Fit the lengths again, from the best sizes.
 
         Parameters
         ----------
-        base : design, such as one that rounds thicknesses.
+        base : design that rounds thicknesses.
         steps : largest number of steps.
-        offset_mm : (n, 3), added to the mean surface of the preview.
-        lengths_only : keep the thicknesses.
         """
         self.base, self._damping = base, FIRST_DAMPING
         self.start = self.unknowns = self.best
-        self.residual = self.residual.shifted(offset_mm)
-        varies = np.arange(len(self.unknowns.units)) < len(self.unknowns.lengths_mm)
-        self._varies = varies if lengths_only else np.ones_like(varies)
+        self._varies = np.arange(len(self.unknowns.units)) < len(self.unknowns.lengths_mm)
         self._renew()
         self.best_rms = self.state.rms_mm
         self._record("fresh")

@@ -83,6 +83,10 @@ class StarUnknowns:
         lengths = (self.lengths_mm - start.lengths_mm) / LENGTH_UNIT_MM
         return np.concatenate([lengths, np.log(self.thicknesses_mm / start.thicknesses_mm) / THICKNESS_UNIT])
 
+    def length_change(self, start: StarUnknowns) -> float:
+        """mm, largest change of a length from a start."""
+        return float(np.abs(self.lengths_mm - start.lengths_mm).max())
+
     def design(self, base: Design) -> Design:
         """A design with these sizes."""
         sizes = np.column_stack([self.lengths_mm, self.thicknesses_mm]).round(FITTED_SIZE_DECIMALS)

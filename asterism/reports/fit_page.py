@@ -142,6 +142,7 @@ def _stages(s: FitRecord) -> list[list[str]]:
         "fit by the preview, not rounded": s.unrounded,
         "design as written, preview": s.preview,
         "design as written, exact shape": s.exact,
+        "design as written, other exact minimum": s.other_exact,
     }
     return [
         [

@@ -86,6 +86,9 @@ class FitRecord(Record):
         show=_preview,
     )
     exact: TargetDistanceRecord | None = key("Exact shape of the design as written; null if it was not computed.")
+    other_exact: TargetDistanceRecord | None = key(
+        "Exact shape of the other start, if it is another minimum than `exact`; null otherwise."
+    )
     exact_agrees: bool | None = key(
         "The exact model finds one minimum from the flat print, and from the preview or by the corrections; null if it "
         "was not computed."
@@ -103,8 +106,8 @@ class FitRecord(Record):
         "Steps of the fit: `kind`, and `rms_percent` of the preview after it, by the weights of the places."
     )
     corrections: list[dict[str, Any]] = key(
-        "Exact shapes on the way: `mean_percent`, the `share` of the preview's error that was added before, whether "
-        "the sizes were `kept`. Those of rounded thicknesses come last."
+        "Exact shapes on the way: `mean_percent`, `step_mm`, the largest change of a length since the one kept "
+        "before, and whether it was `kept`. Those of rounded thicknesses come last."
     )
     restarts: int = key("How often a fresh preview took another form than the followed one.")
     warnings: list[str] = key("What limits the fit, one line each.")

@@ -69,6 +69,7 @@ def fitted() -> Fit:
             "unrounded": None,
             "preview": record,
             "exact": None,
+            "other_exact": None,
             "exact_agrees": None,
             "reached": True,
             "within_percent": 1.0,
@@ -121,7 +122,7 @@ def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
     page = fit_page(with_numbers(fitted, **values, exact_agrees=False))
     assert "exact model against preview" in page and "+0.050 %" in page
     assert "lead to different minima" in page
-    corrected = [{"mean_percent": 0.4, "share": 0.0, "kept": True}]
+    corrected = [{"mean_percent": 0.4, "step_mm": 0.0, "kept": True}]
     rest = remainder(with_numbers(fitted, **values, corrections=corrected))
     assert rest.parts["rounding"][0] == pytest.approx(np.sqrt(0.6**2 - 0.55**2))
     assert np.sqrt(sum(size**2 for size, _ in rest.parts.values())) == pytest.approx(0.7)
