@@ -64,7 +64,7 @@ def fit(
     exact: Annotated[bool, typer.Option("--exact/--no-exact", help="Check the design with the exact model.")] = True,
     corrections: Annotated[
         int, typer.Option(min=0, max=20, help="Largest number of corrections by the exact model.")
-    ] = 3,
+    ] = 5,
     nearest: Annotated[
         bool, typer.Option("--nearest", help="If the target is out of reach, make the sheet that comes nearest.")
     ] = False,
