@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.previews.overstretched_stars import overstretched_stars
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.distance_error import probability_lower
 from asterism.previews.uncertainty.estimate import ErrorEstimate
@@ -36,10 +37,11 @@ def summary(
     surface = shape.positions, shape.triangles
     clearance = needle_clearance(layout, shape)
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
+    overstretched = overstretched_stars(shape, state.design, layout).tolist()
     numbers = {
         "model": PreviewRecord.model_name,
         "converged": equilibrium.converged,
-        "is_minimum": equilibrium.is_minimum,
+        "is_minimum": equilibrium.is_minimum and not overstretched,
         "gradient_norm": equilibrium.gradient_norm,
         "gradient_tolerance": equilibrium.tolerance,
         "energy_n_mm": equilibrium.energy,
@@ -71,6 +73,7 @@ def summary(
         "height_doubts_mm": vars(estimate.height_doubts) if estimate.height_doubts else None,
         "law_in_range": not values.outside,
         "stars_outside_law": list(values.outside),
+        "stars_overstretched": overstretched,
         "stars_tight": list(values.not_scale_separated),
         "stars_uneven": list(values.strongly_anisotropic),
         "smoothing_mm": state.sheet.stars.cells.width_mm,
@@ -93,7 +96,7 @@ def summary(
         "diameter_mm": estimate.diameter_mm,
         "contraction": contraction(layout, shape),
         "self_intersections": crossings,
-        "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm),
+        "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm, overstretched),
         "version": __version__,
         "design": state.design.to_dict(),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -37,6 +37,7 @@ def preview_warnings(
     axis_deg: float | None,
     crossings: int,
     height_mm: float,
+    overstretched: Sequence[int] = (),
 ) -> list[str]:
     """The warnings, in the order of their causes: stars, law, supports, equilibrium, other forms, shape.
 
@@ -45,12 +46,14 @@ def preview_warnings(
     axis_deg : direction of the axis of a rolled sheet, on the print; None for other shapes.
     crossings : number of pairs of triangles that pass through each other.
     height_mm : height of the shape.
+    overstretched : numbers of the stars around which the shape is longer than its fabric can be.
     """
     return [
         *_about_stars(state),
         *_about_supports(state, estimate, height_mm),
         *_about_the_form(state, estimate),
         *_about_the_shape(state, axis_deg, crossings),
+        *_about_lengths(overstretched, len(state.layout.centres)),
     ]
 
 
@@ -147,6 +150,16 @@ def _about_the_form(state: PreviewState, estimate: ErrorEstimate) -> Iterator[st
         if other.gap < -estimate.energy_uncertainty:
             energy = f"{-100.0 * other.gap:.0f} % less energy; the exact model will probably take that form"
         yield f"another form, {other.distance_percent:.0f} % of the diameter away (rms), has {energy}"
+
+
+def _about_lengths(overstretched: Sequence[int], count: int) -> Iterator[str]:
+    """A shape that is longer than its fabric can be."""
+    if overstretched:
+        yield PlacedWarning(
+            f"not a shape of this sheet: around {len(overstretched)} of {count} stars it is longer than the fabric can "
+            f"stretch; use the exact model: {star_numbers(overstretched)}",
+            overstretched,
+        )
 
 
 def _about_the_shape(state: PreviewState, axis_deg: float | None, crossings: int) -> Iterator[str]:

@@ -1,8 +1,10 @@
 """The corrugation of a sheet: the heights of its stars over the mean surface, as a sum of a few waves of the lattice.
 
-A wave is the mean of `cos(G . X)` or `sin(G . X)` over the rotations that map the star onto itself. X is the print
-coordinate from the star's centre, and G a reciprocal lattice vector. So a corrugation repeats from star to star, has
-mean zero and is smooth. In a sheet whose stars vary, only the amplitudes vary: there are no jumps between cells.
+A wave is the mean of `cos(G . X)` or `sin(G . X)` over the rotations that map star and lattice onto themselves. X is
+the print coordinate from the star's centre, and G a reciprocal lattice vector. So a corrugation repeats from star to
+star, has mean zero and is smooth. In a sheet whose stars vary, only the amplitudes vary: there are no jumps between
+cells. A rotation of the star alone, such as that of five arms, maps G to a vector that is not reciprocal: such waves do
+not repeat, and amplitudes that fit one cell are wrong in the next.
 """
 
 from __future__ import annotations
@@ -13,8 +15,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from equilibrium.arrays import Floats
+from equilibrium.arrays import Floats, Ints
+from homogenize.cell.point_group import point_group
 from pattern.design.lattice import Lattice
+from pattern.geometry.planar import cross_2d
 
 # length of the longest reciprocal vector, over the shortest
 MAX_WAVE_NUMBER_RATIO = 3.0
@@ -50,8 +54,8 @@ class CorrugationWaves:
         size = np.linalg.norm(every, axis=1)
         shortest = size[size > WAVE_TOLERANCE].min()
         every = every[(size > WAVE_TOLERANCE) & (size < MAX_WAVE_NUMBER_RATIO * shortest * (1.0 + WAVE_TOLERANCE))]
-        turns = np.arange(lattice.arms) * 2.0 * np.pi / lattice.arms
-        rotations = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in turns])
+        group = point_group(lattice)
+        rotations = group[np.linalg.det(group) > 0.0]
         first = np.asarray(lattice.arm_directions)[0]
         seen: set[tuple[float, float]] = set()
         waves: list[tuple[Floats, bool]] = []
@@ -72,25 +76,17 @@ class CorrugationWaves:
 
     def __call__(self, offsets: Floats) -> Floats:
         """(N, W) values of the waves at printed offsets (N, 2), mm, from a star's centre."""
-        kinds, turns = self.reciprocal.shape[:2]
-        if self._steps is not None:
-            return self._of_powers(np.asarray(offsets, dtype=float), *self._steps)
-        phase = (offsets @ self.reciprocal.reshape(-1, 2).T).reshape(-1, kinds, turns)
-        waves = np.empty(phase.shape[:2])
-        for kind, function in ((self.odd, np.sin), (~self.odd, np.cos)):
-            # for few numbers, einsum is many times faster than a mean over the last axis
-            waves[:, kind] = np.einsum("nwg->nw", function(phase[:, kind])) / turns
-        return waves
+        return self._of_powers(np.asarray(offsets, dtype=float), *self._steps)
 
     @cached_property
-    def _steps(self) -> tuple[Floats, Floats] | None:
-        """Two vectors (2, 2), and the whole multiples (W, n, 2) of them that give all; None if they do not exist."""
-        basis = self.reciprocal[0, :2]
-        steps = self.reciprocal @ np.linalg.inv(basis)
-        whole = np.rint(steps)
-        return (basis, whole.astype(np.int64)) if np.abs(steps - whole).max() < WAVE_TOLERANCE else None
+    def _steps(self) -> tuple[Floats, Ints]:
+        """The two shortest vectors (2, 2) that are not parallel, and the multiples (W, n, 2) of them that give all."""
+        every = self.reciprocal.reshape(-1, 2)
+        across = np.abs(cross_2d(every[0], every)) > WAVE_TOLERANCE * (every[0] @ every[0])
+        basis = np.array([every[0], every[across.argmax()]])
+        return basis, np.rint(self.reciprocal @ np.linalg.inv(basis)).astype(np.int64)
 
-    def _of_powers(self, offsets: Floats, basis: Floats, steps: Floats) -> Floats:
+    def _of_powers(self, offsets: Floats, basis: Floats, steps: Ints) -> Floats:
         """(N, W) values as products of powers of two waves, which is much faster than sines and cosines."""
         top = int(np.abs(steps).max())
         powers = []

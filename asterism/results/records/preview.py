@@ -132,6 +132,10 @@ class PreviewRecord(ShapeRecord):
     )
     side: str = key("Side to which the edges were asked to go: `auto`, `up` or `down`.")
     start: str = key("Name of the initial guess that led to the shape.")
+    stars_overstretched: list[int] = key(
+        "Stars around which the preview is longer than the fabric can stretch. With such stars, `is_minimum` is false.",
+        default=ABSENT,
+    )
     starts: list[TrialRecord] = key("All initial guesses that were followed.")
     other_forms: list[OtherFormRecord] = key(
         "Other minima that the search met, the lowest first.", label="other form", show=_likely_forms

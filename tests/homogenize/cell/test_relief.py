@@ -13,6 +13,9 @@ LATTICES = {
     "six arms": Lattice(arms=6),
     "square": Lattice(kind="square", arms=4),
     "arms off the lattice": Lattice(kind="square", arms=3),
+    "five arms": Lattice(arms=5),
+    "five turned arms": Lattice(kind="square", arms=5, orientation_deg=10.0),
+    "four arms on a triangular lattice": Lattice(arms=4, orientation_deg=30.0),
 }
 
 
@@ -25,8 +28,9 @@ def test_waves_are_means_over_the_turns(name: str) -> None:
     assert np.allclose(waves(offsets), expected, atol=1e-12)
 
 
-def test_waves_repeat_from_star_to_star() -> None:
-    lattice = LATTICES["triangular"]
+@pytest.mark.parametrize("name", LATTICES)
+def test_waves_repeat_from_star_to_star(name: str) -> None:
+    lattice = LATTICES[name]
     waves, offsets = CorrugationWaves.of(lattice), np.random.default_rng(1).uniform(-5.0, 5.0, (20, 2))
     assert np.allclose(waves(offsets + np.array([2, -3]) @ lattice.vectors), waves(offsets), atol=1e-12)
 

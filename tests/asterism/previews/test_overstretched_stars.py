@@ -1,0 +1,105 @@
+"""No preview is longer than its fabric can be, and one that is says so and is no minimum."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.previews.overstretched_stars import (
+    mean_square_limit,
+    mean_square_stretch,
+    overstretched_stars,
+    support_ratio,
+)
+from asterism.previews.session import Preview
+from asterism.shape.shape import Shape
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.design.materials import Fabric
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
+
+
+def printed(design: Design, scale: float = 1.0, spike_mm: float = 0.0) -> Shape:
+    """The print, scaled, with a spike at the outermost star."""
+    plan = layout(design)
+    mesh = mesh_layout(plan, 4.0)
+    from_tip = np.linalg.norm(mesh.points - plan.centres[np.argmax(plan.centres[:, 0])], axis=1)
+    heights = spike_mm * np.maximum(1.0 - from_tip / 5.0, 0.0)
+    star = np.full(len(mesh.points), -1)
+    star[mesh.star_vertices] = plan.star_number
+    places = np.column_stack([scale * mesh.points, heights])
+    return Shape(
+        mesh.points, places, mesh.triangles, star, mesh.rods, mesh.star_vertices, held=bool(plan.pins), plan=plan
+    )
+
+
+def small(**sections: Any) -> Design:
+    return Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.4}, "border": {"rings": 1}} | sections)
+
+
+def test_a_spike_and_a_sheet_beyond_its_print_are_too_long() -> None:
+    design, plan = small(), layout(small())
+    assert overstretched_stars(printed(design, 0.99), design, plan).tolist() == []
+    assert overstretched_stars(printed(design, 1.01), design, plan).tolist() == plan.star_number.tolist()
+    (star,) = overstretched_stars(printed(design, 0.85, spike_mm=15.0), design, plan).tolist()
+    assert star == plan.star_number[np.argmax(plan.centres[:, 0])]
+
+
+def test_the_mean_square_is_exact_for_a_uniform_stretch() -> None:
+    assert mean_square_stretch(printed(small(), 0.8), layout(small())) == pytest.approx(0.64)
+
+
+def test_supports_that_pull_allow_as_much_and_weight_is_not_judged() -> None:
+    wide = small(border={"rings": 2}, pins=[{"where": "corners", "scale": 1.2}])
+    assert support_ratio(layout(wide)) == pytest.approx(1.2)
+    assert support_ratio(layout(small())) == 0.0
+    shape = printed(wide, 1.15)
+    assert not len(overstretched_stars(shape, wide, layout(wide)))
+    narrow = small(border={"rings": 2}, pins=[{"where": "corners", "scale": 0.9}])
+    over = overstretched_stars(shape, narrow, layout(narrow))
+    far = layout(narrow).distance_to_supports(layout(narrow).centres) > narrow.lattice.spacing_mm
+    assert len(over) == far.sum() > 0
+    heavy = Design.from_dict(narrow.to_dict() | {"gravity": {"on": True}})
+    assert not len(overstretched_stars(shape, heavy, layout(heavy)))
+
+
+@pytest.mark.parametrize(("stretch", "poisson"), [(1.35, 0.3), (1.7, 0.45), (2.2, 0.3), (2.2, 0.49)])
+def test_no_state_of_the_fabric_beyond_the_limit_has_less_energy_than_the_print(stretch: float, poisson: float) -> None:
+    """Over all principal stretches of two halves of a cell."""
+    mu, lam = 1.0, 2.0 * poisson / (1.0 - poisson)
+
+    def energy(one: Any, two: Any) -> Any:
+        log = np.log(one * two)
+        return 0.5 * mu * (one**2 + two**2 - 2.0) - mu * log + 0.5 * lam * log**2
+
+    of_print, limit = energy(stretch, stretch), mean_square_limit(Fabric(stretch=stretch, poisson=poisson))
+    one, two, three, four = np.meshgrid(*4 * [np.linspace(0.4, 6.0, 25)])
+    square = 0.25 * (one**2 + two**2 + three**2 + four**2) / stretch**2
+    stored = 0.5 * (energy(one, two) + energy(three, four))
+    assert square[stored <= of_print].max() <= limit + 1e-12
+    assert limit < 1.05 * square[stored <= of_print].max() + 0.05  # and hardly more than is needed
+
+
+def test_a_preview_that_is_too_long_is_no_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = Preview(gallery.load("star"))
+    shape = preview.shape()
+    assert shape.summary["is_minimum"] and shape.summary["stars_overstretched"] == []
+    monkeypatch.setattr("asterism.previews.summary.overstretched_stars", lambda *_: np.array([0]))
+    long = preview.shape().summary
+    assert not long["is_minimum"] and long["converged"] and long["stars_overstretched"] == [0]
+    line = (
+        "not a shape of this sheet: around 1 of 1 stars it is longer than the fabric can stretch; use the exact model"
+    )
+    assert long["warnings"][-1] == f"{line}; use the exact model: star 0"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["dome", "tube", "u-shape", "fig8-h-decreasing", "fig9-parabola"])
+def test_previews_of_the_gallery_are_far_below_the_limit(name: str) -> None:
+    preview = Preview(gallery.load(name))
+    square = mean_square_stretch(preview.shape(), preview.state.layout)
+    fabric = preview.design.fabric
+    assert np.prod(fabric.stretch_xy) ** -1.0 < square.min() < square.max() < 0.8 * mean_square_limit(fabric)
