@@ -13,6 +13,8 @@ from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch
 from pattern.mesh.grading import Grading
 from pattern.mesh.pin_vertices import PIN_VERTEX_TOLERANCE_MM
 
+# shift of grid points by which diagonals of squares are chosen, in grid edges: far above rounding, and invisible
+OFF_SQUARE_SHIFT = 1e-6
 NO_POINTS = np.zeros(0, dtype=np.int64)
 NO_PLACES = np.zeros((0, 2))
 
@@ -76,4 +78,17 @@ def _spread(patch: GridPatch, known: NDArray[np.bool_], places: Floats, grading:
     if grading is not None:
         return grading.spread(patch, known, places)
     natural = patch.grid.place(patch.ij)
-    return natural + patch.harmonic(known, places - natural)
+    points = natural + patch.harmonic(known, places - natural)
+    return points + _off_squares(patch, known) if patch.grid.right_angled else points
+
+
+def _off_squares(patch: GridPatch, known: NDArray[np.bool_]) -> Floats:
+    """(n, 2) mm by which free points leave exact squares, whose two diagonals are equally good, symmetrically.
+
+    With offsets (u, v) from a lattice point, in lattice vectors, the points move along the gradient of
+    `sin^2(pi u) sin^2(pi v)`. Its mixed derivative has one sign between two mirror lines, so that the diagonals there
+    are parallel, and mirrored beyond.
+    """
+    u, v = (np.pi * patch.ij / patch.grid.k).T
+    along = np.column_stack([np.sin(2.0 * u) * np.sin(v) ** 2, np.sin(u) ** 2 * np.sin(2.0 * v)])
+    return np.where(known[:, None], 0.0, OFF_SQUARE_SHIFT / patch.grid.k * along @ patch.grid.basis)

@@ -34,7 +34,7 @@ class HexagonBorder:
     @classmethod
     def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:
         """The outline of a layout as such a hexagon; None for other outlines."""
-        if len(layout.outline) != 6:
+        if len(layout.outline) != 6 or grid.right_angled:  # a hexagon of squares would have one of their diagonals
             return None
         middle = layout.outline.mean(axis=0)
         about = grid.lattice_coordinates(middle[None] - grid.origin)[0]

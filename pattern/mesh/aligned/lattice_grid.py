@@ -37,10 +37,20 @@ class LatticeGrid:
 
     @classmethod
     def of(cls, layout: Layout, edge_mm: float) -> LatticeGrid:
-        """The grid of a layout whose edges are closest to `edge_mm`."""
+        """The grid of a layout whose edges are closest to `edge_mm`.
+
+        Right-angled cells have an even number of them: the mirror lines between stars are grid lines. The mesh has
+        their symmetry, unless tips that nearly touch need points that the triangulation adds.
+        """
         a, b = np.asarray(layout.lattice_vectors, dtype=float)
-        k = max(round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm), 2)
+        each = 2 if is_right_angled(a, b) else 1
+        k = max(each * round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm / each), 2)
         return cls(np.asarray(layout.lattice_origin, dtype=float), np.array([a, b]), k)
+
+    @cached_property
+    def right_angled(self) -> bool:
+        """The cells are squares or rectangles, whose two diagonals are equally long."""
+        return is_right_angled(*self.basis)
 
     @cached_property
     def edge_mm(self) -> float:
@@ -87,6 +97,11 @@ class LatticeGrid:
         return ij[((where >= low - self.edge_mm) & (where <= high + self.edge_mm)).all(axis=1)]
 
 
+def is_right_angled(a: Floats, b: Floats) -> bool:
+    """Whether two lattice vectors (2,) are perpendicular."""
+    return bool(abs(a @ b) < ON_LINE_TOLERANCE * (a @ a))
+
+
 class GridPatch:
     """Some points of a grid, the triangles and edges between them, and the way back from grid coordinates."""
 
@@ -105,9 +120,13 @@ class GridPatch:
 
     @cached_property
     def _ahead(self) -> Ints:
-        """(3, n) the neighbours of all points in the first three directions, -1 for those outside."""
+        """(3, n) the neighbours of all points in the first three directions, -1 for those outside.
+
+        In right-angled cells (4, n), with both diagonals.
+        """
         at = (self.ij - self.low).T
-        return np.array([self.table[at[0] + i, at[1] + j] for i, j in GRID_DIRECTIONS[:3].tolist()])
+        steps = GRID_DIRECTIONS[:3].tolist() + ([[1, 1]] if self.grid.right_angled else [])
+        return np.array([self.table[at[0] + i, at[1] + j] for i, j in steps])
 
     def paths(self, lines: Sequence[Ints]) -> list[Ints]:
         """Numbers of the grid points of each line (n, 2), all at once."""
@@ -124,7 +143,7 @@ class GridPatch:
     def edges(self) -> Ints:
         """Pairs (E, 2) of neighbouring grid points in the patch."""
         ends = self._ahead.ravel()
-        own = np.tile(np.arange(len(self.ij)), 3)
+        own = np.tile(np.arange(len(self.ij)), len(self._ahead))
         return np.asarray(np.column_stack([own, ends])[ends >= 0])
 
     def harmonic(self, known: NDArray[np.bool_], values: Floats, stiff: Floats | None = None) -> Floats:

@@ -139,9 +139,31 @@ def test_square_and_rectangular_lattices(vectors):
     border = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]], dtype=float)
     centres = lattice_points(1, np.asarray(vectors))
     sheet = layout(border, centres, 6.0, [0.0, 90.0, 180.0, 270.0], vectors=vectors)
-    mesh = aligned_mesh(sheet, 2.0)
+    mesh = aligned_mesh(sheet, 1.8)
     obey(sheet, mesh)
     assert smallest_angle(mesh) > 30
+
+
+@pytest.mark.parametrize(("length", "edge"), [(6.0, 2.0), (5.0, 1.6), (4.0, 1.3)])
+@pytest.mark.parametrize("spacing", [16.0, D])  # grid points of the first one are exact, so that squares are too
+def test_square_lattices_have_the_symmetry_of_the_square(length: float, edge: float, spacing: float) -> None:
+    side = 2.5 * spacing
+    border = side * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    vectors = spacing * np.eye(2)
+    sheet = layout(border, lattice_points(1, vectors), length, [0.0, 90.0, 180.0, 270.0], vectors=vectors)
+    mesh = aligned_mesh(sheet, edge)
+    obey(sheet, mesh)
+    for turn in ([[-1, 0], [0, 1]], [[0, 1], [1, 0]], [[0, 1], [-1, 0]]):
+        assert same_after(mesh, mesh.points @ np.array(turn))
+
+
+def test_rectangular_lattices_have_both_mirrors() -> None:
+    border = np.array([[-50.0, -37.5], [50.0, -37.5], [50.0, 37.5], [-50.0, 37.5]])
+    vectors = np.array([[20.0, 0.0], [0.0, 15.0]])
+    sheet = layout(border, lattice_points(2, vectors), 5.0, [0.0, 90.0, 180.0, 270.0], vectors=vectors)
+    mesh = aligned_mesh(sheet, 2.0)
+    for mirror in ([-1, 1], [1, -1]):
+        assert same_after(mesh, mesh.points * mirror)
 
 
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, 0.97 * hexagon(2)])
