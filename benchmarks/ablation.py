@@ -1,14 +1,15 @@
 """What each part of the preview model gains: previews with all parts, and with one part turned off.
 
-python -m benchmarks.ablation [DESIGN ...] [--keep FOLDER] [--edge MM] [--write]
+python -m benchmarks.ablation [DESIGN ...] [--part PART ...] [--keep FOLDER] [--edge MM] [--write]
 
-DESIGN is a name of the gallery or random-NN; by default the gallery and the 24 random designs of the study. Each
-preview is compared with the lower of two exact shapes: that of the released sheet, and that found from the preview with
-all parts. FOLDER keeps the exact shapes; without it they are computed again. Distances are rms as held, in % of the
-diameter (`asterism.shape.comparison`). A gain is the distance without the part less the distance with it; a part
-changes the form of a design if it has the exact shape's form with all parts and not without it, or the other way round.
-Parts and the values that turn them off: `asterism.previews.model_parts`. --write puts the table into
-benchmarks/results.
+DESIGN is a name of the gallery, random-NN, or a sheet on few supports (`benchmarks.accuracy.held_designs`), to which
+nothing was fitted; by default the gallery and the 24 random designs of the study. With --part only these parts are
+turned off, each alone. Each preview is compared with the lower of two exact shapes: that of the released sheet, and
+that found from the preview with all parts. FOLDER keeps the exact shapes; without it they are computed again. Distances
+are rms as held, in % of the diameter (`asterism.shape.comparison`). A gain is the distance without the part less the
+distance with it; a part changes the form of a design if it has the exact shape's form with all parts and not without
+it, or the other way round. Parts and the values that turn them off: `asterism.previews.model_parts`. --write puts the
+table into benchmarks/results.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from asterism.shape.shape import Shape
 from asterism.verification.numbers import same_branch
 from benchmarks.accuracy.designs import EDGE_MM, RANDOM, drawn, meshed
 from benchmarks.accuracy.exact import exact, lowest
+from benchmarks.accuracy.held_designs import OTHERS, canopies, other_held
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
 from pattern import gallery
@@ -39,10 +41,12 @@ from pattern.layout.layout import Layout
 from pattern.layout.symmetries import symmetries
 
 RANDOM_PREFIX = "random-"
+HELD_PREFIXES = ("canopy-", "held-")
 MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance are no change
 HEADER = [
     "part turned off", "designs that it changes", "median rms %, with", "without", "mean rms %, with", "without",
     "median gain %", "largest gain %", "largest loss %", "form changes",
+    "median error of the height %, with", "without",
 ]  # fmt: skip
 
 
@@ -50,16 +54,18 @@ def main(words: Sequence[str]) -> int:
     """Print a line for each design, then the table; exit status 1 if no design could be compared."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("designs", nargs="*", metavar="DESIGN")
+    parser.add_argument("--part", action="append", choices=PARTS, metavar="PART")
     parser.add_argument("--keep", type=Path, default=None, metavar="FOLDER")
     parser.add_argument("--edge", type=float, default=EDGE_MM, metavar="MM")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args(words)
+    parts = options.part or list(PARTS)
     names = options.designs or [*gallery.names(), *(f"{RANDOM_PREFIX}{seed:02d}" for seed in range(RANDOM))]
     with tempfile.TemporaryDirectory() as folder:
         rows = []
         for name in names:
             try:
-                rows.append(ablated(named(name, options.edge), options.keep or Path(folder)))
+                rows.append(ablated(named(name, options.edge), options.keep or Path(folder), parts))
             except LawError as error:
                 print(f"{name}: no preview: {error}", flush=True)
                 continue
@@ -74,13 +80,15 @@ def main(words: Sequence[str]) -> int:
 
 
 def named(name: str, edge_mm: float = EDGE_MM) -> Design:
-    """A design of the gallery or a random one, with this edge of its mesh in mm."""
+    """A design of the gallery, a random one or one on few supports, with this edge of its mesh in mm."""
     if name.startswith(RANDOM_PREFIX):
         return drawn(int(name.removeprefix(RANDOM_PREFIX)), edge_mm)
+    if name.startswith(HELD_PREFIXES):
+        return next(each for each in [*canopies(edge_mm), *other_held(OTHERS, edge_mm)] if each.name == name)
     return meshed(gallery.load(name), edge_mm)
 
 
-def ablated(design: Design, folder: Path) -> dict[str, Any]:
+def ablated(design: Design, folder: Path, parts: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
     """Distance and form of a design's previews: with all parts, and by the part that is turned off."""
     plan = layout(design)
     shown = preview(design, plan=plan)
@@ -89,7 +97,7 @@ def ablated(design: Design, folder: Path) -> dict[str, Any]:
     return {
         "design": design.name,
         "all": _distance(reference, shown, design, plan),
-        "without": {part: _ablated_distance(reference, design, plan, without(part)) for part in PARTS},
+        "without": {part: _ablated_distance(reference, design, plan, without(part)) for part in parts},
     }
 
 
@@ -98,18 +106,23 @@ def _ablated_distance(reference: Shape, design: Design, plan: Layout, model: Pre
     try:
         return _distance(reference, preview(design, model=model, plan=plan), design, plan)
     except LawError:
-        return {"rms_percent": None, "same_form": False}
+        return {"rms_percent": None, "same_form": False, "height_percent": None}
 
 
 def _distance(reference: Shape, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
-    """rms distance to the exact shape in % of the diameter, and whether both have one form."""
+    """rms distance to the exact shape in % of the diameter, error of the height in %, whether both have one form."""
     comparison = compare_shapes(reference, shape, plan, symmetries(design, plan), design.gravity.pull)
-    return {"rms_percent": float(comparison.rms_percent), "same_form": bool(same_branch(comparison, None))}
+    height, other = comparison.heights_mm
+    return {
+        "rms_percent": float(comparison.rms_percent),
+        "same_form": bool(same_branch(comparison, None)),
+        "height_percent": 100.0 * abs(other / height - 1.0),
+    }
 
 
 def table(rows: Sequence[dict[str, Any]]) -> str:
     """Markdown, one line for each part, the largest mean gain first."""
-    lines = [(_gains(rows, part).mean(), part) for part in PARTS]
+    lines = [(_gains(rows, part).mean(), part) for part in rows[0]["without"]]
     return markdown(HEADER, [_part_line(rows, part) for _, part in sorted(lines, key=lambda line: -line[0])])
 
 
@@ -131,14 +144,20 @@ def _part_line(rows: Sequence[dict[str, Any]], part: str) -> list[str]:
     changed = int((np.abs(gains) > MIN_CHANGE_PERCENT).sum())
     numbers = np.median(on), np.median(on + gains), on.mean(), (on + gains).mean()
     changes = np.median(gains), gains.max(), gains.min()
+    known = _known(rows, part)
+    heights = [
+        float(np.median([one["height_percent"] for one in each] or [np.nan]))
+        for each in ([row["all"] for row in known], [row["without"][part] for row in known])
+    ]
     return [
         part, str(changed), *(f"{x:.2f}" for x in numbers), *(f"{x + 0.0:+.2f}" for x in changes), str(forms),
+        *(f"{x:.1f}" for x in heights),
     ]  # fmt: skip
 
 
 def _line(row: dict[str, Any]) -> str:
     """A design's distance, and the part that gains most there."""
-    part = max(PARTS, key=lambda part: row["without"][part]["rms_percent"] or 0.0)
+    part = max(row["without"], key=lambda part: row["without"][part]["rms_percent"] or 0.0)
     most = row["without"][part]["rms_percent"]
     return f"{row['design']:<28} rms {row['all']['rms_percent']:.2f} %, without {part} {most:.2f} %"
 

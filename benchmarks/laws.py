@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from asterism.laws.calibrate import calibrate, default_jobs
+from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
+from homogenize.campaign.workers import default_jobs
 from homogenize.errors import ForeignLaw
 from homogenize.law.law import Law
 from pattern.design.design import Design

@@ -18,12 +18,11 @@ import numpy as np
 
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.finished import row_path
-from benchmarks.accuracy.held_designs import CANOPY_THICKNESSES_MM, canopies, other_held
+from benchmarks.accuracy.held_designs import CANOPY_THICKNESSES_MM, OTHERS, canopies, other_held
 from benchmarks.laws import law_of
 from benchmarks.report import markdown, write_report
 from homogenize.law.law_file import load_law
 
-OTHERS = 20  # designs beside the canopies
 HEIGHT_STEP = 1.05  # ratio of two heights from which their order counts
 HEADER = [
     "design", "stars", "rms %", "rms mm", "after a rigid motion %", "expected %", "height exact mm", "height mm",

@@ -14,6 +14,7 @@ from pattern.layout.build import layout
 CANOPY_MM = [200.0, 140.0]
 CANOPY_SCALES = (0.6, 0.65, 0.7, 0.75, 0.8, 0.9)
 CANOPY_THICKNESSES_MM = (0.3, 0.4)
+OTHERS = 20  # designs beside the canopies
 STARS_OF_OTHERS = (12, 45)  # fewest and most
 
 
