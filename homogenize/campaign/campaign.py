@@ -133,7 +133,8 @@ def _inputs(material: Material, task: CellTask, respond: SolveCell) -> dict[str,
     design = material.design(task).to_dict()
     parts = {name: design[name] for name in ("fabric", "plastic", "lattice", "stars")}
     other = {} if respond is solve_cell else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
-    return {**parts, "edge_mm": material.plan.edge_mm, **other}
+    graded = {"graded": True} if material.plan.graded else {}
+    return {**parts, "edge_mm": material.plan.edge_mm, **graded, **other}
 
 
 def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) -> Outcome:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from equilibrium.arrays import Floats
+from homogenize.cell.cell_mesh import aligned_lines
 from homogenize.law.axes import AXES, Axis
 from homogenize.law.law import WITHOUT_BENDING
 from homogenize.law.material import Material
@@ -16,6 +17,8 @@ from pattern.design.errors import DesignError
 
 # mesh edges between adjacent stars, as in the paper's law, whose edges are 1.15 mm long
 EDGES_PER_SPACING = 15
+# longest edge of a graded cell, over the spacing
+MAX_GRADED_EDGE_SPACINGS = 1 / 5
 # random cells that test a law of more than one size
 HELD_OUT_CELLS = 4
 # of a mesh edge: nodes between the shortest and the longest arms keep this distance from both
@@ -28,7 +31,8 @@ def plan_for_sizes(design: Design, sizes: Floats, edge_mm: float | None = None) 
     Parameters
     ----------
     sizes : (S, A) of the stars, in the order of `homogenize.law.axes.AXES`, see `law_coordinates` there.
-    edge_mm : of the cells' mesh; by default a fifteenth of the spacing, and at least `MIN_CELL_EDGE_MM`.
+    edge_mm : of the cells' mesh; by default that of a graded design (at most `MAX_GRADED_EDGE_SPACINGS`), and else a
+        fifteenth of the spacing, at least `MIN_CELL_EDGE_MM`. Cells are graded if the design is and they can be.
 
     Raises
     ------
@@ -45,7 +49,9 @@ def plan_for_sizes(design: Design, sizes: Floats, edge_mm: float | None = None) 
     if not math.isclose(sx, sy):
         raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y", [sx, sy])
     spacing = design.lattice.spacing_mm
-    edge = edge_mm or max(round(spacing / EDGES_PER_SPACING, 4), MIN_CELL_EDGE_MM)
+    graded = design.mesh.graded and aligned_lines(design.lattice) is not None
+    own = min(design.mesh.edge_mm, spacing * MAX_GRADED_EDGE_SPACINGS) if graded else spacing / EDGES_PER_SPACING
+    edge = edge_mm or max(round(own, 4), MIN_CELL_EDGE_MM)
     nodes = {axis.nodes_key: _nodes(axis, column, spacing) for axis, column in zip(AXES, sizes.T, strict=True)}
     single = all(len(each) == 1 for each in nodes.values())
     data = design.to_dict()
@@ -55,7 +61,7 @@ def plan_for_sizes(design: Design, sizes: Floats, edge_mm: float | None = None) 
             "fabric": data["fabric"] | {"stretch": sx},
             "plastic": data["plastic"],
             "lattice": {key: value for key, value in data["lattice"].items() if key != "origin_mm"},
-            "plan": nodes | {"edge_mm": edge, "held_out": 0 if single else HELD_OUT_CELLS},
+            "plan": nodes | {"edge_mm": edge, "graded": graded, "held_out": 0 if single else HELD_OUT_CELLS},
         }
     )
 

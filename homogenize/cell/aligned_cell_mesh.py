@@ -7,17 +7,19 @@ at the corners of the single cells. Their arms run along A1, A2 or A2 - A1, in e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-import scipy.sparse as sp
-from numpy.typing import NDArray
-from scipy.sparse.linalg import spsolve
 
 from equilibrium.arrays import Floats, Ints
+from homogenize.cell.aligned_cell_grid import (
+    cell_grading,
+    graded_stations,
+    grid_displacement,
+    link_reach,
+    link_stations,
+    tips_meet,
+)
 from homogenize.cell.image_numbering import ImageNumbering, new_triangles
-from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
-from pattern.design.errors import MeshError
+from homogenize.cell.periodic_mesh import PeriodicMesh
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 
@@ -29,6 +31,7 @@ def aligned_cell_mesh(
     repeat: tuple[int, int] = (1, 1),
     segments: int | None = None,
     surrounded: bool = False,
+    graded: bool = False,
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells with equal stars.
 
@@ -40,6 +43,7 @@ def aligned_cell_mesh(
     edge_mm : of the grid, about.
     segments : edges of every arm but those whose tips meet; the nearest number to its length by default.
     surrounded : with the triangles around, whose points are then unfolded too.
+    graded : as many triangles, but finer ones at arms and tips, as in graded sheets (`pattern.mesh.grading`).
 
     Raises
     ------
@@ -48,11 +52,14 @@ def aligned_cell_mesh(
     """
     k = edges_per_spacing(lattice_vectors, directions, lengths, edge_mm)
     n, m = repeat[0] * k, repeat[1] * k
-    links = _links(directions, _reach(lattice_vectors, directions, lengths), k, segments)
+    grading = cell_grading(lattice_vectors, directions, lengths, repeat) if graded and len(directions) else None
+    links = link_stations(directions, link_reach(lattice_vectors, directions, lengths), k, segments)
+    if grading is not None:
+        links = graded_stations(links, GRID_DIRECTIONS[directions] @ lattice_vectors, directions, lengths, grading)
     numbering = _Numbering(n, m)
     i, j = (index.ravel() for index in np.indices((n, m)))
     step = lattice_vectors / k
-    moved = (np.column_stack([i, j]) @ step) + _displacement(n, m, k, lattice_vectors, links)
+    moved = np.column_stack([i, j]) @ step + grid_displacement(repeat, k, lattice_vectors, links, grading)
 
     def at(di: int, dj: int) -> Ints:
         return numbering(i + di, j + dj)
@@ -103,83 +110,9 @@ def aligned_cell_mesh(
 def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:
     """Grid edges between adjacent stars, an even number if tips meet in the middle; see `aligned_cell_mesh`."""
     wish = float(np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1).min()) / edge_mm
-    if _meet(_reach(lattice_vectors, directions, lengths)).any():
+    if tips_meet(link_reach(lattice_vectors, directions, lengths)).any():
         return max(4, 2 * round(wish / 2))
     return max(3, round(wish))
-
-
-def _reach(lattice_vectors: Floats, directions: Ints, lengths: Floats) -> Floats:
-    """(6,) length of the arm in each direction over the distance to the neighbour; 0 without an arm."""
-    reach = np.zeros(6)
-    reach[directions] = lengths / np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1)[directions]
-    return reach
-
-
-def _meet(reach: Floats) -> NDArray[np.bool_]:
-    """(6,) whether the tip meets the tip of the neighbour's arm."""
-    back = np.roll(reach, 3)
-    return (reach > 0) & (back > 0) & (reach + back > 1.0 - TOUCHING_TOLERANCE)
-
-
-@dataclass(frozen=True)
-class _Links:
-    """Grid points on the links from a star to its six neighbours.
-
-    Attributes
-    ----------
-    segments : (6,) edges of the arm in each direction; 0 without an arm.
-    fractions : (6, k + 1) places of the points, over the distance to the neighbour.
-    """
-
-    segments: Ints
-    fractions: Floats
-
-
-def _links(directions: Ints, reach: Floats, k: int, wanted: int | None) -> _Links:
-    segments = np.zeros(6, dtype=np.int64)
-    for direction in directions:
-        # tips that do not meet are different points, whether there are arms from both ends or from one
-        both, touches = reach[(direction + 3) % 6] > 0, reach[direction] > 1.0 - TOUCHING_TOLERANCE
-        longest = (k - 1) // 2 if both else k if touches else k - 1
-        segments[direction] = min(max(wanted or round(reach[direction] * k), 1), longest)
-    segments[_meet(reach)] = k // 2
-    fractions = np.empty((6, k + 1))
-    for direction in range(6):
-        back = (direction + 3) % 6
-        near, far = segments[direction], segments[back]
-        if near + far > k or reach[direction] + reach[back] > 1.0 + TOUCHING_TOLERANCE:
-            raise MeshError("arms of neighbouring stars overlap")
-        known = [0, near, k - far, k]
-        place = [0.0, reach[direction], 1.0 - reach[back], 1.0]
-        where = np.unique(known, return_index=True)[1]
-        fractions[direction] = np.interp(np.arange(k + 1), np.array(known)[where], np.array(place)[where])
-    return _Links(segments, fractions)
-
-
-def _displacement(n: int, m: int, k: int, lattice_vectors: Floats, links: _Links) -> Floats:
-    """(n m, 2) mm: points on links follow the arms, and harmonic functions extend this to all others."""
-    size = n * m
-    i, j = (index.ravel() for index in np.indices((n, m)))
-    number = np.arange(size).reshape(n, m)
-    shift, known = np.zeros((size, 2)), np.zeros(size, dtype=bool)
-    for direction in range(3):
-        di, dj = GRID_DIRECTIONS[direction]
-        for a in range(0, n, k):
-            for b in range(0, m, k):
-                along = np.arange(k + 1)
-                points = number[(a + along * di) % n, (b + along * dj) % m]
-                off = links.fractions[direction] - along / k
-                shift[points] = off[:, None] * (GRID_DIRECTIONS[direction] @ lattice_vectors)
-                known[points] = True
-    if not known.all():
-        rows = np.repeat(np.arange(size), 6)
-        columns = np.column_stack([number[(i + di) % n, (j + dj) % m] for di, dj in GRID_DIRECTIONS]).ravel()
-        graph = sp.csr_matrix((np.ones(6 * size), (rows, columns)), shape=(size, size))
-        laplacian = (sp.diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
-        free = ~known
-        rhs = -laplacian[free][:, known] @ shift[known]
-        shift[free] = np.reshape(spsolve(laplacian[free][:, free].tocsc(), rhs), (-1, 2))
-    return shift
 
 
 class _Numbering:

@@ -16,6 +16,7 @@ from pattern.design.lattice import Lattice
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.rods.arms import check_clear
 
+GRADED_OFF_LINES = "cells have graded meshes only if all arms lie on lattice lines and the grid has their symmetry"
 # a star and its neighbours, as numbers of lattice vectors
 _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])
 
@@ -25,12 +26,15 @@ def cell_mesh(
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
+    It is graded if the design's mesh is.
+
     Raises
     ------
     ValueError
         The stars of the design differ.
     DesignError, MeshError
-        Arms overlap, arms off the lattice lines would print as one, or no mesh follows the arms.
+        Arms overlap, arms off the lattice lines would print as one, no mesh follows the arms, or the mesh is to be
+        graded and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
@@ -38,7 +42,11 @@ def cell_mesh(
     if on_lines is not None:
         directions = on_lines if length else on_lines[:0]
         lengths = np.full(len(directions), length)
-        return aligned_cell_mesh(vectors, directions, lengths, edge_mm, repeat, segments, surrounded)
+        return aligned_cell_mesh(
+            vectors, directions, lengths, edge_mm, repeat, segments, surrounded, design.mesh.graded
+        )
+    if design.mesh.graded:
+        raise MeshError(GRADED_OFF_LINES)
     free = arm_directions(lattice) if length else np.empty((0, 2))
     if length > lattice.spacing_mm * (1.0 + TOUCHING_TOLERANCE):
         raise MeshError(f"arms of {length:g} mm are longer than the spacing, {lattice.spacing_mm:g} mm")

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, model_validator
 
+from homogenize.cell.cell_mesh import GRADED_OFF_LINES, aligned_lines
 from homogenize.law.axes import AXES, LENGTH, named_sizes
 from homogenize.law.plan import CampaignPlan, CellTask
 from pattern.design.design import Design
@@ -47,6 +48,11 @@ class Material(Section):
             raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y")
         if self.plan.stretches is not None and "stretch" in self.fabric.model_fields_set:
             raise DesignError("fabric.stretch", "conflicts with plan.stretches: remove one", self.fabric.stretch)
+        if self.plan.graded and self.fabric.bending_follows_mesh:
+            problem = 'needs fabric.bending = "consistent": the stiffness of the paper\'s hinges follows the mesh'
+            raise DesignError("plan.graded", problem, True)
+        if self.plan.graded and aligned_lines(self.lattice) is None:
+            raise DesignError("plan.graded", f"must be false: {GRADED_OFF_LINES}", True)
         if "plan" not in self.model_fields_set and not (info.context or {}).get("plan_is_used", True):
             return self
         spacing = self.lattice.spacing_mm
@@ -91,6 +97,7 @@ class Material(Section):
                 "lattice": self.to_dict()["lattice"],
                 "stars": named_sizes(task.sizes),
                 "border": {"rectangle_mm": [side, side]},
+                "mesh": {"graded": self.plan.graded},
             }
         )
 

@@ -73,6 +73,7 @@ class CampaignPlan(Section):
     length_range_mm, thickness_range_mm, width_range_mm : [low, high] of scattered cells.
     count, seed : of scattered cells.
     edge_mm : of the cells' mesh. Sheets that use the law have meshes with the same edge length.
+    graded : finer at arms and tips, as sheets with `mesh.graded`; not for the paper's hinges.
     held_out : number of random cells per stretch that test the law.
     """
 
@@ -87,6 +88,7 @@ class CampaignPlan(Section):
     count: Whole = Field(128, ge=8, le=MAX_SAMPLES)
     seed: Whole = Field(0, ge=0, lt=2**32)
     edge_mm: Number = Field(2.0, ge=MIN_CELL_EDGE_MM, le=100)
+    graded: bool = False
     held_out: Whole = Field(12, ge=0, le=10_000)
 
     @field_validator("stretches", *_BY_NODES)

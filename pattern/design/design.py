@@ -192,18 +192,6 @@ class Design(Section):
             raise DesignError("mesh.graded", message, self.mesh.graded)
         return self
 
-    @model_validator(mode="after")
-    def _measured_bending(self) -> Self:
-        if self.fabric.bending_stiffness_n_mm is None:
-            return self
-        if self.fabric.bending != "consistent":
-            message = 'needs fabric.bending = "consistent": the other bending energies have no stiffness of their own'
-            raise DesignError("fabric.bending_stiffness_n_mm", message, self.fabric.bending_stiffness_n_mm)
-        if "modulus_mpa" not in self.fabric.model_fields_set:
-            message = "must be given with bending_stiffness_n_mm: the default only sets the scale of a ratio"
-            raise DesignError("fabric.modulus_mpa", message)
-        return self
-
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | Path = ".", file: str | Path | None = None) -> Design:
         """A design from plain data; pictures and materials are looked for in `folder`. `layout` checks its geometry."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.residual_curvature import KappaBar, residual_curvature
@@ -43,6 +43,18 @@ class Fabric(Section):
         if not all(1 <= s <= 3 for s in np.atleast_1d(stretch)):
             raise DesignError("", "must be from 1 to 3 (printed length over released length)", stretch)
         return stretch
+
+    @model_validator(mode="after")
+    def _measured_bending(self) -> Self:
+        if self.bending_stiffness_n_mm is None:
+            return self
+        if self.bending != "consistent":
+            message = 'needs fabric.bending = "consistent": the other bending energies have no stiffness of their own'
+            raise DesignError("bending_stiffness_n_mm", message, self.bending_stiffness_n_mm)
+        if "modulus_mpa" not in self.model_fields_set:
+            message = "must be given with bending_stiffness_n_mm: the default only sets the scale of a ratio"
+            raise DesignError("modulus_mpa", message)
+        return self
 
     @property
     def stretch_xy(self) -> tuple[float, float]:

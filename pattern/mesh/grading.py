@@ -6,6 +6,7 @@ millimetre, and its stress is singular at the line's end. Away from both the sha
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,12 +33,16 @@ class Grading:
     @classmethod
     def of(cls, layout: Layout) -> Grading:
         """For all arms of a layout."""
-        spacing = layout.spacing_mm
-        start, step = layout.centres[layout.arm_star], layout.arm_tip - layout.centres[layout.arm_star]
-        longest = float(layout.arm_length.max(initial=0.0))
+        return cls.of_arms(layout.centres[layout.arm_star], layout.arm_tip, layout.spacing_mm)
+
+    @classmethod
+    def of_arms(cls, centre: Floats, tip: Floats, spacing: float) -> Grading:
+        """For arms from their stars' centres (A, 2) to their tips (A, 2); all lengths in mm."""
+        step = tip - centre
+        longest = float(np.linalg.norm(step, axis=1).max(initial=0.0))
         along = np.linspace(0.0, 1.0, max(int(np.ceil(ARM_SAMPLES_A_SPACING * longest / spacing)), 1) + 1)
         return cls(
-            cKDTree((start[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), GRADING_REACH_SPACINGS * spacing
+            cKDTree((centre[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), GRADING_REACH_SPACINGS * spacing
         )
 
     def size(self, points: Floats) -> Floats:
@@ -62,12 +67,35 @@ class Grading:
         ends = patch.edges().T
         points = patch.grid.place(patch.ij)
         points = points + patch.harmonic(known, places - points)
+        points = self.settled(
+            points,
+            lambda points: 0.5 * (points[ends[0]] + points[ends[1]]),
+            lambda stiff: patch.harmonic(known, places, stiff),
+            patch.grid.edge_mm,
+        )
+        return np.where(known[:, None], places, points)
+
+    def settled(
+        self,
+        points: Floats,
+        middles: Callable[[Floats], Floats],
+        means: Callable[[Floats], Floats],
+        edge_mm: float,
+    ) -> Floats:
+        """Points (n, 2) mm at rest between springs that are stiffer where edges are short.
+
+        Parameters
+        ----------
+        points : (n, 2) mm, where they start.
+        middles : the middles (E, 2) of all edges, from the points.
+        means : the points, each the mean of its neighbours, from the weights (E,) of the edges.
+        edge_mm : of the grid.
+        """
         for round_ in range(MAX_GRADING_ROUNDS):
-            stiff = 1.0 / self.size(0.5 * (points[ends[0]] + points[ends[1]]))
-            target = patch.harmonic(known, places, stiff)
+            target = means(1.0 / self.size(middles(points)))
             step = target - points
             # sizes follow the points: half steps avoid oscillation
             points = target if round_ == 0 else points + 0.5 * step
-            if np.abs(step).max(initial=0.0) < GRADING_STEP_EDGES * patch.grid.edge_mm:
+            if np.abs(step).max(initial=0.0) < GRADING_STEP_EDGES * edge_mm:
                 break
-        return np.where(known[:, None], places, points)
+        return points

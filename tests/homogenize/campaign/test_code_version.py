@@ -12,7 +12,15 @@ PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 # of pattern: what solves a cell imports these too, and takes no number from them
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
-    *("design.arguments", "design.design", "design.errors", "design.files", "design.section", "design.stars"),
+    *(
+        "design.arguments",
+        "design.design",
+        "design.errors",
+        "design.files",
+        "design.fit_weights",
+        "design.section",
+        "design.stars",
+    ),
     *("design.material_files", "design.user_files"),
     # sizes that vary, outlines, pins and drawings: a cell has none
     *(

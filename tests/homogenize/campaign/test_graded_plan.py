@@ -1,0 +1,77 @@
+"""Graded cells: which plans may have them, and what their samples are named by."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from homogenize.campaign.campaign import sample_name
+from homogenize.campaign.design_plan import plan_for_sizes
+from homogenize.errors import ForeignLaw
+from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
+from homogenize.law.material import Material
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+
+PLATE = {"bending": "consistent", "modulus_mpa": 7.0}
+SIZES = np.array([[8.0, 0.4, 1.2]])
+
+
+def design(**more: Any) -> Design:
+    """Equal stars on the plate, with graded meshes of 1.5 mm."""
+    sheet = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "fabric": PLATE}
+    return Design.from_dict(sheet | {"mesh": {"graded": True, "edge_mm": 1.5}} | more)
+
+
+def test_the_cells_of_a_graded_design_have_its_mesh() -> None:
+    plan = plan_for_sizes(design(), SIZES).plan
+    assert plan.graded and plan.edge_mm == 1.5
+    even = plan_for_sizes(design(mesh={"edge_mm": 1.5}), SIZES).plan
+    assert not even.graded and even.edge_mm == pytest.approx(17.3205 / 15, abs=1e-4)
+    off = plan_for_sizes(design(lattice={"orientation_deg": 10.0}), SIZES).plan
+    assert not off.graded and off.edge_mm == pytest.approx(17.3205 / 15, abs=1e-4)
+
+
+def test_the_design_of_a_cell_is_graded_and_its_sample_has_a_name_of_its_own() -> None:
+    material = plan_for_sizes(design(), SIZES)
+    even = Material.from_dict(material.to_dict() | {"plan": material.to_dict()["plan"] | {"graded": False}})
+    task = material.tasks()[-1]
+    assert material.design(task).mesh.graded and not even.design(task).mesh.graded
+    assert sample_name(material, task) != sample_name(even, task)
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [({"fabric": {}}, "consistent"), ({"fabric": PLATE, "lattice": {"orientation_deg": 10.0}}, "lattice lines")],
+)
+def test_plans_without_graded_cells_are_refused(data: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words) as refused:
+        Material.from_dict(data | {"plan": {"graded": True}})
+    assert refused.value.field == "plan.graded"
+
+
+@pytest.mark.parametrize(
+    ("fabric", "field"),
+    [
+        ({"bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
+        ({"bending": "consistent", "bending_stiffness_n_mm": 0.02}, "fabric.modulus_mpa"),
+    ],
+)
+def test_a_material_with_a_measured_stiffness_needs_what_a_design_needs(fabric: dict[str, Any], field: str) -> None:
+    with pytest.raises(DesignError) as refused:
+        Material.from_dict({"fabric": fabric})
+    assert refused.value.field == field
+
+
+def test_plate_and_hinges_refuse_the_law_of_each_other() -> None:
+    paper = load_law()
+    plate = Law(plan_for_sizes(design(), SIZES), paper.tables, [], {})
+    hinges = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}})
+    for law, other, names in ((paper, design(), ("consistent", "paper")), (plate, hinges, ("paper", "consistent"))):
+        with pytest.raises(ForeignLaw) as refused:
+            law.check(other)
+        line = str(refused.value)
+        assert "fabric.bending" in line and all(name in line for name in names) and "\n" not in line
