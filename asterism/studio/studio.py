@@ -214,6 +214,7 @@ class Studio:
         self.engine.forget()
         for tab in self.tabs:
             tab.gesture = None
+            tab.forget_shapes()
         self._show_document(document)
         self.tell_document()
         self.tell_state()

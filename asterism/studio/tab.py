@@ -70,6 +70,10 @@ class Tab:
             self._shape = waiting
         self._wake.set()
 
+    def forget_shapes(self) -> None:
+        """Another design is open: shapes that wait are not sent."""
+        self._shape = self._comparison = None
+
     def acknowledge(self, frame: int) -> None:
         """The page has drawn a frame."""
         if self._in_flight is not None and frame >= self._in_flight:

@@ -7,8 +7,6 @@ import { isLong } from "./store.js";
 import { openTable } from "./table.js";
 import { openHelp } from "./keys.js";
 
-const UNDRAWN_MS = 600; // by then the answer of the server has changed the outline
-
 export function createActions(studio) {
   const { store, connection, edits } = studio;
 
@@ -92,15 +90,26 @@ export function createActions(studio) {
       else if (Object.keys(store.get("jobs")).length) actions.cancel();
       else store.set({ selection: new Set(), support: null, corner: null });
     },
-    /** Plan and view show all of a sheet that gets another outline. */
-    fitSoon() {
-      setTimeout(() => studio.plan.fit(), UNDRAWN_MS);
-      const before = store.get("document")?.revision;
-      const stop = store.on(["frame"], ({ frame }) => {
-        if (frame?.stage !== "equilibrium" || frame.revision <= before) return;
-        stop();
-        requestAnimationFrame(() => studio.view?.fit());
-      });
+    /** Plan and view show all of a sheet that gets another outline, as soon as they have a state after `before`. */
+    fitSoon(before = store.get("document")?.revision) {
+      let isPlanFitted = false;
+      const fitPlan = () => {
+        if (isPlanFitted || store.get("document").revision <= before) return;
+        isPlanFitted = true;
+        studio.plan.fit();
+      };
+      const ends = [
+        store.on(["document"], fitPlan),
+        store.on(["frame"], ({ frame }) => {
+          if (frame?.stage !== "equilibrium" || frame.revision <= before) return;
+          stop();
+          requestAnimationFrame(() => studio.view?.fit());
+        }),
+        store.on(["startOpen"], () => stop()), // another design
+        store.on(["problem"], ({ problem }) => problem?.isBlocking === false && stop()), // the outline is refused
+      ];
+      const stop = () => ends.forEach((end) => end());
+      fitPlan();
     },
     switchTheme() {
       const isDark = getComputedStyle(document.documentElement).colorScheme.trim() === "dark";

@@ -16,7 +16,10 @@ export function listen(studio) {
         studio.isNew = false;
         studio.opened += 1;
         studio.plan.fit();
-        if (before) studio.view?.reset();
+        if (before) {
+          studio.view?.reset();
+          store.set({ frame: null }); // a shape of the design before may have come since it was left
+        }
       }
       const comparison = store.get("comparison");
       const isOld = comparison?.revision !== message.revision;
@@ -69,10 +72,10 @@ export function listen(studio) {
   };
 
   /** The fitted design is shown; it is one step that can be undone. */
-  function fitted({ summary, cancelled }) {
+  function fitted({ summary, cancelled, revision }) {
     announce(cancelled ? "Fit cancelled" : "Fit finished");
     if (!summary) return;
-    studio.actions.fitSoon();
+    studio.actions.fitSoon(revision - 1);
     toast("The design is fitted to the target.", { action: { text: "Undo", run: studio.actions.undo } });
   }
 

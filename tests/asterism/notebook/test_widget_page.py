@@ -141,7 +141,10 @@ def test_the_sheet_turns_and_the_wheel_zooms_after_a_click(page: Any, preview: a
     box = page.get_by_test_id("view").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
+    # the browser gives wheel events on by a way of their own: this one must not come after the click
+    page.evaluate("void (window.turns = 0, addEventListener('wheel', () => (turns += 1), { capture: true }))")
     page.mouse.wheel(0, -300)
+    page.wait_for_function("turns > 0")
     page.mouse.down()
     page.mouse.move(x + 60, y, steps=3)
     page.mouse.up()

@@ -102,6 +102,10 @@ class StudioPage:
             }}"""
         )
 
+    def click_when(self, condition: str, name: str, seconds: float = PATIENCE_S) -> None:
+        """Click an item as soon as a condition holds, before the page does anything else: work may be over soon."""
+        self.wait(f"({condition}) && (document.querySelector('[data-testid={name}]').click(), true)", seconds)
+
     def rest(self) -> None:
         """Wait until the newest document's equilibrium is drawn."""
         self.wait(REST)

@@ -21,8 +21,7 @@ def test_a_sheet_is_fitted_to_the_target_and_painted_further(page: StudioPage, t
     before = page.get("studio.document.design")
     page.item("fit-go").click()
     progress = "document.querySelector('[data-testid=fit-progress]').textContent"
-    page.wait(f"/% of the diameter/.test({progress})", FIT_PATIENCE_S)
-    page.item("fit-cancel").click()
+    page.click_when(f"/% of the diameter/.test({progress})", "fit-cancel", FIT_PATIENCE_S)
     page.wait("document.querySelector('[data-testid=fit]').textContent.includes('Cancelled')")
     assert page.get("studio.document.design") == before
 

@@ -68,8 +68,7 @@ def test_a_verification_is_cancelled_and_the_preview_stays(page: StudioPage) -> 
     page.open("gallery-dome")
     height = page.get("studio.height")
     page.item("verify").click()
-    page.wait("document.querySelector('[data-testid=cancel]')")
-    page.item("cancel").click()
+    page.click_when("document.querySelector('[data-testid=cancel]')", "cancel")
     page.wait("document.querySelector('[data-testid=verify-panel]')")
     assert page.get("studio.height") == height
     assert not page.get("studio.comparison")
@@ -118,6 +117,8 @@ def test_reload_and_a_second_tab_show_the_same_state(new_page: Callable[[], Stud
     second.item("undo").click()
     first.wait("studio.document.can_redo")
     first.rest()
+    second.wait("studio.document.can_redo")
+    second.rest()
     assert first.get("studio.sizes") == second.get("studio.sizes")
     sizes = first.get("studio.sizes")
     first.page.reload()

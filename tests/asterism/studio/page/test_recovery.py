@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,8 @@ def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_
         page.summarised()
         height = page.get("studio.height")
         for child in children(process.pid):
-            os.kill(child, signal.SIGKILL)
+            with suppress(ProcessLookupError):  # it has ended by itself
+                os.kill(child, signal.SIGKILL)
         page.wait("studio.engine !== 'ready'")
         page.drag((0, 0), (5, 5))
         page.summarised()
@@ -87,8 +89,7 @@ def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures
     page.wait("studio.document.design.stars.length_mm === 7")
     page.page.keyboard.press("Escape")
     file.write_text("[stars", "utf-8")
-    page.wait("document.querySelector('[data-testid=problem]')")
-    assert "followed.toml" in page.item("problem").inner_text()
+    page.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('followed.toml')")
 
 
 def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder: Path) -> None:
@@ -100,7 +101,7 @@ def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder:
     page.wait("document.querySelector('[data-testid=\"file-spoiled.toml\"]')")
     file.write_text('name = "spoiled"\n[stars]\nlength_mm = "long"\n[border]\nrings = 1\n', "utf-8")
     page.item("file-spoiled.toml").click()
-    page.wait("document.querySelector('[data-testid=problem]')")
+    # the line goes away after a while
+    page.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('length_mm')")
     page.rest()
-    assert "length_mm" in page.item("problem").inner_text()
     assert page.get("studio.document.name").startswith("dome")
