@@ -176,7 +176,7 @@ def fit(
         before, sizes = distance(verification.exact[RELEASE]), search.best
         of_exact.run(base, rounded_corrections, verification.exact[RELEASE])
         again = verified()
-        if distance(again.exact[again.result]).mean_percent < before.mean_percent:
+        if distance(again.exact[again.result]).weighted_percent < before.weighted_percent:
             verification = again
         else:
             search.best = sizes
