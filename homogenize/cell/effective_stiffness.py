@@ -34,6 +34,10 @@ from homogenize.cell.unit_cell import ANCHOR, UnitCell
 VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
 
 
+# 1: added to the diagonal over its largest entry. A straight line in a flat sheet turns about itself without energy.
+NEUTRAL_SHIFT = 1e-12
+
+
 @dataclass(frozen=True)
 class EffectiveStiffness:
     """Linear response of the flat relaxed cell, per printed area, in print coordinates.
@@ -101,6 +105,8 @@ def effective_stiffness(cell: UnitCell, flat: FlatCell) -> EffectiveStiffness:
             )
     coupling = coupling[free]
     stiff = (inner.T @ hessian @ inner).tocsc()[free][:, free]
+    if cell.images.n_joints:
+        stiff = stiff + NEUTRAL_SHIFT * float(np.abs(stiff.diagonal()).max()) * sp.identity(len(free))
     whole = imposed.T @ pulled - coupling.T @ splu(stiff.tocsc()).solve(coupling)
     whole += _second_order(load, rotations, place, span @ flat.deformation.T, span, inverse)
     whole += _changed_slopes(torques, span[at_joints], inverse)
