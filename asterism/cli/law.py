@@ -1,4 +1,4 @@
-"""`asterism law`: the content of a law, and the universal law."""
+"""`asterism law`: the content of a law, the universal law, and the unit cell of a motif."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ import typer
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
-app = typer.Typer(help="Show a law, or make the universal law of all fabrics.", invoke_without_command=True)
+app = typer.Typer(
+    help="Show a law, make the universal law of all fabrics, or solve the cell of a motif.", invoke_without_command=True
+)
 
 
 @app.callback()
@@ -18,7 +20,7 @@ def _needs_a_command(context: typer.Context) -> None:
     from asterism.cli.common.mistake import Mistake
 
     if context.invoked_subcommand is None:
-        raise Mistake("law: needs a command: show, errors or universal")
+        raise Mistake("law: needs a command: show, errors, universal or cell")
 
 
 @command
@@ -99,5 +101,30 @@ def universal(
     run.lines(universal_law_lines(output))
 
 
-for function in (show, errors, universal):
+@command
+def cell(
+    run: Run,
+    file: Annotated[Path, typer.Argument(help="Design with a motif, [[rods.motif]].")],
+    edge: Annotated[
+        float | None, typer.Option(min=0.1, max=100.0, help="Edges of the cell's mesh, mm (default: of the design).")
+    ] = None,
+) -> int:
+    """Solve the unit cell of a motif: rest metric, stiffness and natural curvatures of an endless sheet.
+
+    The exit status is 1 if one cell does not stand for the sheet, which a cell of 2 x 2 motifs decides.
+    """
+    from asterism.cli.common.run import DONE, NO_ANSWER
+    from asterism.laws.motif_cell import motif_cell, motif_cell_rows
+    from pattern.design.errors import DesignError
+
+    try:
+        with run.computing():
+            responses = motif_cell(file, edge, run.say)
+    except DesignError as error:
+        raise error.within(file) from None
+    run.table(motif_cell_rows(responses), doubts=responses.doubts)
+    return DONE if responses.comparison.has_law else NO_ANSWER
+
+
+for function in (show, errors, universal, cell):
     app.command()(function)

@@ -91,6 +91,17 @@ def _released(cell: UnitCell) -> FlatCell:
     state = cell.printed_state()
     if len(cell.mesh.star_vertices):
         state = with_bumps(cell, state, BUMP_HEIGHT_RATIO * cell.spacing)
+    return released_from(cell, state)
+
+
+def released_from(cell: UnitCell, state: State) -> FlatCell:
+    """The flat cell that a state of the print becomes while the fabric is released.
+
+    Raises
+    ------
+    ArithmeticError
+        A step did not converge.
+    """
     iterations = 0
     for release in RELEASE_STEPS:
         cell.set_release(release)

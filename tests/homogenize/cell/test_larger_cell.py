@@ -1,0 +1,35 @@
+"""Which motifs have a law of one cell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from homogenize.cell.larger_cell import CellComparison, compare_with_larger_cell
+from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, parallel, stars, waves
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pattern", [parallel(), grid(), diamonds(), waves(), stars()])
+def test_lines_grids_waves_and_stars_repeat_cell_by_cell(pattern: Pattern) -> None:
+    comparison = compare_with_larger_cell(motif_design(pattern), 2.5)
+    assert comparison.has_law and comparison.reason is None
+    assert abs(comparison.excess) < 1e-6
+    np.testing.assert_allclose(comparison.larger_stretches, comparison.stretches, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_a_connected_honeycomb_has_no_law_of_one_cell() -> None:
+    comparison = compare_with_larger_cell(motif_design(honeycomb()), 2.5)
+    assert comparison.excess > 0.1 and not comparison.has_law
+    assert comparison.stretches.min() > 0.99 and comparison.larger_stretches.min() < 0.8
+    assert comparison.reason is not None
+    assert comparison.reason.startswith("the motif has no law of one cell: 2 x 2 cells relax to ")
+
+
+def test_the_reason_is_one_line() -> None:
+    comparison = CellComparison(0.454, 0.389, np.array([0.9975, 0.9975]), np.array([0.7476, 0.9204]))
+    assert comparison.reason == (
+        "the motif has no law of one cell: 2 x 2 cells relax to 16.7 % less energy and contract to 0.748 and 0.920, "
+        "one cell to 0.998 and 0.998"
+    )
