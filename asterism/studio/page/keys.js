@@ -94,6 +94,12 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     if (event.key === " ") plan.isSpaceDown = false;
   });
 
+  /** The brush whose radius changes: that of the tool, if it has one. */
+  function brush() {
+    const { tool } = tools[store.get("tool")];
+    return tool.grow ? tool : tools.brush.tool;
+  }
+
   function withControl(event, isTyping) {
     const key = event.key.toLowerCase();
     if (key === "s") actions.save();
@@ -113,7 +119,7 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     if (tool) actions.choose(tool);
     else if (event.key === "?") openHelp();
     else if (event.key.toLowerCase() === "t") actions.openTable();
-    else if (event.key === "[" || event.key === "]") (tools[store.get("tool")].tool.grow ? tools[store.get("tool")] : tools.brush).tool.grow(event.key === "]" ? 1 : -1);
+    else if (event.key === "[" || event.key === "]") brush().grow(event.key === "]" ? 1 : -1);
     else if (event.key.toLowerCase() === "s") store.set({ snap: !store.get("snap") });
     else if (event.key.toLowerCase() === "p") store.set({ printArea: !store.get("printArea") });
     else if (event.key.toLowerCase() === "f") plan.fit();

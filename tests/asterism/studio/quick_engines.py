@@ -14,6 +14,9 @@ from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
 from asterism.studio.messages import Edit, Frame, Ready, ShownMesh, StudioProblem, Surface
 from asterism.studio.weights import SheetWeights
 
+# variable of the environment with the file that a fit waits for
+GATE = "ASTERISM_TEST_GATE"
+
 
 def serve(connection: Connection) -> None:
     """Answer each edit with a flat square; `die`, `die_once` and `hang_once` in its table are done first.
@@ -68,10 +71,15 @@ def fit(
     printer: str,
     weights: SheetWeights | None,
 ) -> None:
-    """A fit that gives a sheet of one ring; the targets `wait.obj` and `wide.obj` have none."""
+    """A fit that gives a sheet of one ring as soon as the file of `GATE` is there.
+
+    The targets `wait.obj` and `wide.obj` have none.
+    """
     connection.send(JobProgress(job, "step 1, each star: 0.40 % of the diameter", 0, 0, 0.1))
     if name == "wait.obj":
         time.sleep(600)
+    while (gate := os.environ.get(GATE)) and not Path(gate).exists():
+        time.sleep(0.01)
     if name == "wide.obj":
         connection.send(StudioProblem(job, "error", "wide: is out of reach"))
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,20 @@ from asterism.studio.messages import FitTarget
 from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page
+from tests.asterism.studio.quick_engines import GATE
 from tests.asterism.studio.test_target import send_roof
 
 
 @pytest.fixture(autouse=True)
 def quick_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(job_requests, "FIT_PROCESS", "tests.asterism.studio.quick_engines:fit")
+
+
+@pytest.fixture
+def gate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A fit ends when this file is there."""
+    monkeypatch.setenv(GATE, str(tmp_path / "gate"))
+    return tmp_path / "gate"
 
 
 def shown(page: Page, studio: Studio) -> dict[str, Any]:
@@ -53,21 +62,28 @@ def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, stud
     assert isinstance(studio.engine.link.edits[-1], FitTarget)  # type: ignore[attr-defined]
 
 
-def test_a_target_that_was_moved_meanwhile_stays(client: TestClient, page: Page, studio: Studio) -> None:
+def test_a_target_that_was_moved_meanwhile_stays(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
     shown(page, studio)
     send_roof(client)
     page.send(type="fit")
+    page.until("progress")
     page.send(type="target", unit="cm")
+    while page.until("state")["target"]["unit"] != "cm":
+        pass
+    gate.touch()
     page.until("result", job="fit")
     assert studio.parts.target is not None and studio.parts.target.unit == "cm"
     assert studio.parts.target.rotation.tolist() == np.eye(3).tolist()
 
 
-def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, studio: Studio) -> None:
+def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
     shown(page, studio)
     send_roof(client)
     page.send(type="fit")
+    page.until("progress")
     page.send(type="open", gallery="tube")
+    page.until("document", name="tube")
+    gate.touch()
     assert "another design was opened" in page.until("note")["text"]
     assert page.until("result", job="fit")["failed"]
     assert studio.document is not None and studio.document.table["border"] != {"rings": 1}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from asterism.studio.messages import Edit
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page
@@ -48,3 +50,16 @@ def test_undo_and_kept_designs_go_back_to_their_form(page: Page, studio: Studio)
     page.send(type="show", slot="A")
     page.until("document", can_undo=True)
     assert last_edit(studio).snapshot == b"form" and last_edit(studio).is_opened
+
+
+def test_a_shape_that_waits_is_not_sent_as_that_of_the_opened_design(
+    page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page.until("shape")
+    (tab,) = studio.tabs
+    tab._in_flight = 99  # the page draws something that takes long
+    tab.show(1, {"revision": 0}, {})
+    monkeypatch.setattr(studio.engine.link, "ask", lambda message: None)
+    page.send(type="open", gallery="cone")
+    page.until("document", name="cone")
+    assert tab._next() is None

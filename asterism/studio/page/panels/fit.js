@@ -31,7 +31,12 @@ export function fitPart({ store, actions }, { on }) {
       section("Fit to the target"),
       ...(result?.summary ? numbers(result.summary, isOld) : [hint(about(result))]),
       h("div", { class: "field" }, h("label", {}, "Held"), holdChoice().element),
-      button({ text: "Paint where it comes nearer", kind: "wide", testid: "fit-weights", onclick: () => actions.choose("weight") }),
+      button({
+        text: "Paint where it comes nearer",
+        kind: "wide",
+        testid: "fit-weights",
+        onclick: () => actions.choose("weight"),
+      }),
       button({
         text: result?.summary ? "Fit again" : "Fit to the target",
         kind: "wide",

@@ -7,10 +7,16 @@ import { symmetry } from "./brush.js";
 import { numberField } from "./fields.js";
 
 const MODES = {
-  paint: { text: "Paint", title: "Paint a weight", says: "A place of weight 10 counts ten times as much in the fit. Other places come out further away." },
+  paint: {
+    text: "Paint",
+    title: "Paint a weight",
+    says: "A place of weight 10 counts ten times as much in the fit. Other places come out further away.",
+  },
   erase: { text: "Erase", title: "Erase weights", says: "Places without a weight count once." },
 };
-const PAINTED = [0.1, STRONG]; // the design file allows more
+const WEIGHT = { unit: "×", step: 0.1, digits: 2, min: 0.1, max: STRONG }; // the design file allows more
+const RADIUS = { min: 2, max: 200, step: 0.5 };
+const STRENGTH = { unit: "%", min: 1, max: 100, step: 1 };
 
 export function weightPanel({ store, actions, edits }, { on }) {
   const brush = () => store.get("weightBrush");
@@ -23,17 +29,18 @@ export function weightPanel({ store, actions, edits }, { on }) {
     onchange: (value) => change({ mode: value }),
   });
   const says = hint("");
-  const field = (label, key, options, factor = 1) =>
+  const field = (label, key, testid, options, factor = 1) =>
     numberField({
       label,
+      testid,
       value: factor * brush()[key],
       slider: true,
       onchange: (value) => change({ [key]: value / factor }),
       ...options,
     });
-  const weight = field("Weight", "weight", { unit: "×", step: 0.1, digits: 2, testid: "weight", min: PAINTED[0], max: PAINTED[1] });
-  const radius = field("Radius", "radius", { min: 2, max: 200, step: 0.5, testid: "weight-radius" });
-  const strength = field("Strength", "strength", { unit: "%", min: 1, max: 100, step: 1, testid: "weight-strength" }, 100);
+  const weight = field("Weight", "weight", "weight", WEIGHT);
+  const radius = field("Radius", "radius", "weight-radius", RADIUS);
+  const strength = field("Strength", "strength", "weight-strength", STRENGTH, 100);
   const below = h("div", {});
 
   function update() {
