@@ -20,37 +20,36 @@ from scipy.interpolate import RBFInterpolator
 from benchmarks.report import markdown, write_report
 from equilibrium.arrays import Floats
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
-from homogenize.universal.groups import GROUP_KEYS
 from homogenize.universal.kriging import Kriging, likely_lengths
 from homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS
-from homogenize.universal.universal_law import from_smooth, kriging_places, to_smooth
+from homogenize.universal.universal_law import from_smooth, kernel_factors, kriging_places, to_smooth
 from homogenize.universal.universal_law_file import load_universal_law
 
 FOLDS = 5
 DEGREE = 3
 SHARES = (50, 95)
 COMPARED = ("lam_n", "kappa", "bending")
-# from places and arm lengths of known cells and their values to the values at other places
+# from places and factors of known cells and their values to the values at other places
 Way = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
 
 
-def kriging(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
-    lengths, noise = likely_lengths(places, arms, values)
-    return Kriging.through(places, arms, values[:, None], lengths, noise).values(asked, asked_arms)[:, 0]
+def kriging(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
+    lengths, noise = likely_lengths(places, factors, values)
+    return Kriging.through(places, factors, values[:, None], lengths, noise).values(asked, asked_factors)[:, 0]
 
 
-def radial(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
-    return np.asarray(RBFInterpolator(places, values / arms, kernel="cubic")(asked) * asked_arms)
+def radial(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
+    return np.asarray(RBFInterpolator(places, values / factors, kernel="cubic")(asked) * asked_factors)
 
 
-def scaled_radial(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
-    lengths, _ = likely_lengths(places, arms, values)
-    return radial(places / lengths, arms, values, asked / lengths, asked_arms)
+def scaled_radial(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
+    lengths, _ = likely_lengths(places, factors, values)
+    return radial(places / lengths, factors, values, asked / lengths, asked_factors)
 
 
-def polynomial_chaos(places: Floats, arms: Floats, values: Floats, asked: Floats, asked_arms: Floats) -> Floats:
+def polynomial_chaos(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
     known, new = _monomials(places), _monomials(asked)
-    return np.asarray(new @ np.linalg.lstsq(known, values / arms, rcond=None)[0] * asked_arms)
+    return np.asarray(new @ np.linalg.lstsq(known, values / factors, rcond=None)[0] * asked_factors)
 
 
 def _monomials(places: Floats) -> Floats:
@@ -72,16 +71,19 @@ WAYS: dict[str, Way] = {
 def main() -> None:
     law = load_universal_law()
     groups, rows = law.groups[law.spread], law.rows[law.spread]
-    smooth, places, arms = to_smooth(rows, groups), kriging_places(groups), groups[:, GROUP_KEYS.index("arm")]
+    smooth, places = to_smooth(rows, groups), kriging_places(groups)
     fold = np.random.default_rng(0).permutation(len(rows)) % FOLDS
     separated = np.abs(rows[:, QUANTITY_NAMES.index("kappa")]) <= MAX_SEPARATED_CURL
     lines, results = [], []
     for name, way in WAYS.items():
         begin, given = time.perf_counter(), smooth.copy()
-        for column in (QUANTITY_NAMES.index(quantity) for quantity in COMPARED):
+        for quantity in COMPARED:
+            column, factors = QUANTITY_NAMES.index(quantity), kernel_factors(quantity, groups)
             for number in range(FOLDS):
                 test = fold == number
-                given[test, column] = way(places[~test], arms[~test], smooth[~test, column], places[test], arms[test])
+                given[test, column] = way(
+                    places[~test], factors[~test], smooth[~test, column], places[test], factors[test]
+                )
         values = from_smooth(given, groups)
         cells = [name]
         result: dict[str, Any] = {"way": name, "cells": int(separated.sum())}

@@ -6,6 +6,7 @@ from pathlib import Path
 from shlex import quote
 
 from asterism.laws.replace_material import Note, with_material
+from asterism.previews.universal_choice import UniversalChoice, sizes_of_stars, universal_choice
 from homogenize.campaign.design_plan import plan_for_sizes
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.axes import law_coordinates
@@ -78,7 +79,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
 
     Parameters
     ----------
-    law : None for the law that the design names, or else the paper's.
+    law : None for the law that the design names, or else the paper's, or else the universal law where it serves.
     file, other : files of the design and of the material that replaces its own; for the message.
 
     Raises
@@ -91,15 +92,26 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
     try:
         own_law.check(design)
     except LawError as error:
+        choice = _universal_choice(design, law, error)
+        if choice is not None and choice.law is not None:
+            return choice.law
         material = f" --material {quote(str(other))}" if other else ""
         refused = f"{file}{material}: {error}"
         if isinstance(error, ForeignLaw):
             refused += f" ({law})" if law else ""
             refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
+            refused += f"; {choice.statement}" if choice is not None else ""
             refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
             refused += f", for --law {quote(str(design_law_path(file, other)))}"
         raise LawError(refused, error.stars, error.place_mm, error.field) from None
     return own_law
+
+
+def _universal_choice(design: Design, law: Path | None, error: LawError) -> UniversalChoice | None:
+    """The universal law for a design that the paper's law is not for; None if another law was named."""
+    if law is not None or not isinstance(error, ForeignLaw):
+        return None
+    return universal_choice(design, sizes_of_stars(design))
 
 
 def chosen_law_path(design: Design, law: Path | None) -> Path | None:

@@ -7,11 +7,13 @@ from dataclasses import replace
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
+from asterism.previews.universal_choice import serving_law
 from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
 from fem.search.sides import Side
 from homogenize.law.law import Law
 from pattern.design.design import Design
+from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
 
@@ -29,7 +31,7 @@ def preview(
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
-        material.
+        material, or else the universal law where it serves. A warning then states how accurate that is.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.
@@ -47,5 +49,7 @@ def preview(
         As for `Preview`, which keeps its state for edits.
     """
     begin = time.perf_counter()
+    plan = plan if plan is not None else layout(design)
+    law = law if law is not None else serving_law(design, plan)
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
     return replace(shape, summary=shape.summary | {"wall_s": time.perf_counter() - begin})

@@ -71,6 +71,8 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
     yield from site_warnings(state.layout)
     yield from sizing_warnings(state.design, state.layout)
     yield from _about_bonds(state)
+    if state.law.statement is not None:
+        yield state.law.statement
     for line in (directions_warning, held_out_warning, mesh_warning, symmetry_warning, pleat_warning):
         if text := line(state.law):
             yield text

@@ -48,6 +48,7 @@ class Law:
     samples : all records of the campaign as plain data, in the order of the plan.
     residuals : errors of the law, see `law_residuals`.
     made : versions, command, machine, seconds.
+    statement : how accurate a law without cells of its own material is, in one sentence; None for other laws.
     """
 
     material: Material
@@ -55,6 +56,7 @@ class Law:
     samples: Sequence[dict[str, Any]]
     residuals: dict[str, Any]
     made: dict[str, Any] = field(default_factory=dict)
+    statement: str | None = None
 
     @property
     def edge_mm(self) -> float:
@@ -161,6 +163,16 @@ class Law:
             problem = f"the fabric bends like a plate {asked:.3g} mm thick: the law is for another, of {known:.3g} mm"
             raise ForeignLaw(problem, field="fabric.bending_stiffness_n_mm")
         return self.at(sx)
+
+    def fits(self, design: Design) -> bool:
+        """Whether no other law could fit the design better: see `check`, which refuses some fabrics for every law."""
+        try:
+            self.check(design)
+        except ForeignLaw:
+            return False
+        except LawError:  # no law fits such a fabric; `check` says so
+            return True
+        return True
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
         """(N, 2, W) `LawTable.corrugation` for the stars of a design, which may be turned by half a turn."""

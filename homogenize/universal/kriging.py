@@ -1,7 +1,7 @@
 """Interpolation of scattered cells: kriging with a Matern kernel, one length for each coordinate.
 
 The function is a sum of kernels about the cells (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
-eqs. 2.25, 4.17 and 5.12). Every kernel carries the factor `u(x) u(x')`, with the arm length u. So the function is
+eqs. 2.25, 4.17 and 5.12). Every kernel carries the factor `u(x) u(x')`. With the arm's length as u the function is
 exactly zero for stars without arms, the bare fabric. The lengths and the noise maximise the likelihood of the cells.
 """
 
@@ -34,7 +34,7 @@ class Kriging:
     Attributes
     ----------
     places : (n, G) coordinates of the cells.
-    factors : (n,) u, arm lengths of the cells.
+    factors : (n,) u at the cells.
     lengths : (G,) lengths of the kernel.
     noise : variance of the cells' scatter over that of the kernel.
     weights : (n, C).
@@ -61,7 +61,7 @@ class Kriging:
         return cls(places, factors, lengths, noise, cho_solve(cho_factor(matrix, lower=True), values))
 
     def values(self, places: Floats, factors: Floats) -> Floats:
-        """(N, C) at places (N, G) with arm lengths (N,)."""
+        """(N, C) at places (N, G) with the factors (N,)."""
         kernel, _ = _kernel(places, self.places, self.lengths)
         return np.asarray(factors[:, None] * (kernel @ (self.factors[:, None] * self.weights)))
 
@@ -70,7 +70,7 @@ class Kriging:
 
         Parameters
         ----------
-        factor_slopes : (N, G) derivatives of the arm length by the coordinates.
+        factor_slopes : (N, G) derivatives of the factors by the coordinates.
         """
         kernel, scaled = _kernel(places, self.places, self.lengths)
         rows = self.factors[:, None] * self.weights

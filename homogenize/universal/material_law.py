@@ -5,6 +5,7 @@ A preview evaluates the table, which is as fast as every other law and gives the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from homogenize.law.law import Law
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
 from homogenize.law.material import Material
 from homogenize.universal.cell_rows import WAVE_COUNT, quantity_scales
-from homogenize.universal.groups import GROUPS, star_groups
+from homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
 from homogenize.universal.law_errors import left_out_errors
 from homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
 from pattern.design.design import Design
@@ -24,10 +25,11 @@ from pattern.design.lattice import Lattice
 
 # what the cells of the universal law have in common
 COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending": "paper", "plastic.poisson": 0.3}
-# nodes of the table: lengths after the bare fabric, thicknesses, widths
-NODE_COUNTS = (16, 9, 5)
-# the table covers the sizes of a design and as many times more and less in thickness and width
-SIZE_MARGIN = 1.35
+# equal steps of the lengths after the bare fabric
+LENGTH_NODES = 16
+# ratio of adjacent thicknesses and widths, and nodes beyond the sizes of a design on either side, for edits
+NODE_RATIO = 1.2
+MARGIN_NODES = 2
 # cells whose left-out errors give the error at a star
 NEAREST_CELLS = 12
 STATED_QUANTITIES = ("lam_n", "kappa", "bending")
@@ -89,8 +91,15 @@ def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_
     return UniversalLawErrors(percent, covered, "" if covered.all() else _why_outside(groups[~covered][0]))
 
 
-def material_law(law: UniversalLaw, design: Design, sizes: Floats, edge_mm: float) -> Law:
-    """The law of a design's material, around stars of these sizes (S, A), for a mesh of this edge.
+def material_law(
+    law: UniversalLaw, design: Design, nodes: Sequence[Sequence[float]], edge_mm: float, statement: str | None = None
+) -> Law:
+    """The law of a design's material, as a table for a mesh of this edge.
+
+    Parameters
+    ----------
+    nodes : of each axis, mm, from `table_nodes`.
+    statement : see `Law`.
 
     Raises
     ------
@@ -99,7 +108,6 @@ def material_law(law: UniversalLaw, design: Design, sizes: Floats, edge_mm: floa
     """
     check_common(design)
     spacing = design.lattice.spacing_mm
-    nodes = _nodes(sizes, spacing)
     grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(AXES))
     groups = star_groups(design.fabric, design.plastic, spacing, edge_mm, grid)
     rows = law(groups)
@@ -113,25 +121,35 @@ def material_law(law: UniversalLaw, design: Design, sizes: Floats, edge_mm: floa
     solved[0] = True
     stretch = design.fabric.stretch_xy[0]
     units = quantity_units(fabric, spacing)
-    table = LawTable(stretch, spacing, nodes, values, waves, solved, units, np.empty((*shape, 0)))
-    return Law(_material(design, nodes, edge_mm), (table,), (), {}, {"command": "universal law", **law.made})
+    axis_nodes = tuple(np.array(each) for each in nodes)
+    table = LawTable(stretch, spacing, axis_nodes, values, waves, solved, units, np.empty((*shape, 0)))
+    return Law(_material(design, nodes, edge_mm), (table,), (), {}, dict(law.made), statement)
 
 
-def _nodes(sizes: Floats, spacing: float) -> tuple[Floats, ...]:
-    """Nodes of the table, (n1,), (n2,), (n3,) mm."""
-    longest = GROUPS[0].limits[1] * spacing
-    lengths = np.concatenate([[0.0], np.linspace(GROUPS[0].limits[0] * spacing, longest, NODE_COUNTS[0])])
-    others = []
-    for axis, column, count in zip(AXES[1:], sizes.T[1:], NODE_COUNTS[1:], strict=True):
-        low, high = axis.limits
-        ends = np.clip([column.min() / SIZE_MARGIN, column.max() * SIZE_MARGIN], low, high)
-        others.append(np.geomspace(float(ends[0]), float(ends[1]), count))
-    return (lengths, *others)
+def table_nodes(sizes: Floats, spacing: float) -> tuple[tuple[float, ...], ...]:
+    """Nodes of the table for stars of these sizes (S, A), mm. Similar sizes have equal nodes."""
+    shortest, longest = (end * spacing for end in GROUPS[0].limits)
+    nodes = [(0.0, *np.linspace(shortest, longest, LENGTH_NODES).tolist())]
+    for axis, column in zip(AXES[1:], sizes.T[1:], strict=True):
+        low, high = (np.log(end) / np.log(NODE_RATIO) for end in (column.min(), column.max()))
+        powers = np.arange(np.floor(low + 1e-9) - MARGIN_NODES, np.ceil(high - 1e-9) + MARGIN_NODES + 1)
+        values = NODE_RATIO**powers
+        least, most = axis.limits
+        nodes.append(tuple(values[(values >= least) & (values <= most)].tolist()))
+    return tuple(nodes)
 
 
-def _material(design: Design, nodes: tuple[Floats, ...], edge_mm: float) -> Material:
+def law_edge(design: Design) -> float:
+    """mm, edge of the law's mesh: that of the design's exact model, or the nearest one in the range of the law."""
+    spacing, (finest, coarsest) = design.lattice.spacing_mm, GROUPS[GROUP_KEYS.index("edge")].limits
+    resolved = design.fabric.bending_thickness_mm / MIN_FABRIC_TO_EDGE
+    longest = max(min(coarsest * spacing, resolved), finest * spacing)
+    return float(np.clip(design.mesh.edge_mm, finest * spacing, longest))
+
+
+def _material(design: Design, nodes: Sequence[Sequence[float]], edge_mm: float) -> Material:
     data = design.to_dict()
-    plan = {axis.nodes_key: [float(node) for node in each if node > 0] for axis, each in zip(AXES, nodes, strict=True)}
+    plan = {axis.nodes_key: [node for node in each if node > 0] for axis, each in zip(AXES, nodes, strict=True)}
     return Material.from_dict(
         {
             "name": "universal",

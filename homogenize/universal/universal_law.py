@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Bools, Floats, Ints
 from homogenize.errors import CampaignError
-from homogenize.law.law_table import QUANTITY_NAMES, SMALL_CURL
+from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.cell_rows import WAVE_NAMES
 from homogenize.universal.groups import (
     GROUP_KEYS,
@@ -33,11 +33,17 @@ _HINGES_OVER_PLATE = 3.0
 MIN_CELLS = 40
 # of a coordinate: rounding at the limits of the groups
 LIMIT_TOLERANCE = 1e-6
-# arm length over spacing, below which arms count as so long in the slenderness: shorter ones change little
+# arm length over spacing, below which arms count as so long in the coordinates: shorter ones change little
 MIN_SLENDER_ARM = 0.05
+# units of what is nearly proportional to the couple; chosen by the left-out errors of 863 cells
+ARM_POWER = 1.5
+KAPPA_UNIT = 20.0
+HEIGHT_UNIT = 5.0
+ROLLED_WAVE_UNIT = 0.05
+PARTS_WITH_UNITS = ("kappa", "offset_mm", "waves")
 _Q = len(QUANTITY_NAMES)
-_ARM, _STRETCH, _BENDING, _FABRIC, _EDGE = (
-    GROUP_KEYS.index(key) for key in ("arm", "stretch", "bending", "fabric", "edge")
+_ARM, _STRETCH, _BENDING, _COUPLE, _FABRIC, _EDGE = (
+    GROUP_KEYS.index(key) for key in ("arm", "stretch", "bending", "couple", "fabric", "edge")
 )
 
 
@@ -81,8 +87,10 @@ class UniversalLaw:
 
         The values are dimensionless, see `cell_rows`. For stars without arms they are those of the bare fabric.
         """
-        places, arms = kriging_places(groups), groups[:, _ARM]
-        stored = np.column_stack([self.parts[name].values(places, arms) for name in self.parts])
+        places = kriging_places(groups)
+        stored = np.column_stack(
+            [part.values(places, kernel_factors(name, groups)) for name, part in self.parts.items()]
+        )
         return from_smooth(stored, groups)
 
     def covers(self, groups: Floats) -> Bools:
@@ -126,14 +134,15 @@ def universal_law(
         raise CampaignError(f"the universal law needs {MIN_CELLS} cells with an answer, and has {usable.sum()}")
     groups = cells.groups[usable]
     smooth, columns = to_smooth(cells.rows[usable], groups), _columns()
-    places, arms = kriging_places(groups), groups[:, _ARM]
+    places = kriging_places(groups)
     parts, left_out = {}, []
     for name, own in columns.items():
         if report is not None:
             report(name)
         lead = own[int(np.argmax(np.std(smooth[:, own], axis=0)))]  # waves share the lengths of the largest one
-        lengths, noise = likely_lengths(places, arms, smooth[:, lead])
-        parts[name] = Kriging.through(places, arms, smooth[:, own], lengths, noise)
+        factors = kernel_factors(name, groups)
+        lengths, noise = likely_lengths(places, factors, smooth[:, lead])
+        parts[name] = Kriging.through(places, factors, smooth[:, own], lengths, noise)
         left_out.append(parts[name].left_out(smooth[:, own]))
     quantities = from_smooth(np.hstack(left_out), groups)[:, :_Q]
     return UniversalLaw(cells, parts, quantities, spread_count, made or {})
@@ -143,11 +152,14 @@ def kriging_places(groups: Floats) -> Floats:
     """(N, G) coordinates that the law is interpolated over, of groups (N, G).
 
     The bending number is divided by the mismatch of the metrics and by the square of the arm's length, as the load of
-    a slender arm over its buckling load is: arms of all lengths and stretches then begin to curl at similar places.
+    a slender arm over its buckling load is: arms of all lengths and stretches then begin to curl at similar places. The
+    arm's length is a logarithm.
     """
     arms = np.maximum(groups[:, _ARM], MIN_SLENDER_ARM)
     with np.errstate(divide="ignore", invalid="ignore"):
         places = coordinates_of_groups(groups)
+        shortest, longest = GROUPS[_ARM].limits
+        places[:, _ARM] = np.log(arms / shortest) / np.log(longest / shortest)
         low, high = GROUPS[_BENDING].limits
         places[:, _BENDING] -= np.log(mismatch(groups[:, _STRETCH]) * arms**2) / np.log(high / low)
     return np.nan_to_num(places, neginf=0.0, posinf=1.0)
@@ -183,30 +195,54 @@ def bare_quantities(groups: Floats) -> Floats:
 
 
 def to_smooth(rows: Floats, groups: Floats) -> Floats:
-    """(N, Q + 2 W) what is interpolated, of rows (N, R): zero for the bare fabric, and smooth over the range."""
-    bare = bare_quantities(groups)
+    """(N, Q + 2 W) what is interpolated, of rows (N, R); smooth over the range.
+
+    Stiffnesses and contraction are logarithms of their ratios to the bare fabric. Curvature, offset and flat waves are
+    nearly proportional to the couple and to a power of the arm's length as long as stars do not buckle, and are divided
+    by that; the inverse hyperbolic sine bounds the values of buckled stars.
+    """
+    bare, units = bare_quantities(groups), _couple_units(groups)
     values = {name: rows[:, n] for n, name in enumerate(QUANTITY_NAMES)}
     base = {name: bare[:, n] for n, name in enumerate(QUANTITY_NAMES)}
     smooth = {name: np.log(values[name] / base[name]) for name in ("lam", "lam_n", "bending", "a11")}
-    smooth["kappa"] = np.arcsinh(values["kappa"] / SMALL_CURL)
+    smooth["kappa"] = np.arcsinh(values["kappa"] / (KAPPA_UNIT * units))
     smooth["a12"] = (values["a12"] - base["a12"]) / base["a11"]
     smooth["c3"] = values["c3"] / values["bending"]
-    smooth["offset_mm"] = values["offset_mm"]
-    waves = rows[:, _Q : _Q + len(WAVE_NAMES)]
+    smooth["offset_mm"] = np.arcsinh(values["offset_mm"] / (HEIGHT_UNIT * units))
+    waves = np.arcsinh(rows[:, _Q : _Q + len(WAVE_NAMES)] / _wave_units(groups))
     return np.column_stack([*(smooth[name] for name in QUANTITY_NAMES), waves])
 
 
 def from_smooth(smooth: Floats, groups: Floats) -> Floats:
     """The inverse of `to_smooth`."""
-    bare = bare_quantities(groups)
+    bare, units = bare_quantities(groups), _couple_units(groups)
     stored = {name: smooth[:, n] for n, name in enumerate(QUANTITY_NAMES)}
     base = {name: bare[:, n] for n, name in enumerate(QUANTITY_NAMES)}
     values = {name: base[name] * np.exp(stored[name]) for name in ("lam", "lam_n", "bending", "a11")}
-    values["kappa"] = SMALL_CURL * np.sinh(stored["kappa"])
+    values["kappa"] = KAPPA_UNIT * units * np.sinh(stored["kappa"])
     values["a12"] = base["a12"] + base["a11"] * stored["a12"]
     values["c3"] = stored["c3"] * values["bending"]
-    values["offset_mm"] = stored["offset_mm"]
-    return np.column_stack([*(values[name] for name in QUANTITY_NAMES), smooth[:, _Q:]])
+    values["offset_mm"] = HEIGHT_UNIT * units * np.sinh(stored["offset_mm"])
+    waves = _wave_units(groups) * np.sinh(smooth[:, _Q:])
+    return np.column_stack([*(values[name] for name in QUANTITY_NAMES), waves])
+
+
+def _couple_units(groups: Floats) -> Floats:
+    """(N,) couple times `arm^ARM_POWER`; 0 for the bare fabric, whose couple is free."""
+    couple = np.nan_to_num(groups[:, _COUPLE], posinf=0.0)
+    return np.asarray(couple * groups[:, _ARM] ** ARM_POWER)
+
+
+def _wave_units(groups: Floats) -> Floats:
+    """(N, 2 W) units of the waves: of the flat cell, and of the change per curvature."""
+    flat, rolled = HEIGHT_UNIT * _couple_units(groups), ROLLED_WAVE_UNIT * groups[:, _ARM] ** ARM_POWER
+    half = len(WAVE_NAMES) // 2
+    return np.column_stack([np.tile(flat[:, None], half), np.tile(rolled[:, None], half)])
+
+
+def kernel_factors(name: str, groups: Floats) -> Floats:
+    """(N,) factor of the kernel of a part: the arm's length for what is 0 without arms, 1 for what has a unit."""
+    return np.ones(len(groups)) if name in PARTS_WITH_UNITS else groups[:, _ARM]
 
 
 def _columns() -> dict[str, list[int]]:

@@ -15,7 +15,7 @@ from homogenize.universal.cell_rows import ROW_NAMES
 from homogenize.universal.groups import GROUP_KEYS, GROUPS
 from homogenize.universal.kriging import Kriging
 from homogenize.universal.solved_cells import SolvedCells
-from homogenize.universal.universal_law import UniversalLaw, kriging_places
+from homogenize.universal.universal_law import UniversalLaw, kernel_factors, kriging_places
 from pattern.design.files import check_regular
 
 # raise it when arrays or groups change their meaning
@@ -73,13 +73,14 @@ def load_universal_law(path: Path = PACKAGED_UNIVERSAL_LAW) -> UniversalLaw:
             problems = tuple(reasons[number] for number in archive["cell_problems"])
             groups, rows = archive["cell_groups"], archive["cell_rows"]
             cells = SolvedCells(groups, rows, problems, archive["cell_seconds"].astype(float))
-            places, arms = kriging_places(groups[cells.usable]), groups[cells.usable, GROUP_KEYS.index("arm")]
+            usable = groups[cells.usable]
+            places = kriging_places(usable)
             parts = {}
             for name in archive["parts"].tolist():
                 lengths, noise, weights = (archive[f"{name}/{key}"] for key in ("lengths", "noise", "weights"))
                 if lengths.shape != (len(GROUPS),) or len(weights) != len(places) or not np.isfinite(weights).all():
                     raise ValueError("weights and cells do not fit together")
-                parts[name] = Kriging(places, arms, lengths, float(noise), weights)
+                parts[name] = Kriging(places, kernel_factors(name, usable), lengths, float(noise), weights)
             left_out, made = archive["left_out"], json.loads(archive["made"].tobytes())
             if left_out.shape != (len(places), len(QUANTITY_NAMES)):
                 raise ValueError("errors and cells do not fit together")

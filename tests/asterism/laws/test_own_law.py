@@ -34,7 +34,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def write(path: Path, thickness: float = 1.0, bending: str = "paper") -> None:
+def write(path: Path, thickness: float = 2.0, bending: str = "paper") -> None:
     path.write_text(DESIGN.format(thickness=thickness, bending=bending))
 
 
@@ -46,7 +46,7 @@ def test_from_the_refusal_to_the_preview(
     write(folder / "my sheet.toml")
     for word in ("preview", "verify"):
         refused = command([word, "my sheet.toml"], capsys, monkeypatch)
-        assert refused.status == 2 and "my sheet.toml: fabric.thickness_mm = 1.0: the law is for" in refused.line
+        assert refused.status == 2 and "my sheet.toml: fabric.thickness_mm = 2.0: the law is for" in refused.line
     words = shlex.split(refused.line[refused.line.index("asterism calibrate") :])
     words = words[1 : words.index("makes")]
     assert words == ["calibrate", "my sheet.toml"] and refused.line.endswith("--law 'my sheet-law.npz'")
@@ -77,7 +77,7 @@ def test_another_material_is_part_of_the_command(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write(folder / "d.toml", thickness=0.8)
-    (folder / "my m.toml").write_text("[plastic]\nmodulus_ratio = 1000\n")
+    (folder / "my m.toml").write_text("[plastic]\nmodulus_ratio = 100000\n")
     refused = command(["preview", "d.toml", "--material", "my m.toml"], capsys, monkeypatch)
     assert "; asterism calibrate d.toml --material 'my m.toml' makes its law" in refused.line
     assert refused.line.endswith("for --law 'd-law-my m.npz'")
@@ -96,7 +96,7 @@ def test_a_law_for_something_else_is_named(
     """And so is the package's own, where that one would do."""
     (folder / "foreign.npz").write_bytes(law_bytes(plain_law(1.2)))
     advice = "; without --law the package's own is taken"
-    for thickness, papers in ((0.8, True), (1.0, False)):
+    for thickness, papers in ((0.8, True), (2.0, False)):
         write(folder / "d.toml", thickness)
         refused = command(["preview", "d.toml", "--law", "foreign.npz"], capsys, monkeypatch)
         assert refused.status == 2 and "asterism: d.toml: fabric." in refused.line and "(foreign.npz)" in refused.line
@@ -108,10 +108,10 @@ def test_a_stretch_the_law_does_not_have(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (folder / "d.toml").write_text(
-        DESIGN.format(thickness=0.8, bending="paper").replace("[fabric]", "[fabric]\nstretch = 1.5")
+        DESIGN.format(thickness=0.8, bending="paper").replace("[fabric]", "[fabric]\nstretch = 2.5")
     )
     refused = command(["preview", "d.toml"], capsys, monkeypatch)
-    assert "d.toml: fabric.stretch = 1.5: the law was made for 1.35, 1.75" in refused.line
+    assert "d.toml: fabric.stretch = 2.5: the law was made for 1.35, 1.75" in refused.line
     assert "asterism calibrate d.toml makes its law" in refused.line
 
 
@@ -130,7 +130,7 @@ def test_a_fabric_that_does_not_bend_has_no_law(
 def test_mistakes(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     write(folder / "d.toml")
     (folder / "m.toml").write_text('[fabric]\nbending = "none"\n')
-    (folder / "both.toml").write_text(DESIGN.format(thickness=1.0, bending="paper") + "[plan]\nheld_out = 0\n")
+    (folder / "both.toml").write_text(DESIGN.format(thickness=2.0, bending="paper") + "[plan]\nheld_out = 0\n")
     for words, said in (
         (["calibrate", "m.toml"], "fabric.bending"),
         (["calibrate", "m.toml", "--material", "m.toml"], "--material = 'm.toml': goes with a design"),

@@ -65,7 +65,7 @@ def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path
     assert json.loads((tmp_path / "plain" / "export.json").read_text())["hangs_below_base_mm"] == pytest.approx(-low)
     assert not SHAPE & {path.name for path in (tmp_path / "plain").iterdir()}
     # nothing is known where there is no law
-    save_design(design(fabric={"stretch": 1.5}, stars={"length_mm": 8.0}, border={"rings": 2}, pins=[middle]), file)
+    save_design(design(fabric={"stretch": 2.5}, stars={"length_mm": 8.0}, border={"rings": 2}, pins=[middle]), file)
     result = run("export", "d.toml", "-o", "unknown")
     assert result.status == 0 and "not known: the fabric has no law" in result.out
     told = " ".join((tmp_path / "unknown" / "instructions.txt").read_text().split())

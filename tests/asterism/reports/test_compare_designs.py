@@ -30,7 +30,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[DesignsCompariso
     """Three designs: the first, one of thicker stars, and one of a lattice without a law."""
     page = tmp_path_factory.mktemp("compared") / "page.html"
     thick = small(stars={"length_mm": 8.0, "thickness_mm": 0.45})
-    wide = small(lattice={"spacing_mm": 25.0}, pins=[{"where": "corners", "scale": 0.8}])
+    wide = small(lattice={"spacing_mm": 60.0}, pins=[{"where": "corners", "scale": 0.8}])
     result = compare_designs([small(), thick, wide], page, names=["first", "thick", "<wide>"])
     return result, page.read_text()
 
@@ -79,7 +79,7 @@ def test_the_distance_is_that_of_sheets_printed_alike(compared: tuple[DesignsCom
 def test_entries_that_differ_are_listed_once(compared: tuple[DesignsComparison, str]) -> None:
     entries = dict(compared[0].differences)
     assert entries["stars.thickness_mm"] == ["0.3", "0.45", "0.3"]
-    assert entries["lattice.spacing_mm"][2] == "25.0" and entries["pins.0.scale"] == ["-", "-", "0.8"]
+    assert entries["lattice.spacing_mm"][2] == "60.0" and entries["pins.0.scale"] == ["-", "-", "0.8"]
     assert not {"name", "stars.length_mm", "border.rings"} & set(entries)
 
 

@@ -12,16 +12,24 @@ from homogenize.errors import LawError
 from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.cell_rows import quantity_scales
 from homogenize.universal.groups import star_groups
-from homogenize.universal.material_law import STATED_QUANTITIES, material_law, universal_law_errors
+from homogenize.universal.material_law import (
+    STATED_QUANTITIES,
+    law_edge,
+    material_law,
+    table_nodes,
+    universal_law_errors,
+)
 from homogenize.universal.solved_cells import solve_cells
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_law import UniversalLaw, universal_law
 from pattern.design.design import Design
+from pattern.design.lattice import DEFAULT_SPACING_MM
 from tests.homogenize import same_process
 from tests.homogenize.universal import answers
 
 SIZES = np.array([[7.0, 0.4, 1.2], [9.0, 0.5, 1.2]])
 EDGE = 1.2
+NODES = table_nodes(SIZES, float(DEFAULT_SPACING_MM))
 
 
 def design(**more: Any) -> Design:
@@ -39,7 +47,7 @@ def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
 
 def test_the_table_has_the_values_of_the_law(law: UniversalLaw) -> None:
     sheet = design()
-    table = material_law(law, sheet, SIZES, EDGE).check(sheet)
+    table = material_law(law, sheet, NODES, EDGE).check(sheet)
     sizes = np.array([[7.4, 0.42, 1.1], [5.3, 0.48, 1.3]])
     groups = star_groups(sheet.fabric, sheet.plastic, sheet.lattice.spacing_mm, EDGE, sizes)
     scales = quantity_scales(sheet.lattice.spacing_mm, 2.0 * 0.9)
@@ -54,7 +62,7 @@ def test_the_table_has_the_values_of_the_law(law: UniversalLaw) -> None:
 
 def test_bare_fabric_is_exact_and_large_stars_are_outside(law: UniversalLaw) -> None:
     sheet = design()
-    found = material_law(law, sheet, SIZES, EDGE).evaluate(sheet, [0.0, 16.0], 0.4, 1.2)
+    found = material_law(law, sheet, NODES, EDGE).evaluate(sheet, [0.0, 16.0], 0.4, 1.2)
     assert found.value["lam_n"][0] == pytest.approx(1 / 1.5) and found.value["kappa"][0] == 0.0
     assert found.inside.tolist() == [True, False] and "length_mm = 16" in found.outside[0]
 
@@ -86,12 +94,24 @@ def test_what_is_outside_is_named(law: UniversalLaw) -> None:
 )
 def test_other_fabrics_and_lattices_are_refused(law: UniversalLaw, more: dict[str, Any], field: str) -> None:
     with pytest.raises(LawError) as refused:
-        material_law(law, design(**more), SIZES, EDGE)
+        material_law(law, design(**more), NODES, EDGE)
     assert refused.value.field == field and "universal law is for" in str(refused.value)
 
 
 def test_the_edge_of_the_mesh_is_a_group(law: UniversalLaw, tmp_path: Path) -> None:
     sheet = design()
-    coarse, fine = (material_law(law, sheet, SIZES, edge) for edge in (1.7, 0.9))
+    coarse, fine = (material_law(law, sheet, NODES, edge) for edge in (1.7, 0.9))
     assert coarse.edge_mm == 1.7
     assert coarse.evaluate(sheet, 8.0, 0.4, 1.2).value["kappa"] > fine.evaluate(sheet, 8.0, 0.4, 1.2).value["kappa"]
+
+
+def test_similar_sizes_share_a_table() -> None:
+    assert table_nodes(SIZES * 0.95, 17.3) == table_nodes(SIZES * 0.96, 17.3) != table_nodes(SIZES * 1.3, 17.3)
+
+
+@pytest.mark.parametrize(
+    "wish, fabric, edge", [(1.2, 0.9, 1.2), (2.0, 0.9, 1.7320508), (0.3, 0.9, 0.8660254), (2.0, 0.6, 0.6 / 0.45)]
+)
+def test_the_law_has_the_edge_of_the_exact_model(wish: float, fabric: float, edge: float) -> None:
+    sheet = design(mesh={"edge_mm": wish}, fabric={"thickness_mm": fabric})
+    assert law_edge(sheet) == pytest.approx(edge)

@@ -1,0 +1,113 @@
+"""The universal law for a design without a law of its own material: whether it serves, and how accurate it is."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+
+from asterism.previews.default_law import law_of
+from equilibrium.arrays import Floats
+from homogenize.errors import LawError
+from homogenize.law.axes import law_coordinates
+from homogenize.law.law import Law
+from homogenize.universal.material_law import law_edge, material_law, table_nodes, universal_law_errors
+from homogenize.universal.universal_law import UniversalLaw
+from homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW, load_universal_law
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
+
+# rms of the left-out errors near the stars of a design, %, above which the law does not serve
+MAX_SERVING_ERRORS_PERCENT = {"lam_n": 0.5, "kappa": 12.0, "bending": 15.0}
+_IN_WORDS = {"lam_n": "contraction", "kappa": "natural curvature", "bending": "bending stiffness"}
+_OTHERWISE = "; asterism simulate needs no law"
+# materials whose tables are kept
+_KEPT_LAWS = 16
+
+
+@dataclass(frozen=True)
+class UniversalChoice:
+    """The universal law for one design.
+
+    Attributes
+    ----------
+    law : None if it does not serve.
+    statement : for which stars it serves and how accurate it is, or why it does not serve; one sentence.
+    """
+
+    law: Law | None
+    statement: str
+
+
+def universal_choice(design: Design, sizes: Floats) -> UniversalChoice:
+    """The universal law for a design with stars of these sizes (S, A)."""
+    law = packaged_universal_law()
+    if law is None or not len(sizes):
+        return UniversalChoice(None, "no universal law is available")
+    edge = law_edge(design)
+    try:
+        errors = universal_law_errors(law, design, sizes, edge)
+    except LawError as error:
+        return UniversalChoice(None, str(error))
+    if not errors.covered.all():
+        count = f"{int((~errors.covered).sum())} of {len(sizes)} stars"
+        return UniversalChoice(None, f"the universal law does not serve for {count}: {errors.outside}{_OTHERWISE}")
+    typical = errors.typical_percent
+    numbers = ", ".join(f"{_IN_WORDS[name]} {percent:.2g} %" for name, percent in typical.items())
+    if any(typical[name] > most for name, most in MAX_SERVING_ERRORS_PERCENT.items()):
+        return UniversalChoice(
+            None, f"the universal law does not serve such fabric and stars: it is off by {numbers}{_OTHERWISE}"
+        )
+    statement = (
+        f"the universal law stands in for a law of this material: it is off by {numbers} (rms over the left-out cells "
+        "nearest to these stars); asterism calibrate makes a law of the design's own stars"
+    )
+    nodes = table_nodes(sizes, design.lattice.spacing_mm)
+    return UniversalChoice(replace(_kept_table(_material_of(design), nodes, edge), statement=statement), statement)
+
+
+def _material_of(design: Design) -> str:
+    """Fabric, plastic and lattice of a design, as text."""
+    data = design.to_dict()
+    return json.dumps({name: data[name] for name in ("fabric", "plastic", "lattice")}, sort_keys=True)
+
+
+@lru_cache(maxsize=_KEPT_LAWS)
+def _kept_table(material: str, nodes: tuple[tuple[float, ...], ...], edge_mm: float) -> Law:
+    """The law of a material, made once: an edit of a design asks for it again."""
+    law = packaged_universal_law()
+    assert law is not None
+    any_sheet = {"stars": {"length_mm": nodes[0][1]}, "border": {"rings": 0}}
+    return material_law(law, Design.from_dict(json.loads(material) | any_sheet), nodes, edge_mm)
+
+
+def serving_law(design: Design, plan: Layout | None = None) -> Law:
+    """The law that a design names, or else the paper's, or else the universal law if that serves for its stars.
+
+    Otherwise it is the paper's law, which refuses the design.
+
+    Parameters
+    ----------
+    plan : layout of the design; computed if it is needed.
+
+    Raises
+    ------
+    LawError
+        The file that the design names is not a law.
+    """
+    law = law_of(design)
+    if design.law_file is not None or law.fits(design):
+        return law
+    return universal_choice(design, sizes_of_stars(design, plan)).law or law
+
+
+def sizes_of_stars(design: Design, plan: Layout | None = None) -> Floats:
+    """(S, A) sizes of the stars of a design, in the order of `homogenize.law.axes.AXES`."""
+    return law_coordinates(plan if plan is not None else layout(design), design.lattice.arms)
+
+
+@cache
+def packaged_universal_law() -> UniversalLaw | None:
+    """The universal law of the package, read once; None for a package without one."""
+    return load_universal_law() if PACKAGED_UNIVERSAL_LAW.exists() else None

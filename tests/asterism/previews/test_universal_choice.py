@@ -1,0 +1,68 @@
+"""A design without a law of its own material: the universal law stands in, and one sentence says how accurate it is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.previews import universal_choice as module
+from asterism.previews.default_law import paper_law
+from asterism.previews.run import preview
+from asterism.previews.universal_choice import serving_law, universal_choice
+from homogenize.universal.solved_cells import solve_cells
+from homogenize.universal.spread_cells import spread_groups
+from homogenize.universal.universal_law import UniversalLaw, universal_law
+from pattern.design.design import Design
+from tests.homogenize import same_process
+from tests.homogenize.universal import answers
+
+SIZES = np.array([[7.0, 0.42, 1.1]])
+
+
+def design(**more: Any) -> Design:
+    fabric = {"stretch": 1.5, "thickness_mm": 0.9}
+    return Design.from_dict({"fabric": fabric, "stars": {"length_mm": 7.0}, "border": {"rings": 1}} | more)
+
+
+@pytest.fixture(scope="module")
+def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr("homogenize.universal.solved_cells.local_workers", same_process.workers)
+        cells = solve_cells(spread_groups(120), tmp_path_factory.mktemp("cells"), solve=answers.solve)
+    return universal_law(cells, 120)
+
+
+@pytest.fixture(autouse=True)
+def in_the_package(law: UniversalLaw, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "packaged_universal_law", lambda: law)
+    module._kept_table.cache_clear()
+
+
+def test_another_material_gets_the_universal_law_and_a_statement() -> None:
+    shape = preview(design())
+    assert shape.summary["law"]["material"] == "universal" and shape.summary["is_minimum"]
+    lines = [line for line in shape.summary["warnings"] if line.startswith("the universal law stands in")]
+    assert len(lines) == 1 and "natural curvature" in lines[0] and "asterism calibrate" in lines[0]
+
+
+def test_the_paper_s_material_keeps_its_own_law() -> None:
+    assert serving_law(design(fabric={})) is paper_law()
+    assert serving_law(design(fabric={"bending": "none"})) is paper_law()
+
+
+def test_a_law_that_does_not_serve_gives_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    thin = design(fabric={"stretch": 1.5, "thickness_mm": 0.4})
+    choice = universal_choice(thin, SIZES)
+    assert choice.law is None and serving_law(thin) is paper_law()
+    assert "for 1 of 1 stars: fabric thickness over spacing is 0.0231" in choice.statement
+    assert choice.statement.endswith("asterism simulate needs no law")
+    monkeypatch.setattr(module, "MAX_SERVING_ERRORS_PERCENT", {"kappa": 1e-9})
+    choice = universal_choice(design(), SIZES)
+    assert choice.law is None and "does not serve such fabric and stars: it is off by contraction" in choice.statement
+
+
+def test_an_edit_asks_for_the_same_table() -> None:
+    first, second = (universal_choice(design(), sizes).law for sizes in (SIZES, SIZES * [1.2, 1.01, 0.99]))
+    assert first is not None and second is not None and first.tables[0] is second.tables[0]
