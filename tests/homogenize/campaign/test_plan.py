@@ -13,7 +13,7 @@ from pattern.design.errors import DesignError
 
 
 def test_the_papers_plan_covers_its_range() -> None:
-    for path in (PAPER_MATERIAL, PAPER_MATERIAL.with_name("paper-coarse.toml")):
+    for path in (PAPER_MATERIAL, *(PAPER_MATERIAL.with_name(f"paper-{name}.toml") for name in ("coarse", "plate"))):
         material = load_material(path)
         assert material.stretches == (1.35, 1.75)
         assert material.plan.ranges == ((0.0, 13.0), (0.2, 0.6), (0.8, 1.6))
