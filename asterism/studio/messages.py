@@ -232,12 +232,16 @@ class Notice:
 
 @dataclass(frozen=True)
 class Form:
-    """One of several minima: its number, its name, and its energy above the lowest."""
+    """One of several minima: its number, its name, and its energy above that of the form shown.
+
+    `probability` is that of having less energy than the form shown, as the energies of the law are uncertain.
+    """
 
     index: int
     name: str
     energy_percent: float
     is_shown: bool
+    probability: float | None = None
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from asterism.previews.session import Preview
+from asterism.previews.uncertainty.distance_error import probability_lower
 from asterism.results.placed_warning import PlacedWarning
 from asterism.results.words import VISIBLE_SAG_MM
 from asterism.shape.shape import Shape
@@ -35,7 +36,11 @@ def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
         Notice(str(line), sites_of(sites, line.stars) if isinstance(line, PlacedWarning) else ())
         for line in shape.summary["warnings"]
     ]
-    forms = [Form(index, form.start, 100.0 * form.gap, False) for index, form in enumerate(preview.forms)]
+    model = preview.state.model
+    forms = [
+        Form(index, form.start, 100.0 * form.gap, False, probability_lower(form.gap, model))
+        for index, form in enumerate(preview.forms)
+    ]
     if forms:
         forms.insert(0, Form(SHOWN_FORM, preview.equilibrium.guess, 0.0, True))
     numbers = {key: shape.summary[key] for key in SUMMARY_KEYS}

@@ -38,7 +38,7 @@ export function formsPart(studio, { on }) {
   function list(others, isSearching) {
     return [
       section("Forms", h("span", { class: "count" }, String(others.length))),
-      hint("The same print can take each of them. The lower the energy, the more stable the form."),
+      hint("The same print can take each of them. The lower the energy, the more stable the form. The probability is that of having less energy than the form shown."),
       h(
         "ul",
         { class: "list" },
@@ -48,8 +48,9 @@ export function formsPart(studio, { on }) {
   }
 
   function item(form, isSearching) {
-    const energy = Number.isFinite(form.energy_percent)
-      ? `energy ${form.energy_percent >= 0 ? "+" : ""}${percent(form.energy_percent)}`
+    const sign = form.energy_percent >= 0 ? "+" : "";
+    const energy = Number.isFinite(form.probability)
+      ? `energy ${sign}${percent(form.energy_percent)}, probability ${form.probability.toFixed(2)}`
       : "";
     return h(
       "button",

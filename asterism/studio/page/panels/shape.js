@@ -302,7 +302,6 @@ export function shapePanel(studio, page) {
   ];
 }
 
-/** What the distance means for the person who waits for it. */
 /** The distance to the exact shape of each start, if the two ended in different minima. */
 function distancesToMinima({ starts, starts_agree: agree, diameter_mm: diameter }) {
   if (agree || !starts?.release?.is_minimum || !starts?.preview?.is_minimum) return [];
@@ -312,6 +311,7 @@ function distancesToMinima({ starts, starts_agree: agree, diameter_mm: diameter 
   ];
 }
 
+/** What the distance means for the person who waits for it. */
 function agreement({ rms_percent: rms, expected_rms_percent: expected }) {
   const off = "from the preview to the exact shape, in percent of the diameter";
   if (!Number.isFinite(expected)) return `Distance ${off}.`;
