@@ -47,7 +47,10 @@ def state_of(name: str, tube: bool, size: float = 0.05) -> tuple[UnitCell, State
 
 
 CASES = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
-NAMES = pytest.mark.parametrize("name", PATTERNS)
+LONGER = ("honeycomb", "waves")
+NAMES = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONGER else name for name in PATTERNS]
+)
 
 
 @NAMES
@@ -108,6 +111,7 @@ def recut(mesh: PeriodicMesh, points: np.ndarray, rods: np.ndarray) -> PeriodicM
     return replace(mesh, points=places[base] + image @ mesh.cell_vectors, base=base, image=image, **changes)
 
 
+@pytest.mark.slow
 @settings(max_examples=3, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 1000), tube=st.booleans(), name=st.sampled_from(["grid", "diamonds", "honeycomb"]))
 def test_the_energy_does_not_depend_on_where_the_cell_is_cut(seed: int, tube: bool, name: str) -> None:
@@ -225,7 +229,15 @@ def test_stars_written_as_rods_are_stars() -> None:
     assert curvature == pytest.approx(star_curvature, rel=5e-3)
 
 
-@pytest.mark.parametrize("pattern", [parallel(), grid(), diamonds(), waves(), honeycomb(), stars()])
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        parallel(),
+        grid(),
+        diamonds(),
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (waves(), honeycomb(), stars())),
+    ],
+)
 def test_meshes_follow_the_rods(pattern: Pattern) -> None:
     design = motif_design(pattern)
     assert design.rods is not None

@@ -41,7 +41,8 @@ def density(design: Design, along: tuple[bool, bool], distance: float) -> Callab
 
 
 @pytest.mark.parametrize(
-    ("pattern", "along", "distance"), [(parallel(5.0), (True, False), 5.0), (grid(10.0), (True, True), 10.0)]
+    ("pattern", "along", "distance"),
+    [(parallel(5.0), (True, False), 5.0), pytest.param(grid(10.0), (True, True), 10.0, marks=pytest.mark.slow)],
 )
 def test_rest_metric_and_membrane_of_lines_and_grids(
     pattern: Pattern, along: tuple[bool, bool], distance: float
@@ -75,7 +76,9 @@ def stiff(pattern: Pattern) -> Design:
     return motif_design(pattern, THICKNESS, plastic=plastic, fabric={"stretch": 1.001})
 
 
-@pytest.mark.parametrize(("pattern", "families"), [(parallel(5.0), 1), (grid(10.0), 2)])
+@pytest.mark.parametrize(
+    ("pattern", "families"), [(parallel(5.0), 1), pytest.param(grid(10.0), 2, marks=pytest.mark.slow)]
+)
 def test_bending_and_twist_are_those_of_the_rods(pattern: Pattern, families: int) -> None:
     """`B/d` along rods, `T/(4 d)` a family for the twist 2 K12; joints pass both on, and couple no two directions."""
     design = stiff(pattern)
@@ -105,6 +108,7 @@ def test_shear_of_a_grid_is_that_of_a_frame_with_rigid_joints() -> None:
     assert errors[1] < 0.015 and errors[0] > 3.5 * errors[1]
 
 
+@pytest.mark.slow
 def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer() -> None:
     """As the sheet of `tests/validation/test_drawn_patterns.py` does."""
     plastic = {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0}

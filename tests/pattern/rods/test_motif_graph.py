@@ -23,6 +23,7 @@ def honeycomb(x: float = 0.0, y: float = 0.0) -> MotifGraph:
     return motif_graph(Rods.model_validate({"motif": lines}), HONEYCOMB)
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(x=st.floats(-50.0, 50.0), y=st.floats(-50.0, 50.0))
 def test_a_honeycomb_has_two_nodes_and_three_rods_a_cell(x: float, y: float) -> None:
