@@ -22,6 +22,7 @@ from homogenize.universal.law_errors import left_out_errors
 from homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
 from pattern.design.design import Design
 from pattern.design.lattice import Lattice
+from pattern.design.stars import MIN_ARM_MM
 
 # what the cells of the universal law have in common
 COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending": "paper", "plastic.poisson": 0.3}
@@ -129,7 +130,7 @@ def material_law(
 def table_nodes(sizes: Floats, spacing: float) -> tuple[tuple[float, ...], ...]:
     """Nodes of the table for stars of these sizes (S, A), mm. Similar sizes have equal nodes."""
     shortest, longest = (end * spacing for end in GROUPS[0].limits)
-    nodes = [(0.0, *np.linspace(shortest, longest, LENGTH_NODES).tolist())]
+    nodes = [(0.0, *np.linspace(max(shortest, MIN_ARM_MM), longest, LENGTH_NODES).tolist())]
     for axis, column in zip(AXES[1:], sizes.T[1:], strict=True):
         low, high = (np.log(end) / np.log(NODE_RATIO) for end in (column.min(), column.max()))
         powers = np.arange(np.floor(low + 1e-9) - MARGIN_NODES, np.ceil(high - 1e-9) + MARGIN_NODES + 1)

@@ -105,6 +105,12 @@ def test_the_edge_of_the_mesh_is_a_group(law: UniversalLaw, tmp_path: Path) -> N
     assert coarse.evaluate(sheet, 8.0, 0.4, 1.2).value["kappa"] > fine.evaluate(sheet, 8.0, 0.4, 1.2).value["kappa"]
 
 
+def test_a_close_lattice_has_no_arms_that_cannot_be_printed(law: UniversalLaw) -> None:
+    sheet = design(lattice={"spacing_mm": 12.0})
+    table = material_law(law, sheet, table_nodes(SIZES, 12.0), 0.9).check(sheet)
+    assert table.axis_nodes[0][:2].tolist() == [0.0, 1.0] and table.min_length_mm == 0.0
+
+
 def test_similar_sizes_share_a_table() -> None:
     assert table_nodes(SIZES * 0.95, 17.3) == table_nodes(SIZES * 0.96, 17.3) != table_nodes(SIZES * 1.3, 17.3)
 
