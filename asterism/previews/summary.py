@@ -67,6 +67,7 @@ def summary(
             "stretch": law.check(state.design).stretch,
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
+            "graded": law.material.plan.graded,
         },
         "expected_rms_percent": estimate.distance_percent,
         "expected_height_percent": estimate.height_percent,

@@ -13,6 +13,8 @@ from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import Verification
+from homogenize.cell.cell_mesh import aligned_lines
+from pattern.design.design import Design
 
 # largest ratio of the edge lengths of law and exact model without a warning
 MAX_EDGE_RATIO = 1.3
@@ -42,6 +44,7 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
         *two_minima_warnings(verification.exact, verification.result, apart_percent),
         *_far(verification.comparison, preview.get("expected_rms_percent")),
         *_high(verification.comparison, preview.get("expected_height_percent")),
+        *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False)),
         *_meshes(exact, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
     ]
 
@@ -96,6 +99,17 @@ def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
         heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
         estimate = "" if expected is None else f", more than twice its estimated error ({expected:.1f} %)"
         yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
+
+
+def _kinds_of_mesh(design: Design, of_law: bool) -> Iterator[str]:
+    """A graded mesh of the law's cells beside an even one of the exact model, or the other way round."""
+    if design.mesh.graded != of_law:
+        names = {False: "even", True: "graded"}
+        made = f"the law has {names[of_law]} meshes, the exact model {names[design.mesh.graded]} ones"
+        advice = "; mesh.graded = true makes them equal" if of_law else ""
+        if not of_law and aligned_lines(design.lattice) is not None:
+            advice = "; asterism calibrate makes a law of graded cells"
+        yield f"{made}: part of the distance is this difference{advice}"
 
 
 def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:

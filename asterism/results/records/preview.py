@@ -51,6 +51,7 @@ class LawOriginRecord(Record):
     stretch: float = key("Stretch at which the law was computed.")
     edge_mm: float = key("Edge length of the meshes of its unit cells.", unit="mm")
     made_by: str | None = key("Command that made the law; null if the law's file does not name it.")
+    graded: bool = key("Whether the meshes of its unit cells are finer at arms and tips.", default=False)
 
 
 class HeightDoubtsRecord(Record):

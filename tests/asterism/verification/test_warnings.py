@@ -168,6 +168,12 @@ def test_the_coarser_of_two_meshes_is_told(edge: float, line: str | None) -> Non
     assert lines == ([] if line is None else [made + line])
 
 
+def test_graded_and_even_meshes_are_told_apart() -> None:
+    made = "the law has graded meshes, the exact model even ones: part of the distance is this difference"
+    assert said(preview={"law": {"edge_mm": 1.15, "graded": True}}) == [f"{made}; mesh.graded = true makes them equal"]
+    assert said(preview={"law": {"edge_mm": 1.15, "graded": False}}) == []
+
+
 def test_a_mesh_error_above_the_distance_is_told() -> None:
     distance = bowls(0.01, 0.0107).comparison.rms_percent
     lines = said((0.01, 0.0107), mesh_error_percent=1.1 * distance)
