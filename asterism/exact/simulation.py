@@ -29,7 +29,9 @@ from discrete.model.contact_model import ContactModel
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.continuation import Report
 from discrete.release.forms import find_minima, stars_off_branch
-from discrete.release.levels import MeshLevel, solve_on_meshes
+from discrete.release.levels import solve_on_meshes
+from discrete.release.mesh_level import MeshLevel
+from discrete.release.shared_search import SharedSearch
 from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
@@ -50,6 +52,7 @@ def exact_shape(
     near: Shape | None = None,
     plan: Layout | None = None,
     coarser: bool = True,
+    shared: SharedSearch | None = None,
 ) -> Shape:
     """Compute an equilibrium of the exact model, from the design's start, from a given shape, or from many starts.
 
@@ -66,6 +69,8 @@ def exact_shape(
     plan : layout of the design; computed by default.
     coarser : search on coarser meshes first, which finds low minima from afar. Without them, the shape follows `near`
         to the next minimum, and has no estimate of its mesh error. With one start only.
+    shared : meshes and states of an earlier search for the same design and plan, where this one ends as soon as it
+        reaches the same state on a coarse mesh; a new object keeps those of this search. With one start only.
 
     Returns
     -------
@@ -92,12 +97,14 @@ def exact_shape(
     if design.solver.contact:
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
-    mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
+    known = shared.models[-1] if shared and shared.models else None
+    section = design.mesh
+    mesh = known.mesh if known else mesh_layout(plan, section.edge_mm, section.kind, section.seed, section.graded)
     stars, rods = f"{len(plan.centres)} stars", f"{len(plan.drawn_rods)} rods"
     printed = " and ".join([*([stars] if plan.has_stars else []), *([rods] if plan.drawn_rods else [])])
     announce(f"{printed} on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
-    model = (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
+    model = known or (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
     built = time.perf_counter()
     announce(f"minimising the energy over {len(model.free)} degrees of freedom")
     solver = design.solver
@@ -111,8 +118,11 @@ def exact_shape(
             report=report,
             near=near.at if near else None,
             coarser=coarser,
+            shared=shared,
         )
         minima = one_minimum(model, equilibrium, near is not None)
+        if shared and shared.joined_at:
+            minima["joined_at_vertices"] = shared.joined_at
         return _shape(model, equilibrium, levels, before | equilibrium.seconds, time.perf_counter() - start, minima)
     all_minima = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
     minima = many_minima(all_minima, starts)

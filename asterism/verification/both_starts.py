@@ -16,6 +16,7 @@ from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE
 from asterism.verification.warnings import two_minima_warnings
 from discrete.release.continuation import Report, prefixed_report
+from discrete.release.shared_search import SharedSearch
 from equilibrium.errors import Error
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -81,7 +82,8 @@ def simulate(
         return exact_shape(design, backend, report, say, 1 if starts is None else starts, near)
     tell = say or ignore_line
     plan = print_layout(design)
-    released = exact_shape(design, backend, report, say, plan=plan)
+    shared = SharedSearch()
+    released = exact_shape(design, backend, report, say, plan=plan, shared=shared)
     if plan.drawn is not None:  # drawn rods have no preview
         return released
     try:
@@ -90,7 +92,8 @@ def simulate(
             tell("no start from the preview: it meets itself, which contact cannot undo")
             return released
         tell("started from the preview")
-        near = exact_shape(design, backend, prefixed_report(report, "from the preview"), say, near=shown, plan=plan)
+        near_report = prefixed_report(report, "from the preview")
+        near = exact_shape(design, backend, near_report, say, near=shown, plan=plan, shared=shared)
     except (Error, FloatingPointError) as error:
         tell(f"no start from the preview: {' '.join(str(error).split())}")
         return released

@@ -22,6 +22,7 @@ from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import verification_warnings
 from discrete.release.continuation import Report
+from discrete.release.shared_search import SharedSearch
 from equilibrium.newton.minimise import Iteration
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -33,7 +34,7 @@ MAX_REPEATS = 3
 # no further repeat starts once the repeats have taken this long
 MAX_REPEATS_S = 2.0
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
-COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
+COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")
 
 
 def verify(
@@ -78,6 +79,8 @@ def verify(
         layout_s = clock() - begun
         make = partial(shown or partial(preview, law=law, plan=plan), design)
 
+        shared = SharedSearch()
+
         def solve(stage: str, near: Shape | None = None) -> Shape:
             counted = ExactProgress(stage, step)
 
@@ -90,7 +93,7 @@ def verify(
                 counted.say(text)
                 tell(text)
 
-            shape = exact_shape(design, backend, reported, said, near=near, plan=plan)
+            shape = exact_shape(design, backend, reported, said, near=near, plan=plan, shared=shared)
             counted.finish()
             return shape
 
@@ -167,7 +170,10 @@ def _summary(
             "starts_distance_percent": between.rms_percent,
             "starts": {
                 name: VerifiedStartRecord.from_json(
-                    {**numbers(verification.comparisons[name]), **{key: shape.summary[key] for key in COPIED_KEYS}}
+                    {
+                        **numbers(verification.comparisons[name]),
+                        **{key: shape.summary[key] for key in COPIED_KEYS if key in shape.summary},
+                    }
                 )
                 for name, shape in verification.exact.items()
             },

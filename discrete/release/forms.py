@@ -11,7 +11,8 @@ from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.continuation import Report, prefixed_report
-from discrete.release.levels import MeshLevel, coarser_models, solve_through_levels
+from discrete.release.levels import coarser_models, solve_through_levels
+from discrete.release.mesh_level import MeshLevel
 from discrete.release.release_start import release_starts
 from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.arrays import Array

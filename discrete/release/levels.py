@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,9 @@ from discrete.model.state import State
 from discrete.release.contact_prolongation import prolong_without_intersection
 from discrete.release.continuation import Report, prefixed_report
 from discrete.release.extrapolation import extrapolate
+from discrete.release.mesh_level import MeshLevel
 from discrete.release.prolongation import fit_to_surface, prolong
+from discrete.release.shared_search import SharedSearch
 from discrete.release.single_mesh import StartKind, solve_on_mesh
 from equilibrium.arrays import Array
 from equilibrium.newton.regularisation import Method
@@ -33,31 +34,6 @@ MAX_COARSE_VERTEX_FRACTION = 0.6  # 1: vertices of a coarse mesh over those of t
 SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) mm to points in space (n, 3) mm
 
 
-@dataclass(frozen=True)
-class MeshLevel:
-    """The shape on one mesh, and its effort.
-
-    Attributes
-    ----------
-    vertices, iterations, factorisations : their numbers.
-    seconds : wall time by stage.
-    printed, positions : (V, 2) and (V, 3) mm, the shape.
-    """
-
-    vertices: int
-    iterations: int
-    factorisations: int
-    seconds: dict[str, float]
-    printed: Array = field(repr=False)
-    positions: Array = field(repr=False)
-
-    @property
-    def cost(self) -> dict[str, Any]:
-        """All attributes but the shape, for the summary."""
-        names = ("vertices", "iterations", "factorisations", "seconds")
-        return {name: getattr(self, name) for name in names}
-
-
 def solve_on_meshes(
     model: DiscreteModel,
     start: StartKind = "bump",
@@ -68,6 +44,7 @@ def solve_on_meshes(
     report: Report | None = None,
     near: SurfaceMap | None = None,
     coarser: bool = True,
+    shared: SharedSearch | None = None,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
     """Find an equilibrium of a model through coarser meshes of the same sheet.
 
@@ -77,13 +54,17 @@ def solve_on_meshes(
     near : surface, bumps included, from which the coarsest mesh starts at full release, with all supports in place. If
         the model has contact and the surface intersects itself, the search starts from the print.
     coarser : search on coarser meshes first. A surface that is nearly an equilibrium of the fine mesh does without.
+    shared : models and states of an earlier search of the same model; a new object keeps those of this search.
 
     Returns
     -------
     The equilibrium on the mesh of the model, and the levels from coarse to fine. Iterations, factorisations and seconds
     of the equilibrium are totals over all levels.
     """
-    models = [*(coarser_models(model) if coarser else ()), model]
+    search = shared or SharedSearch()
+    if not search.models:
+        search.models = [*(coarser_models(model) if coarser else ()), model]
+    models = search.models
     level_report = prefixed_report(report, f"{models[0].n_vertices} vertices") if len(models) > 1 else report
     first: StartKind | State = start
     if near is not None:
@@ -92,7 +73,7 @@ def solve_on_meshes(
         first = on_surface if is_intersection_free(models[0], on_surface) else start
     coarse = len(models) > 1
     coarsest = solve_on_mesh(models[0], first, None, seed, backend, method, max_iterations, level_report, coarse)
-    return solve_through_levels(models, coarsest, start, seed, backend, method, max_iterations, report)
+    return solve_through_levels(models, coarsest, start, seed, backend, method, max_iterations, report, search)
 
 
 def solve_through_levels(
@@ -104,6 +85,7 @@ def solve_through_levels(
     method: Method,
     max_iterations: int,
     report: Report | None,
+    search: SharedSearch | None = None,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
     """Prolong an equilibrium of the first model through all models; arguments and result as in `solve_on_meshes`.
 
@@ -111,12 +93,18 @@ def solve_through_levels(
     ----------
     models : from coarse to fine.
     coarsest : equilibrium of the first model.
+    search : an earlier search on these models, which this one may join; an empty one keeps the states of this search.
     """
+    search = search or SharedSearch()
+    is_second = search.is_complete
     equilibrium = coarsest
+    ends = [equilibrium]
     levels = [_level(models[0], equilibrium, equilibrium.seconds)]
     path = equilibrium.path
     before: tuple[DiscreteModel, State] | None = None
-    for coarse, fine in pairwise(models):
+    for number, (coarse, fine) in enumerate(pairwise(models)):
+        if is_second and search.reaches(number, equilibrium):
+            break
         begun = time.perf_counter()
         state = _prolonged(coarse, equilibrium.state, fine, start, before)
         before = coarse, equilibrium.state
@@ -125,7 +113,12 @@ def solve_through_levels(
         last = fine is models[-1]
         equilibrium = solve_on_mesh(fine, state, None, seed, backend, method, max_iterations, level_report, not last)
         path += equilibrium.path
+        ends.append(equilibrium)
         levels.append(_level(fine, equilibrium, {"prolongation": prepared, **equilibrium.seconds}))
+    if not is_second:
+        search.ends, search.levels = ends, levels
+    elif len(ends) < len(models):
+        equilibrium, levels, path = search.joined(levels, path)
     stages: dict[str, float] = {}
     for level in levels:
         for stage, spent in level.seconds.items():

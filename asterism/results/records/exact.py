@@ -173,6 +173,11 @@ class ExactRecord(ShapeRecord):
     edge_at_arms_mm: float = key("Height of the triangles beside the arms.", unit="mm")
     creases_resolved: bool = key("The triangles beside the arms are less than 0.7 times as high as creases are wide.")
     levels: list[LevelRecord] = key("Cost of each mesh, the coarsest first.")
+    joined_at_vertices: int = key(
+        "Vertices of the coarse mesh on which this search reached the state of that from the flat print. It ended "
+        "there: on finer meshes both are one, and those of `levels` and `path` cost it nothing.",
+        default=ABSENT,
+    )
     starts: int = key("Starts that were tried.")
     starts_lost: int = key("Starts that ended in no minimum.", label="starts", show=_starts, default=ABSENT)
     result_is: str = key("Which of the minima is the result, and why.")

@@ -129,6 +129,11 @@ class VerifiedStartRecord(DifferenceRecord):
     stars_up: int = key("Stars of the exact shape that bump to the plastic side.")
     iterations: int = key("Newton iterations of the start.")
     factorisations: int = key("Factorisations of the Hessian.")
+    joined_at_vertices: int = key(
+        "Vertices of the coarse mesh on which this start reached the state of the other one and ended; absent if it "
+        "went on to the fine mesh.",
+        default=ABSENT,
+    )
 
 
 class VerificationRecord(DifferenceRecord):
@@ -171,7 +176,9 @@ class VerificationRecord(DifferenceRecord):
     )
     preview_again_s: float = key("Time of the fastest repeated preview with its layout.", unit="s")
     exact_s: float = key("Time of the exact model from the flat print, with its layout.", unit="s")
-    exact_from_preview_s: float = key("Time of the exact model from the preview, with its layout.", unit="s")
+    exact_from_preview_s: float = key(
+        "Time of the exact model from the preview, with its layout, on the meshes of the other start.", unit="s"
+    )
     mesh_error_percent: float | None = key(
         "Estimated mesh error of the exact shape, in percent of the diameter; null if not known.",
         unit="%",

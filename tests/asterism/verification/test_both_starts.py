@@ -11,6 +11,8 @@ import pytest
 from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 from asterism.verification.both_starts import lower_minimum, simulate
+from asterism.verification.run import verify
+from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 
@@ -99,3 +101,14 @@ def test_one_start_is_the_release_and_a_given_shape_is_the_only_start(released: 
     assert near.summary["result_is"] == "from a shape that was given"
     with pytest.raises(ValueError, match="near goes with one start"):
         simulate(SMALL, starts=2, near=released)
+
+
+@pytest.mark.slow
+def test_starts_that_meet_on_a_coarse_mesh_share_the_finer_ones() -> None:
+    dome = gallery.load("dome")
+    found = verify(dome.model_copy(update={"mesh": dome.mesh.model_copy(update={"edge_mm": 1.35})}))
+    release, near = found.summary["starts"]["release"], found.summary["starts"]["preview"]
+    assert found.summary["starts_agree"] and found.summary["starts_distance_percent"] < 1e-6
+    assert near["joined_at_vertices"] == found.summary["exact"]["levels"][1]["vertices"] and near["is_minimum"]
+    assert near["energy_n_mm"] == release["energy_n_mm"] and near["iterations"] < release["iterations"] / 3
+    assert "joined_at_vertices" not in release
