@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import sys
 
 from asterism.cli.common.stop import stop
@@ -15,6 +16,15 @@ from asterism.process import interruption
 
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
+
+# the option parser's phrases, as patterns, and the words of the other messages
+PARSER_WORDS = {
+    "Value error, ": "",
+    "Input should be a valid integer.*": "must be a whole number",
+    "Input should be a valid number.*": "must be a number",
+    "Input should be greater than or equal to": "must be at least",
+    "Input should be less than or equal to": "must be at most",
+}
 
 
 def main() -> None:
@@ -35,6 +45,17 @@ def main() -> None:
         exec("")
         stop(interruption.in_words(), 130)
     sys.exit(status)
+
+
+def plain_words(message: str) -> str:
+    """The option parser's message in the words of the other messages.
+
+    >>> plain_words("Invalid value for '--jobs': Input should be greater than or equal to 1")
+    "Invalid value for '--jobs': must be at least 1"
+    """
+    for pattern, words in PARSER_WORDS.items():
+        message = re.sub(pattern, words, message)
+    return message
 
 
 def _print_all_names() -> None:
@@ -58,7 +79,7 @@ def _run() -> int:
             sys.stdout.flush()
         return status if isinstance(status, int) else 0
     except usage_error as error:
-        stop(error.format_message().replace("Value error, ", ""), 2)  # type: ignore[attr-defined]
+        stop(plain_words(error.format_message()), 2)  # type: ignore[attr-defined]
     except Error as error:
         stop(str(error), error.exit_status)
     except typer.Abort:

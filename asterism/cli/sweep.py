@@ -52,7 +52,7 @@ def sweep(
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.progress_line import SweepProgressLine
     from asterism.sweeps.run import sampled, sweep_design, sweep_parameters
-    from asterism.sweeps.write_sweep import write_sweep
+    from asterism.sweeps.write_sweep import SWEEP_PAGE, SWEEP_TABLE, write_sweep
     from homogenize.campaign.workers import default_jobs
     from homogenize.law.law_file import load_law
 
@@ -63,7 +63,8 @@ def sweep(
     chosen = read_design(design, material, run.warn)
     given = [SweepParameter.from_text(text) for text in vary]
     parameters = sweep_parameters(chosen, given)
-    directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"))
+    names = (SWEEP_PAGE, SWEEP_TABLE)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"), others=names)
     count = len(sampled(parameters, samples, seed))
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs()))
     folder = directory / "designs"

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from asterism.fitting.errors import TargetError
+from asterism.measure.compare.errors import why_no_file
 from equilibrium.arrays import Floats
 from pattern.design.sizing.grey_image import ImageError, check_pixel_format, opened_picture
 
@@ -57,7 +58,7 @@ def read_heights(path: Path, mm: float, heights_mm: tuple[float, float] | None, 
         The file cannot be read, holds no field of heights, or an option is missing.
     """
     if not path.is_file():
-        raise TargetError(path, "is no file" if path.exists() else "is not there")
+        raise TargetError(path, why_no_file(path))
     if extent_mm is None:
         raise TargetError(path, "extent_mm (--extent-mm) is missing: the width of the field in mm")
     if not (isinstance(extent_mm, int | float) and np.isfinite(extent_mm) and extent_mm > 0.0):

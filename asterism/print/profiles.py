@@ -56,7 +56,7 @@ def _load(kind: str, name_or_file: str, section: type[_Kind]) -> _Kind:
         if not files:
             option = f"--{kind[:-1]}"
             raise DesignError(
-                option, f"must be a file (.toml), or one of {', '.join(profile_names(kind))}", name_or_file
+                option, f"must be a file (.toml) or a name: {', '.join(profile_names(kind))}", name_or_file
             )
         path = files[0]
     try:

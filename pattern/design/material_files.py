@@ -81,7 +81,7 @@ def material_path(name_or_file: str | Path, field: str, folder: Path = Path()) -
         return folder / name_or_file
     files = material_files()
     if str(name_or_file) not in files:
-        raise DesignError(field, f"must be a file (.toml), or one of {', '.join(files)}", str(name_or_file))
+        raise DesignError(field, f"must be a file (.toml) or a name: {', '.join(files)}", str(name_or_file))
     return files[str(name_or_file)]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asterism.results.files import SUMMARY_FILE, check_kept, check_writable
+from asterism.results.files import SUMMARY_FILE, OutputError, check_kept, check_writable
 
 
 def results_folder(
@@ -24,4 +24,7 @@ def results_folder(
     directory = output or default
     check_kept(design, directory, summary, *others)
     check_writable(directory, summary)
+    for name in others:
+        if (directory / name).is_dir():
+            raise OutputError(f"cannot write {directory / name}: a folder is in the way")
     return directory

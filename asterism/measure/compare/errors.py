@@ -18,4 +18,11 @@ class ScanError(Error, ValueError):
 def check_file(path: Path) -> None:
     """Raise ScanError unless there is a file."""
     if not path.is_file():
-        raise ScanError(path, "is no file" if path.exists() else "is not there")
+        raise ScanError(path, why_no_file(path))
+
+
+def why_no_file(path: Path) -> str:
+    """The reason why a path is no file."""
+    if path.is_dir():
+        return "is a folder, not a file"
+    return "is a pipe or a device, not a file" if path.exists() else "is not there"

@@ -109,8 +109,8 @@ def png_bytes() -> bytes:
 BROKEN_FILES = (
     # nothing there
     BrokenTarget("missing.obj", lambda path: None, "is not there"),
-    BrokenTarget("folder.stl", lambda path: path.mkdir(), "is no file"),
-    BrokenTarget("folder.png", lambda path: path.mkdir(), "is no file", PICTURE),
+    BrokenTarget("folder.stl", lambda path: path.mkdir(), "is a folder, not a file"),
+    BrokenTarget("folder.png", lambda path: path.mkdir(), "is a folder, not a file", PICTURE),
     BrokenTarget("missing.npy", lambda path: None, "is not there", FIELD),
     BrokenTarget("thing.step", data("ISO-10303-21;"), "must end in .obj"),
     BrokenTarget("empty.obj", data(""), "holds no points"),

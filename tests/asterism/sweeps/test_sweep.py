@@ -202,6 +202,29 @@ def test_a_sweep_without_a_shape_ends_with_1_and_a_reason(
     assert ended.line == "asterism: no design has a shape; the column problem of sweep.csv has the reasons"
 
 
+def test_a_folder_in_the_way_is_named_before_anything_is_computed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = tmp_path / "seven-sweep" / "sweep.html"
+    page.mkdir(parents=True)
+    ended = command(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"], capsys, monkeypatch)
+    assert ended.status == 2 and ended.line == f"asterism: cannot write {page}: a folder is in the way"
+    assert [file.name for file in page.parent.iterdir()] == ["sweep.html"]
+
+
+def test_numbers_of_options_are_refused_in_plain_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"]
+    for option, problem in {
+        "--jobs=0": "'--jobs': must be at least 1",
+        "--jobs=1001": "'--jobs': must be at most 1000",
+        "--seed=x": "'--seed': must be a whole number",
+    }.items():
+        ended = command([*words, option], capsys, monkeypatch)
+        assert ended.status == 2 and ended.line == f"asterism: Invalid value for {problem}"
+
+
 def test_many_designs_need_consent(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

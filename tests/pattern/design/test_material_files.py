@@ -47,7 +47,7 @@ def test_the_list_has_the_materials_of_the_user_and_of_the_package(home: Path, m
     assert material_files()["soft"] == lab / "soft.toml"
     assert own_material_path("new", "--save") == lab / "new.toml"
     assert material_path("near.toml", "--material", home) == home / "near.toml"
-    with pytest.raises(DesignError, match=r"--material = 'wool': must be a file \(.toml\), or one of paper, soft"):
+    with pytest.raises(DesignError, match=r"--material = 'wool': must be a file \(.toml\) or a name: paper, soft"):
         material_path("wool", "--material")
     for name in ("", "a/b", "../x", "paper"):
         with pytest.raises(DesignError, match="--save"):

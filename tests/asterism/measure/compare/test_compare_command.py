@@ -130,7 +130,7 @@ def test_a_mirrored_scan_is_not_taken_for_the_shape(folder: Path, capsys, monkey
     [
         ("shape.vtu", "none.obj", None, "none.obj: is not there"),
         ("none.vtu", "a.obj", b"v 1 2 3\n", "none.vtu"),
-        ("shape.vtu", ".", None, ": is no file"),
+        ("shape.vtu", ".", None, ": is a folder, not a file"),
         ("shape.vtu", "a.obj", b"v 1e300 0 0\nv 0 1e300 0\nv 0 0 0\nf 1 2 3\n", "not finite numbers, or too far away"),
         ("shape.vtu", "a.obj", b"", "a.obj: holds no points"),
         ("shape.vtu", "a.txt", b"", "a.txt: must end in .obj"),
