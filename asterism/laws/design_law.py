@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 from shlex import quote
+from typing import TYPE_CHECKING
 
 from asterism.laws.replace_material import Note, with_material
-from asterism.previews.universal_choice import UniversalChoice, sizes_of_stars, universal_choice
 from homogenize.campaign.design_plan import plan_for_sizes
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.axes import law_coordinates
@@ -18,6 +18,9 @@ from pattern.design.errors import DesignError
 from pattern.design.files import read_table
 from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
+
+if TYPE_CHECKING:
+    from asterism.previews.universal_choice import UniversalChoice
 
 
 def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
@@ -111,6 +114,9 @@ def _universal_choice(design: Design, law: Path | None, error: LawError) -> Univ
     """The universal law for a design that the paper's law is not for; None if another law was named."""
     if law is not None or not isinstance(error, ForeignLaw):
         return None
+    # most commands do without, and start sooner
+    from asterism.previews.universal_choice import sizes_of_stars, universal_choice
+
     return universal_choice(design, sizes_of_stars(design))
 
 

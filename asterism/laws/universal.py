@@ -18,7 +18,7 @@ from asterism.results.files import OutputError, check_writable, write_file
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from homogenize.universal.groups import GROUPS
 from homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS, SHARES_PERCENT, left_out_errors
-from homogenize.universal.solved_cells import SolveGroups, solve_groups
+from homogenize.universal.solve_cells import SolveGroups, solve_groups
 from homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
 from homogenize.universal.universal_law import UniversalLaw
 from homogenize.universal.universal_law_file import (

@@ -6,8 +6,8 @@ import time
 from dataclasses import replace
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
-from asterism.previews.universal_choice import serving_law
 from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
 from fem.search.sides import Side

@@ -6,7 +6,6 @@ import json
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
-from asterism.previews.default_law import law_of
 from equilibrium.arrays import Floats
 from homogenize.errors import LawError
 from homogenize.law.axes import law_coordinates
@@ -80,26 +79,6 @@ def _kept_table(material: str, nodes: tuple[tuple[float, ...], ...], edge_mm: fl
     assert law is not None
     any_sheet = {"stars": {"length_mm": nodes[0][1]}, "border": {"rings": 0}}
     return material_law(law, Design.from_dict(json.loads(material) | any_sheet), nodes, edge_mm)
-
-
-def serving_law(design: Design, plan: Layout | None = None) -> Law:
-    """The law that a design names, or else the paper's, or else the universal law if that serves for its stars.
-
-    Otherwise it is the paper's law, which refuses the design.
-
-    Parameters
-    ----------
-    plan : layout of the design; computed if it is needed.
-
-    Raises
-    ------
-    LawError
-        The file that the design names is not a law.
-    """
-    law = law_of(design)
-    if design.law_file is not None or law.fits(design):
-        return law
-    return universal_choice(design, sizes_of_stars(design, plan)).law or law
 
 
 def sizes_of_stars(design: Design, plan: Layout | None = None) -> Floats:

@@ -13,7 +13,7 @@ from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import Verification
-from homogenize.cell.cell_mesh import aligned_lines
+from homogenize.cell.aligned_lines import aligned_lines
 from pattern.design.design import Design
 
 # largest ratio of the edge lengths of law and exact model without a warning

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from equilibrium.arrays import Floats
-from homogenize.cell.cell_mesh import aligned_lines
+from homogenize.cell.aligned_lines import aligned_lines
 from homogenize.law.axes import AXES, Axis
 from homogenize.law.law import WITHOUT_BENDING
 from homogenize.law.material import Material

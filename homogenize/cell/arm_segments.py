@@ -13,7 +13,8 @@ import math
 import numpy as np
 
 from homogenize.cell.aligned_cell_mesh import edges_per_spacing
-from homogenize.cell.cell_mesh import aligned_lines, star_size
+from homogenize.cell.aligned_lines import aligned_lines
+from homogenize.cell.cell_mesh import star_size
 from pattern.design.design import Design
 
 # of an edge: an arm that is so near to a whole number of edges has one mesh

@@ -5,18 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.bending.registry import FABRIC_BENDING
-from equilibrium.arrays import Floats, Ints
+from equilibrium.arrays import Floats
 from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
 from homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
 from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
-from homogenize.cell.point_group import arm_directions, keeps_grid_lines, point_group
+from homogenize.cell.point_group import arm_directions, point_group
 from pattern.design.design import Design
 from pattern.design.errors import MeshError
-from pattern.design.lattice import Lattice
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.rods.arms import check_clear
 
-GRADED_OFF_LINES = "cells have graded meshes only if all arms lie on lattice lines and the grid has their symmetry"
 # a star and its neighbours, as numbers of lattice vectors
 _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])
 
@@ -52,20 +50,6 @@ def cell_mesh(
         raise MeshError(f"arms of {length:g} mm are longer than the spacing, {lattice.spacing_mm:g} mm")
     _check_clear(vectors, free, length, star_size(design, "width_mm"))
     return free_cell_mesh(vectors, free, length, edge_mm, repeat, segments, surrounded, point_group(lattice))
-
-
-def aligned_lines(lattice: Lattice) -> Ints | None:
-    """(arms,) the grid line of each arm, an index into `GRID_DIRECTIONS`; None if the aligned mesh does not fit.
-
-    It fits if all arms lie on such lines, and if the grid has the symmetry of star and lattice. The grid of a square
-    lattice has one of its two diagonals only.
-    """
-    if not keeps_grid_lines(lattice):
-        return None
-    along = GRID_DIRECTIONS @ np.asarray(lattice.vectors)
-    along = along / np.linalg.norm(along, axis=1, keepdims=True)
-    match = np.asarray(lattice.arm_directions) @ along.T
-    return match.argmax(axis=1) if (match.max(axis=1) > 1.0 - 1e-9).all() else None
 
 
 def star_size(design: Design, name: str) -> float:

@@ -99,7 +99,7 @@ def law_digest(law: Law) -> str:
     Examples
     --------
     >>> law_digest(load_law())
-    '5868cf8f16aebd79'
+    '1a7ca71c37965386'
     """
     parts = [json.dumps([law.material.to_dict(), list(law.samples), law.residuals], sort_keys=True).encode()]
     parts += [array.tobytes() for table in law.tables for array in _table_arrays(table).values()]

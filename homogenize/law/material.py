@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, model_validator
 
-from homogenize.cell.cell_mesh import GRADED_OFF_LINES, aligned_lines
+from homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
 from homogenize.law.axes import AXES, LENGTH, named_sizes
 from homogenize.law.plan import CampaignPlan, CellTask
 from pattern.design.design import Design

@@ -9,37 +9,13 @@ import numpy as np
 
 from equilibrium.arrays import Floats
 from homogenize.campaign.sample_rows import sample_quantities
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.groups import GROUP_KEYS, REFERENCE_MODULUS_MPA, REFERENCE_SPACING_MM
-from pattern.design.lattice import Lattice
+from homogenize.universal.row_names import ANISOTROPY, ROW_NAMES, quantity_scales
 
-# powers of the spacing and of `E2 h2` that each quantity is divided by
-LENGTH_POWERS = {"kappa": -1, "bending": 2, "c3": 3, "offset_mm": 1}
-FORCE_POWERS = {"bending": 1, "a11": 1, "a12": 1, "c3": 1}
-WAVE_COUNT = len(CorrugationWaves.of(Lattice()))
-# distance of the flat cell's stiffness from isotropy, see `cell.isotropy`
-ANISOTROPY = "anisotropy"
-# smallest eigenvalues on 2 x 2 stars over `E2 h2`, of the flat cell and of its natural tubes
-EIGENVALUES = ("flat_eigenvalue", "rolled_eigenvalue")
-WAVE_NAMES = (*(f"flat_{n}" for n in range(WAVE_COUNT)), *(f"rolled_{n}" for n in range(WAVE_COUNT)))
-ROW_NAMES = (*QUANTITY_NAMES, *WAVE_NAMES, *EIGENVALUES, ANISOTROPY)
 # cells of stars that keep their symmetry are isotropic up to rounding; those whose fabric buckles between stars are not
 MAX_ANISOTROPY = 0.02
 # natural curvature times spacing, above which stars wrap and a law has no use
 MAX_USEFUL_CURL = 3.0
-
-
-def quantity_scales(spacing_mm: float, force: float) -> Floats:
-    """(Q,) units of `law_table.QUANTITY_NAMES`: a quantity is its dimensionless value times its unit.
-
-    Parameters
-    ----------
-    force : N/mm, modulus times thickness of the fabric.
-    """
-    return np.array(
-        [spacing_mm ** LENGTH_POWERS.get(name, 0) * force ** FORCE_POWERS.get(name, 0) for name in QUANTITY_NAMES]
-    )
 
 
 def cell_row(sample: Mapping[str, Any], groups: Floats) -> Floats:

@@ -16,9 +16,9 @@ from homogenize.law.axes import AXES
 from homogenize.law.law import Law
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
 from homogenize.law.material import Material
-from homogenize.universal.cell_rows import WAVE_COUNT, quantity_scales
 from homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
 from homogenize.universal.law_errors import left_out_errors
+from homogenize.universal.row_names import WAVE_COUNT, quantity_scales
 from homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
 from pattern.design.design import Design
 from pattern.design.lattice import Lattice

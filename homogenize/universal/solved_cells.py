@@ -1,30 +1,15 @@
-"""Solved cells of the universal law, and the campaign that solves more of them."""
+"""Solved cells of the universal law."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from equilibrium.arrays import Bools, Floats
-from homogenize.campaign.campaign import CampaignProgress
-from homogenize.campaign.code_version import code_version
-from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
-from homogenize.cell.sample import solve_cell
-from homogenize.cell.tube_directions import THREEFOLD_ANGLES_RAD
-from homogenize.universal.cell_rows import ROW_NAMES, cell_row, row_problem
-from homogenize.universal.groups import GROUPS, REFERENCE_SPACING_MM, reference_cell
-from pattern.design.errors import DesignError, MeshError
-
-# the law holds the mean over these directions, and the difference between them
-_ANGLES = (THREEFOLD_ANGLES_RAD[0], THREEFOLD_ANGLES_RAD[-1])
-SolveGroups = Callable[[list[float]], tuple[dict[str, Any] | None, str | None]]
+from homogenize.universal.groups import GROUPS
+from homogenize.universal.row_names import ROW_NAMES
 
 
 @dataclass(frozen=True)
@@ -71,104 +56,3 @@ class SolvedCells:
             self.problems + more.problems,
             np.concatenate([self.seconds, more.seconds]),
         )
-
-
-def solve_groups(groups: list[float]) -> tuple[dict[str, Any] | None, str | None]:
-    """Solve the reference cell of these groups: its row and its problem as plain data, and why there is no answer."""
-    row = np.array(groups)
-    sample = solve_cell(*reference_cell(row), _ANGLES).to_dict()
-    if sample["failed"]:
-        return None, sample["failed"]
-    answer = cell_row(sample, row)
-    problem = row_problem(answer, min(sample["natural_bump_mm"]) / REFERENCE_SPACING_MM)
-    return {"row": answer.tolist(), "problem": problem}, None
-
-
-def solve_cells(
-    groups: Floats,
-    folder: Path,
-    known: SolvedCells | None = None,
-    jobs: int = 1,
-    dask: str | None = None,
-    report: Callable[[CampaignProgress], None] | None = None,
-    solve: SolveGroups = solve_groups,
-) -> SolvedCells:
-    """The answers of cells with these groups (n, G), in this order; only those that are missing are solved.
-
-    Parameters
-    ----------
-    folder : of finished cells, one file each; an interrupted campaign continues from there.
-    known : cells of a law's file, which are not solved again.
-    jobs, dask, report : as of `homogenize.campaign.campaign.run_campaign`.
-    solve : solves a cell. Other processes must be able to import it.
-
-    Raises
-    ------
-    CampaignError, AddressError
-        As of `run_campaign`.
-    """
-    keys = [tuple(row) for row in groups.tolist()]
-    kept = KeptSamples(folder, code_version())
-    outcomes = _outcomes(known or SolvedCells.none())
-    for key in keys:
-        if key not in outcomes and (outcome := kept.read(_inputs(key, solve))) is not None:
-            outcomes[key] = outcome
-    missing = list(dict.fromkeys(key for key in keys if key not in outcomes))
-    send, start, before = report or (lambda progress: None), time.perf_counter(), len(keys) - len(missing)
-    send(_progress(before, len(keys), keys, outcomes, None))
-    if missing:
-        workers: AbstractContextManager[SubmitAll]
-        workers = local_workers(min(jobs, len(missing))) if dask is None else dask_workers(dask)
-        with workers as submit_all:
-            tasks = [(solve, list(key), code_version()) for key in missing]
-            for count, (number, outcome) in enumerate(submit_all(_solve_kept, tasks), 1):
-                outcomes[missing[number]] = kept.write(_inputs(missing[number], solve), outcome)
-                left = (time.perf_counter() - start) / count * (len(missing) - count)
-                send(_progress(before + count, len(keys), keys, outcomes, left))
-    return _cells(groups, [outcomes[key] for key in keys])
-
-
-def _solve_kept(solve: SolveGroups, groups: list[float], code: str) -> Outcome:
-    """Solve one cell in a worker."""
-
-    def answer() -> tuple[dict[str, Any] | None, str | None]:
-        if code != code_version():
-            raise RuntimeError("the worker has another version of asterism")
-        return solve(groups)
-
-    return attempt(answer, DesignError, MeshError, ArithmeticError, np.linalg.LinAlgError)
-
-
-def _inputs(key: tuple[float, ...], solve: SolveGroups) -> dict[str, Any]:
-    return {"groups": list(key), "respond": f"{solve.__module__}.{solve.__qualname__}"}
-
-
-def _outcomes(cells: SolvedCells) -> dict[tuple[float, ...], Outcome]:
-    """Cells of a law's file as outcomes by their groups."""
-    found = {}
-    for groups, row, problem, seconds in zip(
-        cells.groups.tolist(), cells.rows, cells.problems, cells.seconds.tolist(), strict=True
-    ):
-        has_answer = bool(np.isfinite(row).all())
-        sample = {"row": row.tolist(), "problem": problem or None} if has_answer else None
-        found[tuple(groups)] = Outcome(sample, None if has_answer else problem, False, seconds)
-    return found
-
-
-def _cells(groups: Floats, outcomes: list[Outcome]) -> SolvedCells:
-    rows = np.full((len(groups), len(ROW_NAMES)), np.nan)
-    problems = []
-    for number, outcome in enumerate(outcomes):
-        if outcome.sample is None:
-            problems.append(outcome.failed or "no answer")
-        else:
-            rows[number] = outcome.sample["row"]
-            problems.append(outcome.sample["problem"] or "")
-    return SolvedCells(groups, rows, tuple(problems), np.array([outcome.seconds for outcome in outcomes]))
-
-
-def _progress(
-    done: int, total: int, keys: list[tuple[float, ...]], outcomes: dict[tuple[float, ...], Outcome], left: float | None
-) -> CampaignProgress:
-    failed = sum(outcomes[key].failed is not None for key in keys if key in outcomes)
-    return CampaignProgress(done, total, failed, left, None)

@@ -16,9 +16,10 @@ import numpy as np
 from homogenize.campaign.campaign import CampaignProgress
 from homogenize.campaign.code_version import code_version
 from homogenize.errors import CampaignError
-from homogenize.universal.cell_rows import ROW_NAMES
 from homogenize.universal.refined_cells import refined_groups
-from homogenize.universal.solved_cells import SolvedCells, SolveGroups, solve_cells, solve_groups
+from homogenize.universal.row_names import ROW_NAMES
+from homogenize.universal.solve_cells import SolveGroups, solve_cells, solve_groups
+from homogenize.universal.solved_cells import SolvedCells
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_law import UniversalLaw, universal_law
 

@@ -13,7 +13,6 @@ from scipy.spatial import cKDTree
 from equilibrium.arrays import Bools, Floats, Ints
 from homogenize.errors import CampaignError
 from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.cell_rows import WAVE_NAMES
 from homogenize.universal.groups import (
     GROUP_KEYS,
     GROUPS,
@@ -24,6 +23,7 @@ from homogenize.universal.groups import (
     mismatch,
 )
 from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.row_names import WAVE_NAMES
 from homogenize.universal.solved_cells import SolvedCells
 
 _POISSON = 0.3

@@ -11,9 +11,9 @@ import numpy as np
 from homogenize.errors import LawError
 from homogenize.law.law_file import DAMAGED_FILE_ERRORS
 from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.cell_rows import ROW_NAMES
 from homogenize.universal.groups import GROUP_KEYS, GROUPS
 from homogenize.universal.kriging import Kriging
+from homogenize.universal.row_names import ROW_NAMES
 from homogenize.universal.solved_cells import SolvedCells
 from homogenize.universal.universal_law import UniversalLaw, kernel_factors, kriging_places
 from pattern.design.files import check_regular

@@ -10,8 +10,9 @@ import pytest
 from asterism.previews import universal_choice as module
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
-from asterism.previews.universal_choice import serving_law, universal_choice
-from homogenize.universal.solved_cells import solve_cells
+from asterism.previews.serving_law import serving_law
+from asterism.previews.universal_choice import universal_choice
+from homogenize.universal.solve_cells import solve_cells
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_law import UniversalLaw, universal_law
 from pattern.design.design import Design
@@ -29,7 +30,7 @@ def design(**more: Any) -> Design:
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("homogenize.universal.solved_cells.local_workers", same_process.workers)
+        monkeypatch.setattr("homogenize.universal.solve_cells.local_workers", same_process.workers)
         cells = solve_cells(spread_groups(120), tmp_path_factory.mktemp("cells"), solve=answers.solve)
     return universal_law(cells, 120)
 

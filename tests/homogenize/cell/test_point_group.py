@@ -10,7 +10,8 @@ from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Floats
 from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from homogenize.cell.cell_mesh import aligned_lines, cell_mesh
+from homogenize.cell.aligned_lines import aligned_lines
+from homogenize.cell.cell_mesh import cell_mesh
 from homogenize.cell.flat_cell import relax_flat_cell
 from homogenize.cell.orbits import nearest_image
 from homogenize.cell.periodic_mesh import PeriodicMesh

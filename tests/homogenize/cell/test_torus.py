@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from homogenize.cell.aligned_lines import aligned_lines
 from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.cell_mesh import aligned_lines, cell_mesh
+from homogenize.cell.cell_mesh import cell_mesh
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import triangle_areas
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from homogenize.cell.cell_mesh import aligned_lines, cell_mesh
+from homogenize.cell.aligned_lines import aligned_lines
+from homogenize.cell.cell_mesh import cell_mesh
 from homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
 from homogenize.cell.periodic_delaunay import periodic_delaunay
 from homogenize.cell.periodic_mesh import PeriodicMesh

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.cell_rows import EIGENVALUES, WAVE_NAMES
 from homogenize.universal.groups import GROUP_KEYS
+from homogenize.universal.row_names import EIGENVALUES, WAVE_NAMES
 from homogenize.universal.universal_law import bare_quantities
 
 

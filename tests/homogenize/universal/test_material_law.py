@@ -10,7 +10,6 @@ import pytest
 
 from homogenize.errors import LawError
 from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.cell_rows import quantity_scales
 from homogenize.universal.groups import star_groups
 from homogenize.universal.material_law import (
     STATED_QUANTITIES,
@@ -19,7 +18,8 @@ from homogenize.universal.material_law import (
     table_nodes,
     universal_law_errors,
 )
-from homogenize.universal.solved_cells import solve_cells
+from homogenize.universal.row_names import quantity_scales
+from homogenize.universal.solve_cells import solve_cells
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_law import UniversalLaw, universal_law
 from pattern.design.design import Design
@@ -40,7 +40,7 @@ def design(**more: Any) -> Design:
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("homogenize.universal.solved_cells.local_workers", same_process.workers)
+        monkeypatch.setattr("homogenize.universal.solve_cells.local_workers", same_process.workers)
         cells = solve_cells(spread_groups(80), tmp_path_factory.mktemp("cells"), solve=answers.solve)
     return universal_law(cells, 80)
 
