@@ -138,10 +138,12 @@ class EngineLink:
         answers = isinstance(message, StudioProblem | ShapeSummary | TargetPose) or (
             isinstance(message, Frame) and message.stage != "linear"
         )
-        if answers and self._owes is not None and message.seq >= self._owes:
+        is_last = answers and self._owes is not None and message.seq >= self._owes
+        if is_last:
             self._owes = None
-            self._set("ready")
         self._receive(message)
+        if is_last and self._owes is None:
+            self._set("ready")  # after the answer: pages are never told that an older shape is the last one
 
     def _keep_form(self, seq: int, snapshot: bytes) -> None:
         """The next engine goes on from this form, unless another design was opened since."""

@@ -87,6 +87,24 @@ def test_the_next_engine_is_given_the_form_of_the_last_one(tmp_path: Path, is_op
     run(test, keeps_spare=False)
 
 
+def test_an_engine_is_ready_only_when_its_answer_has_been_passed_on():
+    seen: list[tuple[str, int]] = []
+
+    async def test(links: Links) -> None:
+        changed = links.link._changed
+
+        def note() -> None:
+            seen.append((links.link.status, len(links.frames(1))))
+            changed()
+
+        links.link._changed = note
+        links.link.edit(Edit(1, {"name": "a"}))
+        await links.until(lambda: bool(links.frames(1)) and links.link.status == "ready")
+
+    run(test)
+    assert seen[-1][0] == "ready" and seen[-1][1] > 0
+
+
 def test_a_search_is_named_until_something_else_is_asked_for():
     async def test(links: Links) -> None:
         links.link.edit(Edit(1, {"name": "a"}))
