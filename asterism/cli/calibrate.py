@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import MaterialFile, output_option
+from asterism.cli.common.options import DaskAddress, MaterialFile, Processes, output_option
 from asterism.cli.common.run import Run, command
 
 
@@ -24,12 +24,8 @@ def calibrate(
         output_option("File of the law (default: MATERIAL.npz, DESIGN-law.npz or DESIGN-law-MATERIAL.npz)."),
     ] = None,
     material: MaterialFile = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, max=1000, help="Number of processes (default: one per core).")
-    ] = None,
-    dask: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, instead of processes on this machine.")
-    ] = None,
+    jobs: Processes = None,
+    dask: DaskAddress = None,
 ) -> None:
     """Compute the law of a material from many unit cells, or of the stars of one design from a few.
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import output_option
+from asterism.cli.common.options import DaskAddress, Processes, output_option
 from asterism.cli.common.run import Run, command
 
 app = typer.Typer(
@@ -63,12 +63,8 @@ def universal(
         Path | None, typer.Option("--from", help="Universal law whose cells are used again (default: the package's).")
     ] = None,
     afresh: Annotated[bool, typer.Option("--afresh", help="Solve all cells again.")] = False,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, max=1000, help="Number of processes (default: one per core).")
-    ] = None,
-    dask: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, instead of processes on this machine.")
-    ] = None,
+    jobs: Processes = None,
+    dask: DaskAddress = None,
 ) -> None:
     """Compute the universal law: one law for all fabrics, plastics, stretches and spacings.
 

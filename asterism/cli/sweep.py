@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import DaskAddress, DesignFile, LawFile, MaterialFile, Processes, output_option
 from asterism.cli.common.run import NO_ANSWER, Run, command
 
 
@@ -29,12 +29,8 @@ def sweep(
         typer.Option(help="Designs of a Latin hypercube, instead of all combinations; then FROM:TO is a range."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the Latin hypercube.")] = 0,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, max=1000, help="Number of processes (default: one per core).")
-    ] = None,
-    dask: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, instead of processes on this machine.")
-    ] = None,
+    jobs: Processes = None,
+    dask: DaskAddress = None,
     law: LawFile = None,
     material: MaterialFile = None,
 ) -> int:

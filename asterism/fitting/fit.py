@@ -42,7 +42,7 @@ from pattern.layout.build import layout
 REACHED_PERCENT = 1.0
 # steps on the lengths after thicknesses are rounded
 ROUNDED_STEPS = 4
-# corrections by the exact model: of all sizes by default, and most of the lengths after thicknesses are rounded
+# corrections by the exact model: default for all sizes, and largest number for the lengths after rounding
 MAX_CORRECTIONS, MAX_ROUNDED_CORRECTIONS = 5, 3
 # a warning names the share of stars at the ends of the law's lengths from this one on
 MIN_SHARE_AT_BOUNDS = 0.1
@@ -50,7 +50,7 @@ MIN_SHARE_AT_BOUNDS = 0.1
 MAX_QUIET_DISTANCE_PERCENT = 4.0
 # largest number of needles
 MAX_FITTED_NEEDLES = 1000
-# largest number of corrections
+# largest number of corrections that can be asked for
 MAX_ASKED_CORRECTIONS = 20
 
 

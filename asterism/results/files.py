@@ -184,7 +184,7 @@ def _is_foreign(summary: Path) -> bool:
 
 
 def check_no_dangling_link(path: Path) -> None:
-    """Raise OutputError if a path is a link to nothing: nobody knows where its file would go."""
+    """Raise OutputError if a path is a link whose target does not exist: writing would replace the link."""
     with suppress(OSError):  # of a name that is too long: an error when writing names the reason
         if not path.is_symlink() or path.exists():
             return

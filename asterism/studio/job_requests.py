@@ -116,7 +116,7 @@ class JobRequests:
             self._studio.tell_state()
 
     def _tell(self, job: RunningJob, message: Any) -> None:
-        """Pass on what a job sends; nobody waits for this call, so that a failure is told as well."""
+        """Pass on a message of a job. A failure becomes a message of its own, since no caller handles an exception."""
         studio = self._studio
         try:
             self._pass_on(job, message)

@@ -24,7 +24,7 @@ from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
 from pattern.layout.symmetries import symmetries
 
-# number of starts of `simulate`, unless it is told another one
+# default number of starts of `simulate`
 BOTH_STARTS = 2
 
 

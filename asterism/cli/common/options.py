@@ -32,6 +32,12 @@ MaterialFile = Annotated[
 LawFile = Annotated[
     Path | None, typer.Option(help="File of the law (.npz; default: that of the design, or of the paper's material).")
 ]
+Processes = Annotated[
+    int | None, typer.Option("--jobs", min=1, max=1000, help="Number of processes (default: one per core).")
+]
+DaskAddress = Annotated[
+    str | None, typer.Option("--dask", help="Address of a Dask scheduler, instead of processes on this machine.")
+]
 Contact = Annotated[
     bool | None,
     typer.Option("--contact/--no-contact", help="Prevent the sheet from passing through itself (requires ipctk)."),
