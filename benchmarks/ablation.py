@@ -1,20 +1,25 @@
 """What each part of the preview model gains: previews with all parts, and with one part turned off.
 
-python -m benchmarks.ablation [DESIGN ...] [--part PART ...] [--keep FOLDER] [--edge MM] [--write]
+python -m benchmarks.ablation [DESIGN ...] [--frozen] [--part PART ...] [--keep FOLDER] [--edge MM] [--write]
 
-DESIGN is a name of the gallery, random-NN, or a sheet on few supports (`benchmarks.accuracy.held_designs`), to which
-nothing was fitted; by default the gallery and the 24 random designs of the study. With --part only these parts are
-turned off, each alone. Each preview is compared with the lower of two exact shapes: that of the released sheet, and
-that found from the preview with all parts. FOLDER keeps the exact shapes; without it they are computed again. Distances
-are rms as held, in % of the diameter (`asterism.shape.comparison`). A gain is the distance without the part less the
-distance with it; a part changes the form of a design if it has the exact shape's form with all parts and not without
-it, or the other way round. Parts and the values that turn them off: `asterism.previews.model_parts`. --write puts the
-table into benchmarks/results.
+DESIGN is a name of the gallery, random-NN, a sheet on few supports (`benchmarks.accuracy.held_designs`), to which
+nothing was fitted, or a frozen design of the working half (`benchmarks.frozen`); by default the gallery and the 24
+random designs of the study. --frozen takes the whole working half: those that FOLDER has both exact shapes of, which
+`benchmarks.frozen.solve` computes. With --part only these parts are turned off, each alone. Each preview is compared
+with the lower of two exact shapes: that of the released sheet, and that found from the preview with all parts. FOLDER
+keeps the exact shapes; without it they are computed again. Distances are rms as held, in % of the diameter
+(`asterism.shape.comparison`). A gain is the distance without the part less the distance with it; a part changes the
+form of a design if it has the exact shape's form with all parts and not without it, or the other way round. The mean
+gain stands beside its standard error over the designs: a part whose mean gain is within two of these has no effect
+that these designs show. FOLDER keeps the distances too, as long as the code of the preview stays the same. Parts and
+the values that turn them off: `asterism.previews.model_parts`. --write puts the table into benchmarks/results.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -26,14 +31,20 @@ import numpy as np
 from asterism.previews.model import PreviewModel
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.run import preview
+from asterism.previews.serving_law import serving_law
+from asterism.results.files import write_file
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import same_branch
+from benchmarks.accuracy.__main__ import preview_code
 from benchmarks.accuracy.designs import EDGE_MM, RANDOM, drawn, meshed
 from benchmarks.accuracy.exact import exact, lowest
 from benchmarks.accuracy.held_designs import OTHERS, canopies, other_held
+from benchmarks.frozen.draw import WORKING, frozen
+from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
+from homogenize.law.law import Law
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -42,10 +53,12 @@ from pattern.layout.symmetries import symmetries
 
 RANDOM_PREFIX = "random-"
 HELD_PREFIXES = ("canopy-", "held-")
+FROZEN_PREFIX = "frozen-"
+ROWS = "ablation"  # name of the report, and of the file of each design in the folder
 MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance are no change
 HEADER = [
     "part turned off", "designs that it changes", "median rms %, with", "without", "mean rms %, with", "without",
-    "median gain %", "largest gain %", "largest loss %", "form changes",
+    "mean gain %", "its standard error %", "largest gain %", "largest loss %", "form changes",
     "median error of the height %, with", "without",
 ]  # fmt: skip
 
@@ -54,6 +67,7 @@ def main(words: Sequence[str]) -> int:
     """Print a line for each design, then the table; exit status 1 if no design could be compared."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("designs", nargs="*", metavar="DESIGN")
+    parser.add_argument("--frozen", action="store_true")
     parser.add_argument("--part", action="append", choices=PARTS, metavar="PART")
     parser.add_argument("--keep", type=Path, default=None, metavar="FOLDER")
     parser.add_argument("--edge", type=float, default=EDGE_MM, metavar="MM")
@@ -61,11 +75,15 @@ def main(words: Sequence[str]) -> int:
     options = parser.parse_args(words)
     parts = options.part or list(PARTS)
     names = options.designs or [*gallery.names(), *(f"{RANDOM_PREFIX}{seed:02d}" for seed in range(RANDOM))]
+    if options.frozen:
+        if options.keep is None:
+            parser.error("--frozen: needs --keep FOLDER, the folder of python -m benchmarks.frozen.solve")
+        names = [design.name for _, design in frozen(WORKING) if is_solved(design, options.keep)]
     with tempfile.TemporaryDirectory() as folder:
         rows = []
         for name in names:
             try:
-                rows.append(ablated(named(name, options.edge), options.keep or Path(folder), parts))
+                rows.append(_kept_row(named(name, options.edge), options.keep or Path(folder), parts))
             except LawError as error:
                 print(f"{name}: no preview: {error}", flush=True)
                 continue
@@ -75,7 +93,7 @@ def main(words: Sequence[str]) -> int:
     text = f"{len(rows)} designs: {', '.join(row['design'] for row in rows)}.\n\n{table(rows)}"
     print(text)
     if options.write:
-        write_report("ablation", rows, text)
+        write_report(f"{ROWS}.frozen" if options.frozen else ROWS, rows, text)
     return 0
 
 
@@ -85,26 +103,42 @@ def named(name: str, edge_mm: float = EDGE_MM) -> Design:
         return drawn(int(name.removeprefix(RANDOM_PREFIX)), edge_mm)
     if name.startswith(HELD_PREFIXES):
         return next(each for each in [*canopies(edge_mm), *other_held(OTHERS, edge_mm)] if each.name == name)
+    if name.startswith(FROZEN_PREFIX):
+        return next(design for _, design in frozen(WORKING) if design.name == name)
     return meshed(gallery.load(name), edge_mm)
 
 
 def ablated(design: Design, folder: Path, parts: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
     """Distance and form of a design's previews: with all parts, and by the part that is turned off."""
     plan = layout(design)
-    shown = preview(design, plan=plan)
+    is_frozen = design.name.startswith(FROZEN_PREFIX)
+    law = frozen_law(design, folder) if is_frozen else serving_law(design, plan)
+    shown = preview(design, law, plan=plan)
     exact(design, folder, near=lambda: shown)
     reference = lowest(design, folder)
     return {
         "design": design.name,
         "all": _distance(reference, shown, design, plan),
-        "without": {part: _ablated_distance(reference, design, plan, without(part)) for part in parts},
+        "without": {part: _ablated_distance(reference, design, plan, law, without(part)) for part in parts},
     }
 
 
-def _ablated_distance(reference: Shape, design: Design, plan: Layout, model: PreviewModel) -> dict[str, Any]:
+def _kept_row(design: Design, folder: Path, parts: Sequence[str]) -> dict[str, Any]:
+    """The row of a design, with the numbers of this code that the folder has."""
+    path = folder / design.name / f"{ROWS}.json"
+    made_by = hashlib.sha256(b"".join(preview_code())).hexdigest()[:16]
+    kept: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    if kept.get("made_by") == made_by and set(parts) <= set(kept["without"]):
+        return kept | {"without": {part: kept["without"][part] for part in parts}}
+    row = ablated(design, folder, parts)
+    write_file(path, json.dumps(row | {"made_by": made_by}, indent=1) + "\n")
+    return row
+
+
+def _ablated_distance(reference: Shape, design: Design, plan: Layout, law: Law, model: PreviewModel) -> dict[str, Any]:
     """Of the preview with a model; without numbers if its rest metric is not positive definite."""
     try:
-        return _distance(reference, preview(design, model=model, plan=plan), design, plan)
+        return _distance(reference, preview(design, law, model=model, plan=plan), design, plan)
     except LawError:
         return {"rms_percent": None, "same_form": False, "height_percent": None}
 
@@ -143,14 +177,16 @@ def _part_line(rows: Sequence[dict[str, Any]], part: str) -> list[str]:
     forms = sum(row["without"][part]["same_form"] != row["all"]["same_form"] for row in rows)
     changed = int((np.abs(gains) > MIN_CHANGE_PERCENT).sum())
     numbers = np.median(on), np.median(on + gains), on.mean(), (on + gains).mean()
-    changes = np.median(gains), gains.max(), gains.min()
+    error = gains.std(ddof=1) / np.sqrt(len(gains)) if len(gains) > 1 else np.nan
+    changes = gains.max(), gains.min()
     known = _known(rows, part)
     heights = [
         float(np.median([one["height_percent"] for one in each] or [np.nan]))
         for each in ([row["all"] for row in known], [row["without"][part] for row in known])
     ]
     return [
-        part, str(changed), *(f"{x:.2f}" for x in numbers), *(f"{x + 0.0:+.2f}" for x in changes), str(forms),
+        part, str(changed), *(f"{x:.2f}" for x in numbers), f"{gains.mean() + 0.0:+.3f}", f"{error:.3f}",
+        *(f"{x + 0.0:+.2f}" for x in changes), str(forms),
         *(f"{x:.1f}" for x in heights),
     ]  # fmt: skip
 

@@ -67,7 +67,7 @@ def main() -> None:
 
 def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> dict[str, Any]:
     """The row of a design, from the folder if nothing that makes the preview has changed since."""
-    made_by = hashlib.sha256(b"".join([law_digest(law).encode(), *_code()])).hexdigest()[:16]
+    made_by = hashlib.sha256(b"".join([law_digest(law).encode(), *preview_code()])).hexdigest()[:16]
     path = row_path(folder, design, starts)
     row = read_row(path, design)
     if row is not None and row["made_by"] == made_by:
@@ -84,7 +84,7 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     return row
 
 
-def _code() -> list[bytes]:
+def preview_code() -> list[bytes]:
     """What a preview is computed and compared by."""
     folders = (ROOT / "fem", ROOT / "asterism" / "previews", ROOT / "asterism" / "shape")
     return [file.read_bytes() for folder in folders for file in sorted(folder.rglob("*.py"))]

@@ -78,8 +78,8 @@ def _draw(rng: np.random.Generator) -> dict[str, Any]:
     stretch = 1.35 if rng.random() < 0.7 else 1.75
     border, size = _border(rng)
     sizes = {
-        "length_mm": _field(rng, 4.0, 11.0, size),
-        "thickness_mm": _field(rng, 0.25, 0.55, size),
+        "length_mm": size_field(rng, 4.0, 11.0, size),
+        "thickness_mm": size_field(rng, 0.25, 0.55, size),
         "width_mm": round(float(rng.uniform(0.9, 1.5)), 2),
     }
     return {"fabric": {"stretch": stretch}, "stars": sizes, "border": border, "pins": _pins(rng, stretch)}
@@ -101,7 +101,7 @@ def _border(rng: np.random.Generator) -> tuple[dict[str, Any], float]:
     return {"polygon_mm": polygon.tolist()}, float(radius.max())
 
 
-def _field(rng: np.random.Generator, low: float, high: float, size: float) -> Any:
+def size_field(rng: np.random.Generator, low: float, high: float, size: float) -> Any:
     """A number, or from one value to another: from the middle outwards, or along a direction."""
     one, other = (round(float(value), 3) for value in rng.uniform(low, high, 2))
     kind = rng.random()

@@ -51,7 +51,7 @@ def _drawn(seed: int, edge_mm: float) -> Design:
             "border": {"polygon_mm": np.round(outline, 1).tolist()},
             "mesh": {"edge_mm": edge_mm},
         }
-        data |= _supports(rng, outline, (seed // len(OUTLINES) + seed) % 5)
+        data |= drawn_supports(rng, outline, (seed // len(OUTLINES) + seed) % 5)
         try:
             design = Design.from_dict(data)
             if STARS_OF_OTHERS[0] <= len(layout(design).centres) <= STARS_OF_OTHERS[1]:
@@ -103,7 +103,7 @@ def _field(rng: np.random.Generator, low: float, high: float) -> Any:
     return {"profile": "radial", "from": one, "to": other, "over_mm": 70.0}
 
 
-def _supports(rng: np.random.Generator, outline: np.ndarray, kind: int) -> dict[str, Any]:
+def drawn_supports(rng: np.random.Generator, outline: np.ndarray, kind: int) -> dict[str, Any]:
     """Three needles, four to six, lifted ones, two edges moved together, or one edge under weight."""
     scale, corners = round(float(rng.uniform(0.65, 0.9)), 2), len(outline)
     needles = 3 if kind == 0 else min(int(rng.integers(4, 7)), corners)

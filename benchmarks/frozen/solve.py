@@ -1,0 +1,86 @@
+"""The exact shapes of the frozen designs, from the released sheet and from the preview.
+
+python -m benchmarks.frozen.solve FOLDER [--half sealed] [NAME ...]
+
+FOLDER keeps shapes, as in the study (`benchmarks.accuracy.exact`), and laws of stars with four to six arms; finished
+ones are not computed again. The preview is a start of the exact model and is compared with nothing: that would open
+the sealed half.
+"""
+
+from __future__ import annotations
+
+import argparse
+from functools import cache
+from pathlib import Path
+
+from asterism.laws.calibrate import calibrate
+from asterism.laws.design_law import material_for_design
+from asterism.previews.run import preview
+from asterism.shape.shape import Shape
+from benchmarks.accuracy.exact import exact, known
+from benchmarks.frozen.draw import HALVES, WORKING, frozen
+from homogenize.errors import ForeignLaw
+from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
+from pattern.design.design import Design
+
+JOBS = 1  # processes that make a law
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.solve")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--half", choices=HALVES, default=WORKING)
+    parser.add_argument("names", nargs="*")
+    options = parser.parse_args()
+    for _, design in frozen(options.half):
+        if not options.names or design.name in options.names:
+            shapes = solved(design, options.folder)
+            seconds = sum(shape.summary["wall_s"] for shape in shapes.values())
+            minima = " ".join("minimum" if shape.summary["is_minimum"] else "NO MINIMUM" for shape in shapes.values())
+            print(f"{design.name}  {seconds:.1f} s  {minima}", flush=True)
+
+
+def solved(design: Design, folder: Path) -> dict[str, Shape]:
+    """The exact shapes by their start, that which counts first (`benchmarks.accuracy.exact.known`)."""
+    exact(design, folder)
+    exact(design, folder, near=lambda: preview(design, frozen_law(design, folder)))
+    return known(design, folder)
+
+
+def is_solved(design: Design, folder: Path) -> bool:
+    """Whether the folder has both exact shapes."""
+    return all((folder / design.name / start / "summary.json").exists() for start in ("released", "near"))
+
+
+def frozen_law(design: Design, folder: Path) -> Law:
+    """The paper's law, or one of the design's own stars, which the folder keeps.
+
+    Raises
+    ------
+    CampaignError
+        The design's stars have no law.
+    """
+    law = _paper_law()
+    try:
+        law.check(design)
+    except ForeignLaw:
+        return _own_law(design, folder)
+    return law
+
+
+@cache
+def _paper_law() -> Law:
+    return load_law()
+
+
+def _own_law(design: Design, folder: Path) -> Law:
+    file = folder / "laws" / f"{design.name}.npz"
+    if file.exists():
+        return load_law(file)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    return calibrate(material_for_design(design), file, JOBS)
+
+
+if __name__ == "__main__":
+    main()
