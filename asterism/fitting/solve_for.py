@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from asterism.fitting.errors import ReachError
 from asterism.fitting.star_menu import MIN_FITTED_ARM_MM
-from asterism.previews.default_law import law_of
 from asterism.previews.run import preview
+from asterism.previews.serving_law import serving_law
 from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
 from homogenize.law.axes import AXES
@@ -80,7 +80,7 @@ def solve_for(
             raise ValueError(f"{name} = {given!r}: must be {' or '.join(allowed)}")
     if not (isinstance(value, int | float) and np.isfinite(value) and value > 0.0):
         raise ValueError(f"value = {value!r}: must be a number of mm above 0")
-    search = _Search(design, wanted, float(value), change, law or law_of(design), say)
+    search = _Search(design, wanted, float(value), change, law or serving_law(design), say)
     return search.design(search.solve())
 
 

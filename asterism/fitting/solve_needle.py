@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from asterism.fitting.errors import ReachError, place_text
-from asterism.previews.default_law import law_of
 from asterism.previews.run import preview
+from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
@@ -78,7 +78,7 @@ def solve_for_point(
     if not (is_whole(needle) and 0 <= needle < len(places)):
         raise ValueError(f"needle = {needle!r}: must be a whole number from 0 to {len(places) - 1}")
     table, row, start = places[needle]
-    law, tell = law or law_of(design), say or ignore_line
+    law, tell = law or serving_law(design), say or ignore_line
     session = Preview(design, law)
     if not inside(at[None], session.sheet.layout.outline)[0]:
         raise ValueError(f"at_mm = {at.tolist()}: must be on the sheet")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
 
 from asterism.laws.replace_material import Note, with_material
+from asterism.previews.serving_law import serving_law
 from homogenize.campaign.design_plan import plan_for_sizes
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.axes import law_coordinates
@@ -18,9 +18,6 @@ from pattern.design.errors import DesignError
 from pattern.design.files import read_table
 from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
-
-if TYPE_CHECKING:
-    from asterism.previews.universal_choice import UniversalChoice
 
 
 def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
@@ -91,33 +88,20 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
         The file is not a law, or the law does not fit; the message names the command that makes one.
     """
     law = chosen_law_path(design, law)
-    own_law = load_law(law)
+    own_law = None if law is None else load_law(law)
     try:
+        own_law = own_law or serving_law(design)
         own_law.check(design)
     except LawError as error:
-        choice = _universal_choice(design, law, error)
-        if choice is not None and choice.law is not None:
-            return choice.law
         material = f" --material {quote(str(other))}" if other else ""
         refused = f"{file}{material}: {error}"
         if isinstance(error, ForeignLaw):
             refused += f" ({law})" if law else ""
             refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
-            refused += f"; {choice.statement}" if choice is not None else ""
             refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
             refused += f", for --law {quote(str(design_law_path(file, other)))}"
         raise LawError(refused, error.stars, error.place_mm, error.field) from None
     return own_law
-
-
-def _universal_choice(design: Design, law: Path | None, error: LawError) -> UniversalChoice | None:
-    """The universal law for a design that the paper's law is not for; None if another law was named."""
-    if law is not None or not isinstance(error, ForeignLaw):
-        return None
-    # most commands do without, and start sooner
-    from asterism.previews.universal_choice import sizes_of_stars, universal_choice
-
-    return universal_choice(design, sizes_of_stars(design))
 
 
 def chosen_law_path(design: Design, law: Path | None) -> Path | None:

@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
@@ -50,6 +49,5 @@ def preview(
     """
     begin = time.perf_counter()
     plan = plan if plan is not None else layout(design)
-    law = law if law is not None else serving_law(design, plan)
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
     return replace(shape, summary=shape.summary | {"wall_s": time.perf_counter() - begin})

@@ -8,10 +8,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from asterism.previews.default_law import law_of
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.readings import PreviewReadings
+from asterism.previews.serving_law import serving_law
 from asterism.previews.sheet import Sheet, sheet_of
 from asterism.previews.snapshot import Snapshot
 from asterism.previews.solve import (
@@ -61,7 +61,8 @@ class Preview(PreviewReadings):
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
-    law : law of the design's material; by default the one that the design names, or else that of the paper's material.
+    law : law of the design's material, also after edits; by default the one that the design names, or else that of
+        the paper's material, or else the universal law where it serves, chosen again in each edit.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     triangles : approximate number of triangles of the shell's mesh, at most 10000; by default it follows from the
         stars.
@@ -115,16 +116,24 @@ class Preview(PreviewReadings):
             )
         if law is not None:
             check_type(law, Law, "load_law reads one from a file")
+        self._given_law = law
         self._say = say or ignore_line
         self._triangles = triangles
         self._watch = Watch(check, max_seconds)
         self._edits = 0
         self._clock = Clock()
         plan = plan if plan is not None else self._clock("layout", layout, design)
-        law = law if law is not None else self._clock("law", law_of, design)
+        law = self._law_for(design, plan)
         check_weight_is_supported(design, plan)
         values: StarValues = self._clock("law", star_values, design, plan, law, model)
         self.state = self._new_state(design, plan, values, law, side, model)
+
+    def _law_for(self, design: Design, plan: Layout) -> Law:
+        """The given law, or the one that serves for a design."""
+        if self._given_law is not None:
+            return self._given_law
+        law: Law = self._clock("law", serving_law, design, plan)
+        return law
 
     def _new_state(
         self, design: Design, plan: Layout, values: StarValues, law: Law, side: Side, model: PreviewModel
@@ -137,15 +146,15 @@ class Preview(PreviewReadings):
         self._say(f"{stars} star{'s' if stars > 1 else ''} on {count} triangles{patience}")
         return state_from_guesses(sheet, law, values, side, self._clock, self._watch)
 
-    def _printed_state(self, design: Design, plan: Layout, values: StarValues) -> PreviewState:
+    def _printed_state(self, design: Design, plan: Layout, values: StarValues, law: Law) -> PreviewState:
         """The state of a design on a new sheet, before a search."""
         state = self.state
         sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, state.model)
-        return self._clock("shell", state_without_search, sheet, state.law, values, state.side, state.watch)
+        return self._clock("shell", state_without_search, sheet, law, values, state.side, state.watch)
 
-    def _kept_form(self, design: Design, plan: Layout, values: StarValues) -> PreviewState | None:
+    def _kept_form(self, design: Design, plan: Layout, values: StarValues, law: Law) -> PreviewState | None:
         """The state of a design on a new sheet, started from the old shape; None if that is impossible."""
-        new = self._printed_state(design, plan, values)
+        new = self._printed_state(design, plan, values, law)
         x = self._clock("shell", carried, self.state, new)
         return None if x is None else at_form(new, x, self._clock)
 
@@ -202,13 +211,14 @@ class Preview(PreviewReadings):
             plan = self._clock("layout", layout, design)
             check_weight_is_supported(design, plan)
             state, response = self.state, None
-            values = self._clock("law", star_values, design, plan, state.law, state.model)
+            law = self._law_for(design, plan)
+            values = self._clock("law", star_values, design, plan, law, state.model)
             if state.sheet.is_same_print(design, plan):
-                state = self._clock("fields", with_stars, state, design, plan, values)
+                state = self._clock("fields", with_stars, replace(state, law=law), design, plan, values)
                 state, response = respond(state, self._clock)
             else:
-                kept = self._kept_form(design, plan, values) if keep_form else None
-                state = kept or self._new_state(design, plan, values, state.law, state.side, state.model)
+                kept = self._kept_form(design, plan, values, law) if keep_form else None
+                state = kept or self._new_state(design, plan, values, law, state.side, state.model)
             self.state = state
             self._edits += 1
             number = self._edits
@@ -300,11 +310,12 @@ class Preview(PreviewReadings):
         plan = self._clock("layout", layout, design)
         check_weight_is_supported(design, plan)
         state = self.state
-        values = self._clock("law", star_values, design, plan, state.law, state.model)
+        law = self._law_for(design, plan)
+        values = self._clock("law", star_values, design, plan, law, state.model)
         if state.sheet.is_same_print(design, plan):
-            state = self._clock("fields", with_stars, state, design, plan, values)
+            state = self._clock("fields", with_stars, replace(state, law=law), design, plan, values)
         else:
-            state = self._printed_state(design, plan, values)
+            state = self._printed_state(design, plan, values, law)
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:

@@ -14,6 +14,7 @@ from homogenize.universal.material_law import law_edge, material_law, table_node
 from homogenize.universal.universal_law import UniversalLaw
 from homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW, load_universal_law
 from pattern.design.design import Design
+from pattern.design.stars import MIN_ARM_MM
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
@@ -62,8 +63,7 @@ def universal_choice(design: Design, sizes: Floats) -> UniversalChoice:
         f"the universal law stands in for a law of this material: it is off by {numbers} (rms over the left-out cells "
         "nearest to these stars); asterism calibrate makes a law of the design's own stars"
     )
-    nodes = table_nodes(sizes, design.lattice.spacing_mm)
-    return UniversalChoice(replace(_kept_table(_material_of(design), nodes, edge), statement=statement), statement)
+    return UniversalChoice(replace(_kept_table(_material_of(design), edge), statement=statement), statement)
 
 
 def _material_of(design: Design) -> str:
@@ -73,12 +73,13 @@ def _material_of(design: Design) -> str:
 
 
 @lru_cache(maxsize=_KEPT_LAWS)
-def _kept_table(material: str, nodes: tuple[tuple[float, ...], ...], edge_mm: float) -> Law:
+def _kept_table(material: str, edge_mm: float) -> Law:
     """The law of a material, made once: an edit of a design asks for it again."""
     law = packaged_universal_law()
     assert law is not None
-    any_sheet = {"stars": {"length_mm": nodes[0][1]}, "border": {"rings": 0}}
-    return material_law(law, Design.from_dict(json.loads(material) | any_sheet), nodes, edge_mm)
+    any_sheet = {"stars": {"length_mm": MIN_ARM_MM}, "border": {"rings": 0}}
+    design = Design.from_dict(json.loads(material) | any_sheet)
+    return material_law(law, design, table_nodes(design.lattice.spacing_mm), edge_mm)
 
 
 def sizes_of_stars(design: Design, plan: Layout | None = None) -> Floats:

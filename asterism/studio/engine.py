@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from asterism.previews.default_law import law_of
+from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
@@ -270,12 +271,14 @@ class Engine:
 
     def _send_limits(self, design: Design) -> None:
         """Tell what the law covers, where that has changed."""
-        law, key = law_of(design), (design.fabric, design.lattice, design.plastic, design.material)
+        key = (design.fabric, design.lattice, design.plastic, design.material)
         if key == self._limits:
             return
-        self._limits = key
+        ranges, statement = {}, None
         try:
-            ranges = law.size_ranges(design.fabric.stretch_xy[0])
-        except ForeignLaw:
-            ranges = {}
-        self._send(Limits(self._bounds.seq, ranges, law.stretches))
+            law = serving_law(design)
+            ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement
+        except (ForeignLaw, BlankSheetError):
+            pass  # the preview says so
+        self._limits = key
+        self._send(Limits(self._bounds.seq, ranges, law_of(design).stretches, statement))

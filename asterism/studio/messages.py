@@ -111,11 +111,19 @@ class Ready:
 
 @dataclass(frozen=True)
 class Limits:
-    """Ranges of sizes (mm) that the law covers at the fabric's stretch, and stretches that a law exists for."""
+    """What the law covers.
+
+    Attributes
+    ----------
+    law : ranges of sizes (mm) at the fabric's stretch; empty if no law serves.
+    stretches : those that the law of the design's material is calibrated for.
+    statement : how accurate the universal law is, where it stands in; else None.
+    """
 
     seq: int
     law: dict[str, tuple[float, float]]
     stretches: tuple[float, ...]
+    statement: str | None = None
 
 
 @dataclass(frozen=True)

@@ -164,16 +164,6 @@ class Law:
             raise ForeignLaw(problem, field="fabric.bending_stiffness_n_mm")
         return self.at(sx)
 
-    def fits(self, design: Design) -> bool:
-        """Whether no other law could fit the design better: see `check`, which refuses some fabrics for every law."""
-        try:
-            self.check(design)
-        except ForeignLaw:
-            return False
-        except LawError:  # no law fits such a fabric; `check` says so
-            return True
-        return True
-
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
         """(N, 2, W) `LawTable.corrugation` for the stars of a design, which may be turned by half a turn."""
         parts = self.check(design).corrugation(*sizes)

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import binary_dilation, distance_transform_edt
 
-from equilibrium.arrays import Floats
+from equilibrium.arrays import Bools, Floats
 from homogenize.errors import LawError
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
@@ -28,9 +29,8 @@ from pattern.design.stars import MIN_ARM_MM
 COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending": "paper", "plastic.poisson": 0.3}
 # equal steps of the lengths after the bare fabric
 LENGTH_NODES = 16
-# ratio of adjacent thicknesses and widths, and nodes beyond the sizes of a design on either side, for edits
+# largest ratio of adjacent thicknesses and widths
 NODE_RATIO = 1.2
-MARGIN_NODES = 2
 # cells whose left-out errors give the error at a star
 NEAREST_CELLS = 12
 STATED_QUANTITIES = ("lam_n", "kappa", "bending")
@@ -111,14 +111,14 @@ def material_law(
     spacing = design.lattice.spacing_mm
     grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(AXES))
     groups = star_groups(design.fabric, design.plastic, spacing, edge_mm, grid)
-    rows = law(groups)
     shape = tuple(len(each) for each in nodes)
+    solved = law.covers(groups).reshape(shape)
+    rows = _rows_near(law, groups, solved)
     scales = quantity_scales(spacing, design.fabric.modulus_mpa * design.fabric.thickness_mm)
     values = (rows[:, : len(QUANTITY_NAMES)] * scales).reshape(*shape, -1)
     waves = rows[:, len(QUANTITY_NAMES) :].reshape(*shape, 2, WAVE_COUNT) * np.array([[spacing], [spacing**2]])
     fabric = bare_quantities(groups[:1])[0] * scales
     values[0], waves[0] = fabric, 0.0
-    solved = law.covers(groups).reshape(shape)
     solved[0] = True
     stretch = design.fabric.stretch_xy[0]
     units = quantity_units(fabric, spacing)
@@ -127,17 +127,32 @@ def material_law(
     return Law(_material(design, nodes, edge_mm), (table,), (), {}, dict(law.made), statement)
 
 
-def table_nodes(sizes: Floats, spacing: float) -> tuple[tuple[float, ...], ...]:
-    """Nodes of the table for stars of these sizes (S, A), mm. Similar sizes have equal nodes."""
-    shortest, longest = (end * spacing for end in GROUPS[0].limits)
-    nodes = [(0.0, *np.linspace(max(shortest, MIN_ARM_MM), longest, LENGTH_NODES).tolist())]
-    for axis, column in zip(AXES[1:], sizes.T[1:], strict=True):
-        low, high = (np.log(end) / np.log(NODE_RATIO) for end in (column.min(), column.max()))
-        powers = np.arange(np.floor(low + 1e-9) - MARGIN_NODES, np.ceil(high - 1e-9) + MARGIN_NODES + 1)
-        values = NODE_RATIO**powers
-        least, most = axis.limits
-        nodes.append(tuple(values[(values >= least) & (values <= most)].tolist()))
-    return tuple(nodes)
+def _rows_near(law: UniversalLaw, groups: Floats, covered: Bools) -> Floats:
+    """(N, Q + 2 W) the law at the covered nodes and their neighbours, on which slopes depend.
+
+    Other nodes are never shown, and have the values of the nearest of these: most nodes are of that kind.
+    """
+    near = binary_dilation(covered, np.ones((3,) * covered.ndim)) if covered.any() else np.ones_like(covered)
+    nearest = distance_transform_edt(~near, return_distances=False, return_indices=True)
+    number = np.cumsum(near.ravel()) - 1
+    rows: Floats = law(groups[near.ravel()])
+    return rows[number[np.ravel_multi_index(nearest, covered.shape).ravel()]]
+
+
+def table_nodes(spacing: float) -> tuple[tuple[float, ...], ...]:
+    """Nodes of the table of a lattice, mm. They reach over all sizes that the groups may have."""
+    (least, most), (thinnest, thickest), (narrowest, widest) = (
+        GROUPS[GROUP_KEYS.index(key)].limits for key in ("arm", "thickness", "aspect")
+    )
+    lengths = (0.0, *np.linspace(max(least * spacing, MIN_ARM_MM), most * spacing, LENGTH_NODES).tolist())
+    thin, thick = thinnest * spacing, thickest * spacing
+    return lengths, _even_ratios(thin, thick), _even_ratios(narrowest * thin, widest * thick)
+
+
+def _even_ratios(low: float, high: float) -> tuple[float, ...]:
+    """From low to high in equal ratios of at most `NODE_RATIO`."""
+    count = int(np.ceil(np.log(high / low) / np.log(NODE_RATIO))) + 1
+    return tuple(np.geomspace(low, high, count).tolist())
 
 
 def law_edge(design: Design) -> float:

@@ -146,7 +146,8 @@ function readLimits(limits) {
     if (limits[key]) law[key] = limits[key];
     if (limits[`design_${key}`]) design[key] = limits[`design_${key}`];
   }
-  return { design, law, stretches: limits.stretches ?? [], rounding: limits.rounding ?? null };
+  const { stretches = [], statement = null, rounding = null } = limits;
+  return { design, law, stretches, statement, rounding };
 }
 
 function armDirections(lattice) {

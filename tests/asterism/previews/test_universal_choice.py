@@ -11,7 +11,9 @@ from asterism.previews import universal_choice as module
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
+from asterism.previews.session import Preview
 from asterism.previews.universal_choice import universal_choice
+from homogenize.errors import ForeignLaw
 from homogenize.universal.solve_cells import solve_cells
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_law import UniversalLaw, universal_law
@@ -53,10 +55,26 @@ def test_the_paper_s_material_keeps_its_own_law() -> None:
     assert serving_law(design(fabric={"bending": "none"})) is paper_law()
 
 
+def test_edits_of_a_session_go_from_law_to_law() -> None:
+    session = Preview(design(fabric={}))
+    for sheet in (design(), design(fabric={}), design(stars={"length_mm": 6.5})):
+        other = session.update(sheet)
+        fresh = preview(sheet)
+        assert other.summary["law"] == fresh.summary["law"]
+        assert other.summary["energy_n_mm"] == pytest.approx(fresh.summary["energy_n_mm"], rel=1e-6)
+    shown = session.design
+    with pytest.raises(ForeignLaw):
+        session.update(design(fabric={"stretch": 1.5, "thickness_mm": 0.4}))
+    assert session.design == shown
+
+
 def test_a_law_that_does_not_serve_gives_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     thin = design(fabric={"stretch": 1.5, "thickness_mm": 0.4})
     choice = universal_choice(thin, SIZES)
-    assert choice.law is None and serving_law(thin) is paper_law()
+    assert choice.law is None
+    with pytest.raises(ForeignLaw, match=r"of 0\.8; the universal law does not serve for 7 of 7 stars") as refused:
+        serving_law(thin)
+    assert refused.value.field == "fabric.thickness_mm"
     assert "for 1 of 1 stars: fabric thickness over spacing is 0.0231" in choice.statement
     assert choice.statement.endswith("asterism simulate needs no law")
     monkeypatch.setattr(module, "MAX_SERVING_ERRORS_PERCENT", {"kappa": 1e-9})

@@ -104,11 +104,26 @@ def test_a_drag_ends_with_the_shape_of_its_last_edit(engine: EnginePipe) -> None
     assert height == pytest.approx(asterism.preview(asterism.Design.from_dict(last)).height_mm, rel=1e-6)
 
 
+@pytest.mark.slow
+def test_the_universal_law_stands_in_at_another_stretch(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    engine.frame(1)
+    engine.send(Edit(2, table(fabric={"stretch": 1.5})))
+    frame = engine.frame(2)
+    limits = [answer for answer in engine.answers if isinstance(answer, Limits)][-1]
+    assert limits.seq == 2 and limits.stretches == (1.35, 1.75)
+    assert limits.statement is not None and "universal law" in limits.statement
+    assert limits.law["length_mm"][0] < 5.0 < limits.law["length_mm"][1]
+    own = asterism.preview(asterism.Design.from_dict(table(fabric={"stretch": 1.5})))
+    rise = np.ptp(frame.positions[:, 2])
+    assert frame.is_minimum and rise == pytest.approx(own.height_mm, rel=0.1)
+
+
 @pytest.mark.parametrize(
     ("changes", "kind", "field"),
     [
         ({"stars": {"length_mm": 40.0}}, "design", "stars.length_mm"),
-        ({"fabric": {"stretch": 1.5}}, "law", "fabric.stretch"),
+        ({"fabric": {"stretch": 2.5}}, "law", "fabric.stretch"),
         ({"border": {"rings": -1}}, "design", "border.rings"),
         ({"pins": [{"points_mm": [[900.0, 0.0]]}]}, "design", "pins[0].points_mm[0]"),
         ({"stars": {"override": [{"site": [1, 0], "width_mm": 40.0}]}}, "design", "stars.override[0].width_mm"),

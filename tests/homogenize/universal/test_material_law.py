@@ -29,7 +29,7 @@ from tests.homogenize.universal import answers
 
 SIZES = np.array([[7.0, 0.4, 1.2], [9.0, 0.5, 1.2]])
 EDGE = 1.2
-NODES = table_nodes(SIZES, float(DEFAULT_SPACING_MM))
+NODES = table_nodes(float(DEFAULT_SPACING_MM))
 
 
 def design(**more: Any) -> Design:
@@ -107,12 +107,16 @@ def test_the_edge_of_the_mesh_is_a_group(law: UniversalLaw, tmp_path: Path) -> N
 
 def test_a_close_lattice_has_no_arms_that_cannot_be_printed(law: UniversalLaw) -> None:
     sheet = design(lattice={"spacing_mm": 12.0})
-    table = material_law(law, sheet, table_nodes(SIZES, 12.0), 0.9).check(sheet)
+    table = material_law(law, sheet, table_nodes(12.0), 0.9).check(sheet)
     assert table.axis_nodes[0][:2].tolist() == [0.0, 1.0] and table.min_length_mm == 0.0
 
 
-def test_similar_sizes_share_a_table() -> None:
-    assert table_nodes(SIZES * 0.95, 17.3) == table_nodes(SIZES * 0.96, 17.3) != table_nodes(SIZES * 1.3, 17.3)
+def test_the_nodes_reach_over_the_range_of_the_groups() -> None:
+    lengths, thicknesses, widths = (np.array(nodes) for nodes in table_nodes(20.0))
+    assert lengths[[0, 1, -1]] == pytest.approx([0.0, 1.2, 16.0])
+    assert thicknesses[[0, -1]] == pytest.approx([0.2, 1.0]) and widths[[0, -1]] == pytest.approx([0.26, 8.0])
+    for nodes in (thicknesses, widths):
+        assert (nodes[1:] / nodes[:-1]).max() <= 1.2
 
 
 @pytest.mark.parametrize(

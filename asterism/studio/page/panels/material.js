@@ -9,22 +9,18 @@ const DEFAULT_ROUNDING = { first_layer_mm: 0.3, layer_mm: 0.2, line_mm: 0.4 };
 export function materialPanel({ store, edits, connection }, { on }) {
   const send = (changes) => edits.once(() => edits.design(changes));
   const design = () => store.get("sheet")?.design ?? {};
-  const stretch = choice({
-    label: "Stretch",
+  const stretch = numberField({
+    label: "Stretch, printed over released",
+    unit: "",
+    value: 1.35,
+    min: 1,
+    max: 3,
+    step: 0.05,
+    digits: 3,
     testid: "stretch",
-    options: [],
-    value: "",
-    onchange: (value) => send({ "fabric.stretch": Number(value) }),
+    field: "fabric.stretch",
+    onchange: (value) => send({ "fabric.stretch": value }),
   });
-  const stretchFault = h("div", { class: "fault", hidden: true, role: "alert" });
-  const stretchField = h(
-    "div",
-    { class: "field" },
-    h("label", {}, "Stretch, printed over released"),
-    stretch.element,
-    stretchFault,
-  );
-  stretchField.dataset.field = "fabric.stretch";
   const stretchHint = hint("");
   const thickness = numberField({
     label: "Released thickness",
@@ -87,21 +83,10 @@ export function materialPanel({ store, edits, connection }, { on }) {
     const sheet = store.get("sheet");
     if (!sheet) return;
     const present = now.fabric?.stretch ?? 1.35;
-    const known = sheet.limits.stretches;
-    const values = [
-      ...new Set(
-        [...(known.length ? known : [1.35, 1.75]), present].map((value) =>
-          Array.isArray(value) ? value.join(" × ") : String(value),
-        ),
-      ),
-    ];
-    stretch.element.replaceChildren(
-      ...values.map((value) => h("option", { value, disabled: value.includes("×") }, value)),
-    );
-    stretch.set(Array.isArray(present) ? present.join(" × ") : String(present));
-    stretchHint.textContent = known.length
-      ? `The preview is calibrated for ${known.map((value) => fixed(value, 2)).join(" and ")}. For another stretch, calibrate a law first: asterism calibrate.`
-      : "";
+    const isEven = !Array.isArray(present);
+    stretch.input.disabled = !isEven;
+    if (isEven) stretch.set(present);
+    stretchHint.textContent = isEven ? lawText(sheet.limits) : `${present.join(" × ")}, unequal: no preview.`;
     thickness.set(now.fabric?.thickness_mm ?? 0.8);
     const bar = now.plastic?.kappa_bar_per_mm ?? 0;
     kappa.element.hidden = typeof bar !== "number";
@@ -132,7 +117,7 @@ export function materialPanel({ store, edits, connection }, { on }) {
   update();
   return [
     section("Fabric"),
-    stretchField,
+    stretch.element,
     stretchHint,
     thickness.element,
     section("Plastic"),
@@ -152,4 +137,11 @@ export function materialPanel({ store, edits, connection }, { on }) {
     section("Pattern"),
     facts,
   ];
+}
+
+function lawText({ stretches, statement }) {
+  if (statement) return `${statement[0].toUpperCase()}${statement.slice(1)}.`;
+  if (!stretches.length) return "";
+  const known = stretches.map((value) => fixed(value, 2)).join(" and ");
+  return `The preview's law is calibrated for ${known}. For other stretches the universal law stands in, less accurately.`;
 }

@@ -12,7 +12,7 @@ from tests.asterism.studio.browser import StudioPage
 # the README's tests open the page in `test_page` only
 pytestmark = pytest.mark.slow
 
-STIFF = "[fabric]\nstretch = 1.5\n[stars]\nlength_mm = 7.0\n[border]\nrings = 2\n"
+STIFF = "[fabric]\nstretch = 2.5\n[stars]\nlength_mm = 7.0\n[border]\nrings = 2\n"
 BROKEN = "[stars]\nlength_mm = -1\n"
 
 
@@ -27,9 +27,22 @@ def test_a_value_that_the_law_does_not_cover_is_marked_at_its_control(
     fault = page.page.locator("[data-field='fabric.stretch'] .fault")
     fault.wait_for()
     assert "the law was made for 1.35, 1.75" in fault.inner_text()
-    page.item("stretch").select_option("1.75")
+    page.item("stretch").fill("1.75")
+    page.item("stretch").press("Enter")
     page.rest()
     assert fault.is_hidden()
+
+
+def test_another_stretch_is_shown_by_the_universal_law(new_page: Callable[[], StudioPage]) -> None:
+    page = new_page()
+    page.open("gallery-dome")
+    page.item("tab-sheet").click()
+    field = page.item("stretch")
+    field.fill("1.5")
+    field.press("Enter")
+    page.rest()
+    page.page.get_by_text("The universal law stands in").wait_for()
+    assert page.page.evaluate("studio.state.problem") is None
 
 
 def test_saving_asks_before_it_replaces_a_file_with_a_mistake(new_page: Callable[[], StudioPage], folder: Path) -> None:
