@@ -47,6 +47,15 @@ def graph(height: Callable[[Floats, Floats], Floats], width: float, depth: float
     return TargetSurface.of_triangles(np.column_stack([x, y, height(x, y)]), triangles, name)
 
 
+def ellipsoid(scale: float, name: str) -> TargetSurface:
+    """A shallow dome over an ellipse, 124 by 84 mm at a scale of 1."""
+
+    def height(x: Floats, y: Floats) -> Floats:
+        return scale * 26.0 * np.sqrt(1.0 - (x / (76.0 * scale)) ** 2 - (y / (52.0 * scale)) ** 2)
+
+    return graph(height, 124.0 * scale, 84.0 * scale, name)
+
+
 def barrel() -> TargetSurface:
     """A part of a cylinder of radius 55 mm, 110 degrees around."""
     plane, triangles = rectangle_mesh(np.deg2rad(110.0), 76.0)
@@ -97,10 +106,7 @@ TARGETS: dict[str, tuple[Callable[[], TargetSurface], int | None]] = {
     "cap 50 deg": (lambda: cap(50.0, "cap 50 deg"), None),
     "cap 60 deg": (lambda: cap(60.0, "cap 60 deg"), None),
     "cap 35 deg, free": (lambda: cap(35.0, "cap 35 deg, free"), 0),
-    "ellipsoid dome": (
-        lambda: graph(lambda x, y: 26.0 * np.sqrt(1.0 - (x / 76.0) ** 2 - (y / 52.0) ** 2), 124, 84, "ellipsoid dome"),
-        None,
-    ),
+    "ellipsoid dome": (lambda: ellipsoid(1.0, "ellipsoid dome"), None),
     "hypar": (lambda: TargetSurface.of_formula("11*x*y/41.7**2", 83.4, name="hypar"), None),
     "saddle": (lambda: graph(lambda x, y: 10.0 * (x**2 - y**2) / 50.0**2, 100, 100, "saddle"), None),
     "monkey saddle": (

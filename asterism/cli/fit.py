@@ -10,6 +10,7 @@ import typer
 
 from asterism.cli.common.options import FileUnit, LawFile, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
+from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
 
 
 class _PlasticSideOption(StrEnum):
@@ -45,7 +46,10 @@ def fit(
         float | None, typer.Option(help="Stretch of the fabric (default: the smallest one of the law that suffices).")
     ] = None,
     needles: Annotated[
-        int | None, typer.Option(min=0, max=1000, help="Number of needles along the outline (default: by its length).")
+        int | None,
+        typer.Option(
+            min=0, max=MAX_FITTED_NEEDLES, help="Number of needles along the outline (default: by its length)."
+        ),
     ] = None,
     free: Annotated[bool, typer.Option("--free", help="No needles; the same as --needles 0.")] = False,
     border: Annotated[
@@ -63,14 +67,15 @@ def fit(
     ] = True,
     exact: Annotated[bool, typer.Option("--exact/--no-exact", help="Check the design with the exact model.")] = True,
     corrections: Annotated[
-        int, typer.Option(min=0, max=20, help="Largest number of corrections by the exact model.")
-    ] = 5,
+        int,
+        typer.Option(min=0, max=MAX_ASKED_CORRECTIONS, help="Largest number of corrections by the exact model."),
+    ] = MAX_CORRECTIONS,
     nearest: Annotated[
         bool, typer.Option("--nearest", help="If the target is out of reach, make the sheet that comes nearest.")
     ] = False,
     within: Annotated[
         float, typer.Option(min=0.0, help="Distance in % of the diameter within which the target counts as reached.")
-    ] = 1.0,
+    ] = REACHED_PERCENT,
     weight: Annotated[
         str | None,
         typer.Option(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asterism.fitting.correction import ExactCorrection
+from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
 from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import guess_design
@@ -34,24 +35,17 @@ from asterism.verification.verification import RELEASE, Verification
 from discrete.release.continuation import Report
 from homogenize.law.law import Law
 from pattern.design.arguments import check_type
-from pattern.design.design import Design
 from pattern.design.section import is_whole
 from pattern.layout.build import layout
 
-# % of the diameter, distance of the mean surface within which a target counts as reached
-REACHED_PERCENT = 1.0
 # steps on the lengths after thicknesses are rounded
 ROUNDED_STEPS = 4
-# corrections by the exact model: default for all sizes, and largest number for the lengths after rounding
-MAX_CORRECTIONS, MAX_ROUNDED_CORRECTIONS = 5, 3
+# corrections by the exact model: largest number for the lengths after rounding
+MAX_ROUNDED_CORRECTIONS = 3
 # a warning names the share of stars at the ends of the law's lengths from this one on
 MIN_SHARE_AT_BOUNDS = 0.1
 # % of the diameter, largest distance from which on a warning names its place
 MAX_QUIET_DISTANCE_PERCENT = 4.0
-# largest number of needles
-MAX_FITTED_NEEDLES = 1000
-# largest number of corrections that can be asked for
-MAX_ASKED_CORRECTIONS = 20
 
 
 def fit(
@@ -138,8 +132,8 @@ def fit(
     def distance(shape: Shape) -> FitDistance:
         return target_distance(shape, target, places, plan.lattice_vectors)
 
-    def measured(design: Design) -> TargetDistanceRecord:
-        shape = preview(design, law)
+    def measured() -> TargetDistanceRecord:
+        shape = search.preview.shape()
         return _record(distance(shape), shape)
 
     search = FitSearch(
@@ -150,8 +144,9 @@ def fit(
         StarUnknowns.of(plan, guess.menu),
         tell,
     )
+    of_guess = measured()
     search.run()
-    by_preview = measured(search.best.design(guess.design))
+    by_preview = None if printer is None else measured()
     of_exact, corrected = ExactCorrection(search, target, plan.lattice_vectors, report), exact and corrections > 0
     if corrected:
         of_exact.run(guess.design, corrections)
@@ -181,12 +176,15 @@ def fit(
         else:
             search.best = sizes
     design = search.best.design(base)
-    shape = verification.preview if verification is not None else preview(design, law)
+    shape = verification.preview if verification is not None else search.preview.shape()
     result = shape if verification is None else verification.exact[verification.result]
     of_preview = distance(shape)
     of_result = of_preview if verification is None else distance(result)
     record = _record(of_preview, shape)
-    rounded = of_preview if unrounded is None else of_result
+    if by_preview is not None:
+        loss = of_preview.mean_percent - by_preview.mean_percent
+        if unrounded is not None:
+            loss = of_result.mean_percent - unrounded.mean_percent
     summary: dict[str, Any] = {
         "model": "fit",
         "target": target.name,
@@ -199,17 +197,15 @@ def fit(
         "held_border": any(pins.where == "border" for pins in design.pins),
         **{name: value for name, value in vars(guess.reach).items() if name != "warnings"},
         "share_at_bounds": search.best.share_at_bounds,
-        "first_guess": measured(guess.design),
-        "unrounded": None if printer is None else by_preview,
+        "first_guess": of_guess,
+        "unrounded": by_preview,
         "preview": record,
         "exact": None if verification is None else _record(of_result, result),
         "other_exact": _other(verification, distance),
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
         "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
         "within_percent": within_percent,
-        "rounding_loss_percent": None
-        if printer is None
-        else rounded.mean_percent - (unrounded or by_preview).mean_percent,
+        "rounding_loss_percent": None if by_preview is None else loss,
         "steps": [vars(step) for step in search.steps],
         "corrections": [vars(step) for step in of_exact.done],
         "restarts": search.restarts,

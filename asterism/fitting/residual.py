@@ -15,6 +15,7 @@ import numpy as np
 
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.previews.point_lens import PointLens
 from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
@@ -125,6 +126,7 @@ class Residual:
         weight = target.weight_at(places.goals)
         self._weight = weight / weight.mean()
         self._scale = np.sqrt(self._weight / places.count)
+        self._lens: tuple[Preview, PointLens] | None = None
 
     @cached_property
     def _normals(self) -> Floats:
@@ -133,7 +135,9 @@ class Residual:
 
     def at(self, preview: Preview, x: Floats | None = None) -> SheetState:
         """The residuals of a preview, at its equilibrium or at degrees of freedom x (N, 3) of a stage."""
-        shown = preview.lens(self.places.points)(x)
+        if self._lens is None or self._lens[0] is not preview:
+            self._lens = preview, preview.lens(self.places.points)
+        shown = self._lens[1](x)
         count = self.places.count
         surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps)
         rotation = np.eye(3)

@@ -87,6 +87,7 @@ class FitSearch:
         self.preview = Preview(self.unknowns.design(self.base), self.law)
         self.state = self.residual.at(self.preview)
         self.best, self.best_rms = self.unknowns, self.state.rms_mm
+        self._is_fresh = True
         self._damping = FIRST_DAMPING
         self._varies = np.ones(len(self.unknowns.units), dtype=bool)
         self._record("fresh")
@@ -137,6 +138,8 @@ class FitSearch:
 
     def _confirm(self) -> bool:
         """Whether a fresh preview has the followed form; if not, the fit goes on from the fresh one."""
+        if self._is_fresh:
+            return True
         followed = self.state.rms_mm
         self._renew()
         fresh = self.state.rms_mm
@@ -149,8 +152,12 @@ class FitSearch:
         return False
 
     def _renew(self) -> None:
-        self.preview = Preview(self.unknowns.design(self.base), self.law)
-        self.state = self.residual.at(self.preview)
+        """Search for the equilibrium of the present sizes from initial guesses, as a new preview does."""
+        design = self.unknowns.design(self.base)
+        if design != self.preview.design:
+            next(self.preview.edit(design))
+        self.preview.search_again()
+        self.state, self._is_fresh = self.residual.at(self.preview), True
 
     def _step(self, basis: Floats | None) -> bool:
         """Take one step; False if none is accepted."""
@@ -209,7 +216,7 @@ class FitSearch:
             return False
         if cost - self._cost(state, moved, weight) < MIN_DECREASE_SHARE * predicted:
             return False
-        self.state, self.unknowns = state, moved
+        self.state, self.unknowns, self._is_fresh = state, moved, False
         return True
 
     def _jacobian(self) -> Floats:
