@@ -48,7 +48,7 @@ def calibrate(
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     try:
-        law = calibration.calibrate(chosen, path, jobs or default_jobs(), dask, line, run.stream)
+        law = calibration.calibrate(chosen, path, jobs or default_jobs(), dask, line, run.hand_over())
     except KeyboardInterrupt:
         folder = calibration.samples_folder(path)
         if not folder.exists():

@@ -60,15 +60,14 @@ def export(
     from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
-    from asterism.print.write import ROUNDED
+    from asterism.print.write import export_file_names
     from asterism.results.files import EXPORT_SUMMARY_FILE
     from asterism.verification.both_starts import BOTH_STARTS
     from pattern.layout.load_design import load_design
 
     plan = with_material(load_design(design), material, run.warn)
-    directory = results_folder(
-        design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, (ROUNDED,)
-    )
+    names = export_file_names(has_shape=preview or simulate or shape is not None)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, *names)
     check_shape_request(directory, shape, preview, simulate)
     sheet = law_for_design(plan, law, design, material) if preview or law else None
     if simulate:

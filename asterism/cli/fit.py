@@ -97,7 +97,8 @@ def fit(
     from asterism.fitting.load_target import load_target
     from asterism.print.profiles import load_printer
     from asterism.reports.fit_files import write_fit
-    from asterism.results.files import check_writable, write_file
+    from asterism.results.files import write_file
+    from asterism.results.output_check import check_writable
     from homogenize.law.law_file import load_law
     from pattern.design.files import table_text
 
@@ -110,13 +111,13 @@ def fit(
         raise Mistake(f"--border: conflicts with {'--free' if free else f'--needles {needles}'}")
     if needles in (1, 2):
         raise Mistake(f"--needles: {needles} needles hold no sheet; must be 0, or 3 or more")
+    directory = file.with_name(f"{file.stem}-fit")
+    check_writable(file.parent, file.name)
+    check_writable(directory)
     surface = load_target(
         target, None if unit is None else unit.value, size_mm, side.value, heights_mm, extent_mm
     )  # fmt: skip
     run.warn(*surface.notes)
-    directory = file.with_name(f"{file.stem}-fit")
-    check_writable(file.parent, file.name)
-    check_writable(directory)
     chosen_printer = load_printer(printer) if rounding else None
     chosen_law = None if law is None else load_law(law)
     with run.computing():

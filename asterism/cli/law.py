@@ -87,7 +87,7 @@ def universal(
     begun = None if afresh else start or (PACKAGED_UNIVERSAL_LAW if PACKAGED_UNIVERSAL_LAW.exists() else None)
     try:
         make_universal_law(
-            UniversalPlan(cells, rounds, refined), output, begun, jobs or default_jobs(), dask, run.stream
+            UniversalPlan(cells, rounds, refined), output, begun, jobs or default_jobs(), dask, run.hand_over()
         )
     except KeyboardInterrupt:
         folder = samples_folder(output)

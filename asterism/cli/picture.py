@@ -32,7 +32,8 @@ def picture(
 
     from asterism.cli.common.mistake import Mistake
     from asterism.draw.view_picture import check_picture, fitting_scale, view_image
-    from asterism.results.files import check_writable, write_file
+    from asterism.results.files import write_file
+    from asterism.results.output_check import check_writable
     from asterism.shape.read_shape import read_shape
 
     width, height = two_sizes(size, "--size")
@@ -63,4 +64,7 @@ def _name(result: Path) -> str:
 
 
 def _place(result: Path, output: Path | None) -> Path:
-    return output if output is not None else result.resolve().parent
+    if output is not None:
+        return output
+    # a dot or two have no name of their own
+    return result.parent if result.name.strip(".") else result.resolve().parent

@@ -32,6 +32,7 @@ def studio(
     engine = StartedProcess(ENGINE)
 
     def say(line: str) -> None:
+        run.hand_over()
         run.lines([line])
 
     try:

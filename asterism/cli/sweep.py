@@ -44,11 +44,12 @@ def sweep(
     from asterism.cli.common.results_folder import results_folder
     from asterism.cli.common.stop import stop
     from asterism.laws.replace_material import read_design
+    from asterism.results.output_check import check_folder
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.progress_line import SweepProgressLine
     from asterism.sweeps.run import sampled, sweep_design, sweep_parameters
-    from asterism.sweeps.write_sweep import SWEEP_PAGE, SWEEP_TABLE, write_sweep
+    from asterism.sweeps.write_sweep import write_sweep
     from homogenize.campaign.workers import default_jobs
     from homogenize.law.law_file import load_law
 
@@ -59,14 +60,14 @@ def sweep(
     chosen = read_design(design, material, run.warn)
     given = [SweepParameter.from_text(text) for text in vary]
     parameters = sweep_parameters(chosen, given)
-    names = (SWEEP_PAGE, SWEEP_TABLE)
-    directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"), others=names)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"))
+    folder = directory / "designs"
+    check_folder(folder)
     count = len(sampled(parameters, samples, seed))
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs()))
-    folder = directory / "designs"
     own_law = load_law(law) if law else None
     try:
-        with SweepProgressLine(run.stream) as progress:
+        with SweepProgressLine(run.hand_over()) as progress:
             result = sweep_design(
                 chosen,
                 parameters,

@@ -13,7 +13,8 @@ from typing import TextIO
 from asterism.laws.law_text import law_lines
 from asterism.process.count_line import CountLine
 from asterism.process.version import __version__
-from asterism.results.files import OutputError, check_writable, write_file
+from asterism.results.files import OutputError, write_file
+from asterism.results.output_check import check_folder, check_writable
 from equilibrium.compiled import HAVE_NUMBA
 from homogenize.campaign.campaign import CampaignProgress, run_campaign
 from homogenize.campaign.code_version import code_version
@@ -60,8 +61,9 @@ def calibrate(
     if not material.fabric.has_bending:
         raise DesignError("fabric.bending", WITHOUT_BENDING, material.fabric.bending)
     check_writable(output.parent, output.name)
-    versions = package_versions()
     folder = samples_folder(output)
+    check_folder(folder)
+    versions = package_versions()
     start = time.perf_counter()
     try:
         with ProgressLine(stream) as watch:

@@ -10,7 +10,8 @@ from asterism.laws.law_picture import draw_law
 from asterism.laws.law_record import law_record
 from asterism.laws.law_text import law_lines
 from asterism.previews.law_warnings import held_out_warning
-from asterism.results.files import check_writable, staged_result
+from asterism.results.files import staged_result
+from asterism.results.output_check import check_writable
 from homogenize.law.law_file import PAPER_LAW, load_law
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from asterism.laws.calibrate import ProgressLine, package_versions, samples_folder
 from asterism.process.count_line import without_numbers
-from asterism.results.files import OutputError, check_writable, write_file
+from asterism.results.files import OutputError, write_file
+from asterism.results.output_check import check_folder, check_writable
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from homogenize.universal.groups import GROUPS
 from homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS, SHARES_PERCENT, left_out_errors
@@ -57,13 +58,14 @@ def make_universal_law(
         The file or the folder cannot be written.
     """
     check_writable(output.parent, output.name)
+    folder = samples_folder(output)
+    check_folder(folder)
     begun = None if start is None else load_universal_law(start)
     made = {
         "command": "asterism law universal",
         "versions": package_versions(),
         "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
     }
-    folder = samples_folder(output)
     try:
         with ProgressLine(stream) as watch:
             law = run_universal_campaign(plan, folder, begun, jobs, dask, made, watch.report, solve)

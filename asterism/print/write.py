@@ -81,6 +81,33 @@ def write_export(
     return summary
 
 
+def export_file_names(has_shape: bool) -> list[str]:
+    """Names of all files that an export can write; those of the sheet in space only if it has a shape.
+
+    Examples
+    --------
+    >>> from asterism.print.write import export_file_names
+    >>> "print.3mf" in export_file_names(False), "shape.glb" in export_file_names(False)
+    (True, False)
+    """
+    stems: dict[str, tuple[FormatKind, ...]] = {
+        **OPTIONAL_FILES,
+        "print": ("print",),
+        "layout": ("drawing", "pages"),
+        "instructions": ("pages",),
+    }
+    if not has_shape:
+        del stems["shape"]
+    names = [
+        f"{stem}{export_format.suffix}"
+        for stem, kinds in stems.items()
+        for kind in kinds
+        for export_format in export_formats(kind)
+    ]
+    vtu = ["shape.vtu", "rods.vtu"] if has_shape else []
+    return sorted([ROUNDED, "instructions.txt", "start.gcode", *names, *vtu])
+
+
 def stale_files(directory: str | Path) -> str | None:
     """Pattern of the files of an earlier export that this export replaces or removes; None without one.
 

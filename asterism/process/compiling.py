@@ -23,7 +23,7 @@ PACKAGE_TITLES = {
 
 def how_often() -> str:
     """In which runs loops are compiled, in words."""
-    return "in each run, as no folder for compiled code can be written" if uncached else "in the first run only"
+    return "in each run, as no folder for compiled code can be written" if uncached else "later runs have the code"
 
 
 @contextmanager

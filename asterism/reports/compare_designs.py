@@ -16,7 +16,8 @@ from asterism.print.profiles import load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
 from asterism.reports.compared_numbers import ComparedDesign, ComparedNumber, compared_numbers, differing_entries
 from asterism.reports.designs_page import designs_page
-from asterism.results.files import OutputError, check_writable, write_file
+from asterism.results.files import OutputError, write_file
+from asterism.results.output_check import check_writable
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from equilibrium.errors import Error

@@ -14,7 +14,8 @@ from asterism.print.profiles import load_plastic, load_printer
 from asterism.reports.design_page import write_design_page
 from asterism.reports.design_shape import shape_for_report
 from asterism.reports.facts import design_facts
-from asterism.results.files import OutputError, check_writable, staged
+from asterism.results.files import OutputError, staged
+from asterism.results.output_check import check_writable
 from asterism.shape.shape import Shape
 from homogenize.errors import LawError
 from homogenize.law.law import Law

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
 import re
 import secrets
@@ -102,7 +101,7 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
             _publish(staging, directory, stale)
             interruption.written()
     except OSError as error:
-        raise OutputError(_sentence(error, directory)) from error
+        raise OutputError(failure_in_words(error, directory)) from error
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
@@ -110,28 +109,6 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
             # folders with results are not empty, so that rmdir keeps them
             with suppress(OSError):
                 parent.rmdir()
-
-
-def check_writable(directory: str | Path, name: str = SUMMARY_FILE) -> None:
-    """Raise OutputError if a file cannot be written into `directory`; leaves no trace.
-
-    A summary.json of another program is not replaced, and neither are files with names of results without a summary.
-    """
-    directory = Path(directory)
-    if name == SUMMARY_FILE and (foreign := _foreign(directory)) is not None:
-        why = (
-            "was not written by asterism"
-            if foreign.name == SUMMARY_FILE
-            else f"is no result's: there is no {SUMMARY_FILE} beside it"
-        )
-        raise OutputError(f"{foreign} {why}; choose another folder with -o")
-    with suppress(OSError):
-        if (directory / name).is_dir():
-            raise OutputError(_sentence(IsADirectoryError(errno.EISDIR, "", str(directory / name)), directory))
-    check_no_dangling_link(directory / name)
-    with suppress(_Rehearsal), staged(directory) as folder:
-        (folder / name).write_text("{}")
-        raise _Rehearsal
 
 
 @contextmanager
@@ -149,38 +126,9 @@ def staged_result(directory: str | Path) -> Iterator[Path]:
         yield folder
 
 
-def check_kept(file: Path, directory: str | Path, *written: str) -> None:
-    """Raise OutputError if a file that is read has the place and name of a file that will be `written`."""
-    if any(one.name in written and one.parent.resolve() == Path(directory).resolve() for one in (file, file.resolve())):
-        raise OutputError(f"--output: {str(directory)!r} is where {file.name} is and stays; choose another name")
-
-
 def holds_result(directory: str | Path) -> bool:
     """Whether a directory holds a finished result."""
     return (Path(directory) / SUMMARY_FILE).is_file()
-
-
-def _foreign(directory: Path) -> Path | None:
-    """A file of another program with the name of a result file; None without one."""
-    with suppress(OSError):  # there is no folder, or an error when writing names the reason
-        if holds_result(directory):
-            return directory / SUMMARY_FILE if _is_foreign(directory / SUMMARY_FILE) else None
-        names = sorted(file.name for file in directory.iterdir() if file.is_file())
-        exported = EXPORT_COMPANIONS if EXPORT_SUMMARY_FILE in names else ""
-        mine = (name for name in names if re.fullmatch(SUMMARY_COMPANIONS, name) and not re.fullmatch(exported, name))
-        return next((directory / name for name in mine), None)
-    return None
-
-
-def _is_foreign(summary: Path) -> bool:
-    """Whether a file is not a summary: summaries have the key `version` or, for laws, `digest`."""
-    try:
-        summary_data = json.loads(summary.read_text(encoding="utf-8"))
-    except OSError:
-        return False  # there is no file, or an error when writing names the reason
-    except ValueError:
-        return True
-    return not (isinstance(summary_data, dict) and {"version", "digest"} & summary_data.keys())
 
 
 def check_no_dangling_link(path: Path) -> None:
@@ -188,7 +136,7 @@ def check_no_dangling_link(path: Path) -> None:
     with suppress(OSError):  # of a name that is too long: an error when writing names the reason
         if not path.is_symlink() or path.exists():
             return
-        raise OutputError(_sentence(FileExistsError(errno.EEXIST, "a link to nothing", str(path)), path.parent))
+        raise OutputError(failure_in_words(FileExistsError(errno.EEXIST, "a link to nothing", str(path)), path.parent))
 
 
 def write_file(path: str | Path, content: str | bytes) -> None:
@@ -197,10 +145,6 @@ def write_file(path: str | Path, content: str | bytes) -> None:
     check_no_dangling_link(path)
     with staged(path.parent) as folder:
         (folder / path.name).write_bytes(content.encode() if isinstance(content, str) else content)
-
-
-class _Rehearsal(Exception):
-    """Ends a staged block, so that its files are discarded."""
 
 
 def _publish(staging: Path, directory: Path, stale: str | None) -> None:
@@ -274,7 +218,7 @@ def _signals_held() -> Iterator[None]:
             signal.raise_signal(held)
 
 
-def _sentence(error: OSError, directory: Path) -> str:
+def failure_in_words(error: OSError, directory: Path) -> str:
     """The file that cannot be written, and the reason."""
     where = Path(error.filename or directory)
     for number, part in enumerate(where.parts):

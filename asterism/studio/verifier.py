@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from asterism.reports.verification_files import write_verification
-from asterism.results.files import check_writable
+from asterism.results.output_check import check_writable
 from asterism.studio.engine_problem import engine_problem
 from asterism.studio.job_messages import JobProgress, Verified
 from asterism.studio.sheet_view import mesh_message

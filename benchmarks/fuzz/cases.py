@@ -257,7 +257,24 @@ def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
         known = [option for option in OPTIONS[command] if option not in words]
         option = pick(rng, [*known, "--colour"]) if known else "--colour"
         words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
+    if command in ("simulate", "verify") and "--edge" in words and not _edge_is_coarse(words, folder):
+        words[words.index("--edge") + 1] = "3"
     return words
+
+
+def _edge_is_coarse(words: list[str], folder: Path) -> bool:
+    """Whether the exact model takes a second or two with the option --edge, or refuses it."""
+    from asterism.cli.common.overrides import with_overrides
+    from asterism.exact.cost import exact_cost
+    from equilibrium.errors import Error
+    from pattern.layout.load_design import load_design
+
+    try:
+        edge_mm = float(words[words.index("--edge") + 1])
+        changed = with_overrides(load_design(folder / words[1]), {"--edge": ("mesh.edge_mm", edge_mm)})
+        return exact_cost(changed).vertices <= MAX_VERTICES
+    except (Error, ValueError):
+        return True
 
 
 MAKERS: dict[str, Callable[[Rng, Path, Path], list[str]]] = {

@@ -60,6 +60,8 @@ def failures(case: Case, status: int, errors: str, folder: Path, before: set[str
 
 def _of_file(path: Path) -> Iterator[str]:
     """A result with a number that is none, or a shape that no fabric can take."""
+    if path.is_dir():
+        return
     if path.suffix == ".json":
 
         def not_a_number(word: str) -> Any:

@@ -1,4 +1,4 @@
-"""Progress on standard error during a minimisation."""
+"""Progress on standard error during a command."""
 
 from __future__ import annotations
 
@@ -6,11 +6,16 @@ import shutil
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
-from typing import Self, TextIO
+from typing import TYPE_CHECKING, Self, TextIO
 
 from asterism.process import interruption
-from equilibrium.newton.minimise import Iteration
+
+if TYPE_CHECKING:
+    # it loads numpy and scipy, which takes part of the time that this module shows
+    from equilibrium.newton.minimise import Iteration
 
 # longest silence: then a line says that the computation goes on
 MAX_QUIET_S = 4.0
@@ -37,9 +42,20 @@ class Progress:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """Say no more that the computation goes on."""
         self._is_over.set()
+        self.close()
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Print nothing within the block, in which the user is asked something."""
         with self._lock:
             self._finish()
+            yield
+            self._written = time.perf_counter()
 
     def _watch(self) -> None:
         """Break long silences, in a thread of its own: a factorisation or a picture may take longer."""

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 
 import typer
 
+from asterism.cli.common.progress import Progress
+
 if TYPE_CHECKING:
     from asterism.exact.cost import Cost
     from equilibrium.newton.minimise import Iteration
@@ -42,6 +44,7 @@ class Run:
     yes : compute also what takes long or needs much memory.
     is_doubtful : a printed result is not reliable.
     stream : output stream of progress.
+    progress : what is printed there; `command` begins and ends it.
     """
 
     def __init__(self, quiet: bool = False, strict: bool = False, yes: bool = False) -> None:
@@ -49,24 +52,30 @@ class Run:
         self.is_doubtful = False
         # a quiet command discards its progress
         self.stream: TextIO = io.StringIO() if quiet else sys.stderr
-        self._say: Callable[[str], None] = lambda text: None
-        self._report: Callable[[str, Iteration], None] = lambda stage, iteration: None
+        # loading the libraries may take longer than a user waits without a sign, so it begins with the command
+        self.progress = Progress(self.stream)
 
     @contextmanager
     def computing(self, compile_ahead: Literal["discrete", "fem"] | None = None) -> Iterator[None]:
-        """Show progress on standard error within the block, and announce the compilation of a first run.
+        """Announce the compilation of a first run, and end the last line of progress after the block.
 
         Parameters
         ----------
         compile_ahead : package of the model that the block uses last.
         """
         from asterism.cli.common.compile_ahead import compiling_ahead
-        from asterism.cli.common.progress import Progress
         from asterism.process.compiling import announce_compiling
 
-        with compiling_ahead(compile_ahead), Progress(self.stream) as progress, announce_compiling(progress.say):
-            self._say, self._report = progress.say, progress.report
-            yield
+        with compiling_ahead(compile_ahead), announce_compiling(self.say):
+            try:
+                yield
+            finally:
+                self.progress.close()
+
+    def hand_over(self) -> TextIO:
+        """The stream of progress, for a computation that shows its progress itself."""
+        self.progress.end()
+        return self.stream
 
     def cost(self, cost: Cost) -> None:
         """Print what a computation costs; ask for consent if that is much.
@@ -79,16 +88,17 @@ class Run:
         from asterism.cli.common.consent import ask, is_large
 
         if is_large(cost) and not self.yes:
-            ask(cost)
-        self.stream.write(f"about {cost.in_words()}\n")
+            with self.progress.paused():
+                ask(cost)
+        self.say(f"about {cost.in_words()}")
 
     def say(self, text: str) -> None:
         """Print a line of progress."""
-        self._say(text)
+        self.progress.say(text)
 
     def report(self, stage: str, iteration: Iteration) -> None:
         """Show an iteration of a stage."""
-        self._report(stage, iteration)
+        self.progress.report(stage, iteration)
 
     def table(self, rows: Mapping[str, str], width: int = 20, doubts: Sequence[str] = ()) -> None:
         """Print named values, one a line; first the reasons for which the result is not reliable."""
@@ -127,7 +137,8 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     @functools.wraps(function)
     def run_command(**arguments: Any) -> int:
         run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
-        status = function(run, **arguments) or DONE
+        with run.progress:
+            status = function(run, **arguments) or DONE
         return NO_ANSWER if status == DONE and run.strict and run.is_doubtful else status
 
     parameters = [*own, *common]

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from asterism.process import interruption
-from tests.asterism.commands import command, handlers_kept
+from tests.asterism.commands import SIGN_OF_LIFE, command, handlers_kept
 
 SMALL = """
 [stars]
@@ -249,7 +249,7 @@ def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: P
     ended = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert ended.returncode == 130
     # the cost is said once the engine is loaded
-    lines = [line for line in ended.stderr.splitlines() if not line.startswith("about ")]
+    lines = [line for line in ended.stderr.splitlines() if not line.startswith(("about ", SIGN_OF_LIFE))]
     assert lines == ["asterism: interrupted; nothing was written"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "sitecustomize.py"]
 

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from asterism.results.files import OutputError, check_writable, staged, write_file
+from asterism.results.files import OutputError, staged, write_file
+from asterism.results.output_check import check_writable
 
 NAMES = ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
 
