@@ -12,7 +12,6 @@ import pytest
 
 from asterism.cli.main import main
 
-
 # begins lines of a command that takes long, as any command does on a busy machine
 SIGN_OF_LIFE = "  still computing, "
 
