@@ -20,6 +20,7 @@ def synthetic_readings(
     scatter: float = 0.03,
     flat_mm: float = 0.0,
     stretch: float = 1.35,
+    fabric_mm: float = 0.8,
     step_mm: float = 0.0,
     off_mm: float = 0.0,
 ) -> list[Reading]:
@@ -27,6 +28,7 @@ def synthetic_readings(
 
     Parameters
     ----------
+    stretch, fabric_mm : of the fabric, its thickness when it is released.
     reading_mm : standard deviation of each side of a box.
     scatter : relative standard deviation of the curvature from strip to strip.
     flat_mm : strips whose arc is lower count as flat.
@@ -36,19 +38,19 @@ def synthetic_readings(
     plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
     rng = np.random.default_rng(seed)
     # a random generator of its own keeps tables without these errors unchanged
+    fabric = Fabric(stretch=stretch, thickness_mm=fabric_mm)
     errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES_MM))
     readings = []
     for i, h1 in enumerate(np.repeat(THICKNESSES_MM, count)):
         real = h1 + errors[i // count]
-        with_fabric = float(rest_curvature(real, Fabric(stretch=stretch), plastic))
-        alone = float(
-            rest_curvature(real, Fabric(stretch=stretch), plastic.model_copy(update={"rest_curvature": "none"}))
-        )
+        with_fabric = float(rest_curvature(real, fabric, plastic))
+        alone = float(rest_curvature(real, fabric, plastic.model_copy(update={"rest_curvature": "none"})))
         for peeled, kappa in ((False, with_fabric), (True, alone)):
             true = kappa * (1 + scatter * rng.standard_normal())
             width, height = (float(side) + reading_mm * rng.standard_normal() for side in arc.box(true, length))
             if step_mm:
                 width, height = (step_mm * round(side / step_mm) for side in (width, height))
             bent = None if height <= flat_mm else float(arc.curvature(width, height))
-            readings.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent, step_mm=step_mm))
+            known = (str(i + 1), i + 2, float(h1), length, stretch, fabric_mm)
+            readings.append(Reading(*known, peeled, bent, step_mm=step_mm))
     return readings
