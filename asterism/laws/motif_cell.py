@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from homogenize.cell.motif_responses import MotifResponses, motif_responses
+from homogenize.cell.rod_bending import completed_by_rods
 from pattern.design.errors import DesignError
 from pattern.layout.load_design import load_design
 
@@ -49,7 +50,8 @@ def motif_cell_rows(responses: MotifResponses) -> dict[str, str]:
     angle = np.degrees(np.arctan2(axes[1, 0], axes[0, 0])) % 180.0
     along = f"{sizes[0]:.4f} along {angle:.0f} deg, {sizes[1]:.4f} across"
     is_even = np.ptp(sizes) < EVEN_STRETCH
-    membrane, bending = responses.linear.stiffness[:3, :3], responses.linear.stiffness[3:, 3:]
+    membrane = responses.linear.stiffness[:3, :3]
+    bending = completed_by_rods(responses.linear.stiffness[3:, 3:], responses.rods)
     rows = {
         "cell": f"{responses.vertices} vertices",
         "flat stretches": f"{sizes[0]:.4f} in all directions" if is_even else along,

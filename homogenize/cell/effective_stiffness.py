@@ -12,7 +12,12 @@ first order. The results are for E and K of the mean surface. The stiffness is t
 
 The relaxed cell has inner forces, so the second order of the images contributes: rotations `omega x (omega x x)/2`, and
 for the shift that of a geodesic, `omega x (omega x F A)/6`. With these terms the second derivative for a cylinder is
-exactly that of the tube's energy. The constant of Gaussian curvature, which no cylinder shows, takes the same terms.
+exactly that of the tube's energy.
+
+Gaussian curvature does work on the forces within a relaxed cell: `c det K`, which adds c to D12 and takes c/2 from
+D33. No cylinder shows c, and images of two directions commute to first order only, so that c depends on the points that
+represent the cell. In a sheet c is fixed at its border, where Airy's function of the inner forces vanishes. Take
+`D12 + 2 D33` from here, and the rest from elsewhere (`homogenize.cell.rod_bending`).
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from homogenize.cell.effective_stiffness import EffectiveStiffness, effective_st
 from homogenize.cell.flat_cell import relax_flat_cell
 from homogenize.cell.larger_cell import CellComparison, compare_with_larger_cell
 from homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
+from homogenize.cell.rod_bending import rod_bending
 from homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
@@ -44,6 +45,7 @@ class MotifResponses:
     ----------
     deformation : (2, 2) F, symmetric, of the flat relaxed cell; the rest metric is F F.
     linear : stiffness and moment of the flat cell.
+    rods : (3, 3) N mm, bending stiffness of the rods alone.
     directions : natural tubes.
     failed : directions (rad from x) without an equilibrium, and why.
     comparison : with 2 x 2 cells.
@@ -53,6 +55,7 @@ class MotifResponses:
 
     deformation: Array
     linear: EffectiveStiffness
+    rods: Array
     directions: tuple[RolledDirection, ...]
     failed: tuple[tuple[float, str], ...]
     comparison: CellComparison
@@ -118,4 +121,7 @@ def motif_responses(
     say("2 x 2 cells")
     comparison = compare_with_larger_cell(design, edge_mm)
     ordered = tuple(sorted(directions, key=lambda tube: tube.direction_rad))
-    return MotifResponses(flat.deformation, linear, ordered, tuple(failed), comparison, cell.spacing, cell.mesh.n_base)
+    rods = rod_bending(design, flat.deformation)
+    return MotifResponses(
+        flat.deformation, linear, rods, ordered, tuple(failed), comparison, cell.spacing, cell.mesh.n_base
+    )
