@@ -18,7 +18,14 @@ from asterism.results.files import OutputError, write_file
 from asterism.results.output_check import check_folder, check_writable
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from homogenize.universal.groups import GROUPS
-from homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS, SHARES_PERCENT, left_out_errors
+from homogenize.universal.law_errors import (
+    DIMENSIONLESS_ERROR_FLOORS,
+    MAX_SERVING_ERRORS_PERCENT,
+    NEAREST_CELLS,
+    SHARES_PERCENT,
+    STATED_QUANTITIES,
+    left_out_errors,
+)
 from homogenize.universal.solve_cells import SolveGroups, solve_groups
 from homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
 from homogenize.universal.universal_law import UniversalLaw
@@ -27,6 +34,8 @@ from homogenize.universal.universal_law_file import (
     load_universal_law,
     universal_law_bytes,
 )
+
+_SERVING = ", ".join(f"{name} {most:g} %" for name, most in MAX_SERVING_ERRORS_PERCENT.items())
 
 
 def make_universal_law(
@@ -92,18 +101,19 @@ def universal_law_lines(path: Path | None = None) -> list[str]:
     """
     law = load_universal_law(path or PACKAGED_UNIVERSAL_LAW)
     errors = left_out_errors(law)
-    counted = int((errors.separated & errors.spread).sum())
     lines = [f"  {group.name:<30} {group.limits[0]:g} to {group.limits[1]:g}" for group in GROUPS]
-    shares = "".join(f"{f'{share} % of cells':>15}" for share in SHARES_PERCENT)
-    lines += ["", f"  left out one by one, {counted} cells spread over this range; error in % of the cell's value", ""]
-    lines += [f"  {'':10}{shares}"]
-    for name, row in errors.table().items():
-        lines.append(f"  {name:<10}" + "".join(f"{value:15.2f}" for value in row))
+    for served_only, which in ((False, "spread over this range"), (True, "of these that the law serves")):
+        counted = int(errors.counted(served_only).sum())
+        lines += ["", f"  left out one by one, {counted} cells {which}; error in % of the cell's value", ""]
+        lines += [f"  {'':10}" + "".join(f"{f'{share} % of cells':>15}" for share in SHARES_PERCENT)]
+        for name, row in errors.table(served_only).items():
+            lines.append(f"  {name:<10}" + "".join(f"{value:15.2f}" for value in row))
     floors = ", ".join(f"{name} {floor:g}" for name, floor in DIMENSIONLESS_ERROR_FLOORS.items())
     lines += [
         "",
         f"  errors of small values are in % of these: {floors} (without dimension)",
         f"  cells with a natural curvature above {MAX_SEPARATED_CURL:g} over the spacing do not count",
+        f"  the law serves where the {NEAREST_CELLS} nearest other cells are off by at most {_SERVING} (rms)",
         "",
         *_by_fabric(law),
         "",
@@ -114,7 +124,7 @@ def universal_law_lines(path: Path | None = None) -> list[str]:
 
 def _by_fabric(law: UniversalLaw) -> list[str]:
     """Median errors in four classes of the fabric's thickness, on which they depend most."""
-    errors, columns = left_out_errors(law), [QUANTITY_NAMES.index(name) for name in ("lam_n", "kappa", "bending")]
+    errors, columns = left_out_errors(law), [QUANTITY_NAMES.index(name) for name in STATED_QUANTITIES]
     number = next(n for n, group in enumerate(GROUPS) if group.key == "fabric")
     group = GROUPS[number]
     ends = group.at_coordinate(np.linspace(0.0, 1.0, 5))

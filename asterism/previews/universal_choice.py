@@ -10,6 +10,7 @@ from equilibrium.arrays import Floats
 from homogenize.errors import LawError
 from homogenize.law.axes import law_coordinates
 from homogenize.law.law import Law
+from homogenize.universal.law_errors import MAX_SERVING_ERRORS_PERCENT
 from homogenize.universal.material_law import law_edge, material_law, table_nodes, universal_law_errors
 from homogenize.universal.universal_law import UniversalLaw
 from homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW, load_universal_law
@@ -18,8 +19,6 @@ from pattern.design.stars import MIN_ARM_MM
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
-# rms of the left-out errors near the stars of a design, %, above which the law does not serve
-MAX_SERVING_ERRORS_PERCENT = {"lam_n": 0.5, "kappa": 12.0, "bending": 15.0}
 _IN_WORDS = {"lam_n": "contraction", "kappa": "natural curvature", "bending": "bending stiffness"}
 _OTHERWISE = "; asterism simulate needs no law"
 # materials whose tables are kept

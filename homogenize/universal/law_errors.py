@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Bools, Floats
+from equilibrium.arrays import Bools, Floats, Ints
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from homogenize.universal.universal_law import UniversalLaw
 
@@ -14,6 +14,11 @@ from homogenize.universal.universal_law import UniversalLaw
 # of the curvature is a fiftieth over the spacing: a sheet of 10 stars across then rises by a fortieth of its diameter.
 DIMENSIONLESS_ERROR_FLOORS = {"kappa": 0.02, "a12": 0.05, "c3": 2e-4, "offset_mm": 0.005}
 SHARES_PERCENT = (50, 95, 99)
+# cells whose left-out errors give the error at a star
+NEAREST_CELLS = 12
+STATED_QUANTITIES = ("lam_n", "kappa", "bending")
+# rms of the left-out errors of the nearest cells, %, above which the law does not serve; judged, not derived
+MAX_SERVING_ERRORS_PERCENT = {"lam_n": 0.5, "kappa": 12.0, "bending": 15.0}
 _KAPPA = QUANTITY_NAMES.index("kappa")
 
 
@@ -27,15 +32,21 @@ class LeftOutErrors:
     separated : (n,) the cells that are scale-separated; errors of others do not count.
     spread : (n,) the cells that are spread over the whole range; others lie where the law was worst, or on the tables
         of one material.
+    served : (n,) the cells that the law serves: the errors of the other cells nearest to them are small enough.
     """
 
     percent: Floats
     separated: Bools
     spread: Bools
+    served: Bools
 
-    def table(self) -> dict[str, Floats]:
+    def counted(self, served_only: bool = False) -> Bools:
+        """(n,) the cells that the table counts."""
+        return self.separated & self.spread & (self.served | (not served_only))
+
+    def table(self, served_only: bool = False) -> dict[str, Floats]:
         """For each quantity the errors that `SHARES_PERCENT` of the spread cells do not exceed, %."""
-        counted = self.percent[self.separated & self.spread]
+        counted = self.percent[self.counted(served_only)]
         return {
             name: np.percentile(counted[:, n], SHARES_PERCENT) if len(counted) else np.full(len(SHARES_PERCENT), np.nan)
             for n, name in enumerate(QUANTITY_NAMES)
@@ -47,4 +58,21 @@ def left_out_errors(law: UniversalLaw) -> LeftOutErrors:
     cells, given = law.rows[:, : len(QUANTITY_NAMES)], law.left_out
     floors = np.array([DIMENSIONLESS_ERROR_FLOORS.get(name, 0.0) for name in QUANTITY_NAMES])
     percent = 100.0 * np.abs(given - cells) / np.maximum(np.abs(cells), floors)
-    return LeftOutErrors(percent, np.abs(cells[:, _KAPPA]) <= MAX_SEPARATED_CURL, law.spread)
+    separated = np.abs(cells[:, _KAPPA]) <= MAX_SEPARATED_CURL
+    others = law.nearest_cells(law.groups, NEAREST_CELLS + 1)[:, 1:]
+    most = np.array([MAX_SERVING_ERRORS_PERCENT[name] for name in STATED_QUANTITIES])
+    served = (errors_of_cells(percent, separated, others) <= most).all(axis=1)
+    return LeftOutErrors(percent, separated, law.spread, served)
+
+
+def errors_of_cells(percent: Floats, separated: Bools, near: Ints) -> Floats:
+    """(N, 3) rms of `STATED_QUANTITIES` over the scale-separated of the cells `near` (N, k), %.
+
+    Parameters
+    ----------
+    percent, separated : of `LeftOutErrors`.
+    """
+    weight = separated[near][..., None].astype(float)
+    squares = weight * percent[near][:, :, [QUANTITY_NAMES.index(name) for name in STATED_QUANTITIES]] ** 2
+    rms: Floats = np.sqrt(squares.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0))
+    return rms

@@ -18,7 +18,7 @@ from homogenize.law.law import Law
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
 from homogenize.law.material import Material
 from homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
-from homogenize.universal.law_errors import left_out_errors
+from homogenize.universal.law_errors import NEAREST_CELLS, STATED_QUANTITIES, errors_of_cells, left_out_errors
 from homogenize.universal.row_names import WAVE_COUNT, quantity_scales
 from homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
 from pattern.design.design import Design
@@ -31,9 +31,6 @@ COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending"
 LENGTH_NODES = 16
 # largest ratio of adjacent thicknesses and widths
 NODE_RATIO = 1.2
-# cells whose left-out errors give the error at a star
-NEAREST_CELLS = 12
-STATED_QUANTITIES = ("lam_n", "kappa", "bending")
 
 
 @dataclass(frozen=True)
@@ -85,10 +82,7 @@ def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_
     covered = law.covers(groups)
     errors = left_out_errors(law)
     near = law.nearest_cells(groups, NEAREST_CELLS)
-    columns = [QUANTITY_NAMES.index(name) for name in STATED_QUANTITIES]
-    weight = errors.separated[near][..., None].astype(float)
-    total = np.maximum(weight.sum(axis=1), 1.0)
-    percent = np.sqrt((weight * errors.percent[near][:, :, columns] ** 2).sum(axis=1) / total)
+    percent = errors_of_cells(errors.percent, errors.separated, near)
     return UniversalLawErrors(percent, covered, "" if covered.all() else _why_outside(groups[~covered][0]))
 
 

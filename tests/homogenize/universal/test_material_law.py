@@ -11,8 +11,8 @@ import pytest
 from homogenize.errors import LawError
 from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.groups import star_groups
+from homogenize.universal.law_errors import STATED_QUANTITIES
 from homogenize.universal.material_law import (
-    STATED_QUANTITIES,
     law_edge,
     material_law,
     table_nodes,
