@@ -60,6 +60,7 @@ _PREVIEW = (
     Quantity("stars_outside_law", "", "stars outside the law", lambda summary: len(summary["stars_outside_law"])),
 )
 _EXACT = (
+    Quantity("minima", "", "minima", lambda summary: len(summary["minima"])),
     _key("stars_up", "", "stars up"),
     _key("smallest_eigenvalue", "N/mm", "smallest eigenvalue"),
     _key("mesh_error_percent", "% of the diameter", "mesh error"),

@@ -15,7 +15,7 @@ import equilibrium
 import fem
 import homogenize
 import pattern
-from asterism import draw, exact, previews, process, results, shape, sweeps
+from asterism import draw, exact, previews, process, results, shape, sweeps, verification
 from asterism.process.file_identity import file_identity
 from asterism.sweeps.quantities import table_values
 from asterism.sweeps.small_picture import small_picture
@@ -28,7 +28,7 @@ from pattern.design.design import Design
 
 # all that computes a row of a sweep or its picture
 _ENGINES = (discrete, equilibrium, fem, homogenize, pattern)
-_ROOMS = (draw, exact, previews, process, results, shape, sweeps)
+_ROOMS = (draw, exact, previews, process, results, shape, sweeps, verification)
 
 
 @functools.cache
@@ -43,7 +43,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
     Parameters
     ----------
     table : the design as plain data.
-    is_exact : by the exact model, not by the preview.
+    is_exact : by the exact model from both starts, as `simulate`, not by the preview.
     law : law of the preview, from `packed_law`.
     code : `sweep_code_version` of the process that asks.
 
@@ -57,9 +57,9 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
             raise RuntimeError("the worker has another version of asterism")
         design = Design.from_dict(table)
         if is_exact:
-            from asterism.exact.simulation import exact_shape  # its imports take seconds
+            from asterism.verification.both_starts import simulate  # its imports take seconds
 
-            found = exact_shape(design)
+            found = simulate(design)
         else:
             from asterism.previews.run import preview
 

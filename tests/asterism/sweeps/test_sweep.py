@@ -141,7 +141,12 @@ def test_a_sweep_by_the_exact_model_has_its_quantities() -> None:
     coarse = Design.from_dict({**small().to_dict(), "mesh": {"edge_mm": 6.0}})
     result = sweep_design(coarse, {"stars.thickness_mm": [0.3]}, exact=True)
     values = result.points[0].values
-    assert values is not None and values["stars_up"] == 7 and "expected_rms_percent" not in values
+    assert (
+        values is not None
+        and values["stars_up"] == 7
+        and values["minima"] == 1
+        and "expected_rms_percent" not in values
+    )
     assert result.summary.by == "exact"
 
 
