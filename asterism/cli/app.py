@@ -39,7 +39,7 @@ def _root(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
 ) -> None:
-    """Compute the shape of plastic stars printed on stretched fabric."""
+    """Compute the shape of plastic stars or lines printed on stretched fabric."""
     if version:
         typer.echo(__version__)
     elif context.invoked_subcommand is None:

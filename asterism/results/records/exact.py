@@ -63,13 +63,14 @@ class MinimumRecord(Record):
     vertices: int = key("Vertices of the mesh.", default=ABSENT)
     carried: bool = key("The minimum of the coarse mesh was solved on the fine mesh too.", default=ABSENT)
 
-    def in_words(self) -> str:
-        """The row of this minimum in the table on the terminal."""
+    def in_words(self, with_stars: bool) -> str:
+        """The row of this minimum in the table on the terminal, of a design with or without stars."""
         axis = "" if self.roll_axis_deg is None else f", rolled about {self.roll_axis_deg:.0f} deg"
         away = f"{self.distance_percent:.1f} % away, " if self.distance_percent >= 0.05 else ""
         names = self.get("start_names", [])
         starts = f"from {' and '.join(names)}" if 0 < len(names) <= MAX_NAMED_STARTS else f"{self.starts} starts"
-        return f"{self.energy_n_mm:.4f} N mm, {self.stars_up} up{axis}; {away}{starts}"
+        up = f", {self.stars_up} up" if with_stars else ""
+        return f"{self.energy_n_mm:.4f} N mm{up}{axis}; {away}{starts}"
 
 
 def mesh_error_in_words(record: ExactRecord) -> str:
@@ -100,7 +101,8 @@ def _minima(record: ExactRecord) -> dict[str, str] | None:
     """One row for each minimum if several starts were tried."""
     if record.get("starts", 1) < 2:
         return None
-    return {f"minimum {number}": each.in_words() for number, each in enumerate(record.minima, 1)}
+    with_stars = record.stars_total > 0
+    return {f"minimum {number}": each.in_words(with_stars) for number, each in enumerate(record.minima, 1)}
 
 
 class ExactRecord(ShapeRecord):

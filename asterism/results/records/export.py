@@ -125,7 +125,7 @@ def _shape_change(record: ExportRecord) -> dict[str, str]:
     change = record.shape_change
     others = change.minima[1:] if change is not None and "minima" in change else []
     rows = {"change of shape": _change_in_words(record)}
-    return rows | {f"minimum {number}": each.in_words() for number, each in enumerate(others, 2)}
+    return rows | {f"minimum {number}": each.in_words(record.stars > 0) for number, each in enumerate(others, 2)}
 
 
 def _change_in_words(record: ExportRecord) -> str:

@@ -50,6 +50,15 @@ def test_numbers_are_those_of_the_previews_and_prints(compared: tuple[DesignsCom
     assert all(key in shapes[0].summary for key in COMPARED_KEYS)
 
 
+@pytest.mark.slow
+def test_prints_without_stars_are_counted_in_rods(tmp_path: Path) -> None:
+    lines = [{"line_mm": [(-20, y), (20, y)]} for y in (-5, 5)]
+    drawn = Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (42, 20)}})
+    result = compare_designs([small(), drawn], tmp_path / "page.html", names=["stars", "lines"])
+    assert row(result, "stars").texts == ("7", "-")
+    assert row(result, "drawn rods").texts == ("-", "2")
+
+
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
 def test_prints_with_one_outline_have_a_distance_whatever_stars_they_have(
     order: tuple[int, int], tmp_path: Path
