@@ -11,8 +11,10 @@ keeps the exact shapes; without it they are computed again. Distances are rms as
 (`asterism.shape.comparison`). A gain is the distance without the part less the distance with it; a part changes the
 form of a design if it has the exact shape's form with all parts and not without it, or the other way round. The mean
 gain stands beside its standard error over the designs: a part whose mean gain is within two of these has no effect
-that these designs show. FOLDER keeps the distances too, as long as the code of the preview stays the same. Parts and
-the values that turn them off: `asterism.previews.model_parts`. --write puts the table into benchmarks/results.
+that these designs show. Parts that change only bumps show in heights and bumps (the relief of the surface over its
+cell means, in % of its own size). FOLDER keeps the distances too, as long as the code of the preview stays the same.
+Parts and the values that turn them off: `asterism.previews.model_parts`. --write puts the table into
+benchmarks/results.
 """
 
 from __future__ import annotations
@@ -59,7 +61,7 @@ MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance a
 HEADER = [
     "part turned off", "designs that it changes", "median rms %, with", "without", "mean rms %, with", "without",
     "mean gain %", "its standard error %", "largest gain %", "largest loss %", "form changes",
-    "median error of the height %, with", "without",
+    "median error of the height %, with", "without", "median error of the bumps %, with", "without",
 ]  # fmt: skip
 
 
@@ -140,17 +142,18 @@ def _ablated_distance(reference: Shape, design: Design, plan: Layout, law: Law, 
     try:
         return _distance(reference, preview(design, law, model=model, plan=plan), design, plan)
     except LawError:
-        return {"rms_percent": None, "same_form": False, "height_percent": None}
+        return {"rms_percent": None, "same_form": False, "height_percent": None, "bumps_percent": None}
 
 
 def _distance(reference: Shape, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
-    """rms distance to the exact shape in % of the diameter, error of the height in %, whether both have one form."""
+    """rms distance to the exact shape in % of the diameter, form, and errors of height and bumps in %."""
     comparison = compare_shapes(reference, shape, plan, symmetries(design, plan), design.gravity.pull)
     height, other = comparison.heights_mm
     return {
         "rms_percent": float(comparison.rms_percent),
         "same_form": bool(same_branch(comparison, None)),
         "height_percent": 100.0 * abs(other / height - 1.0),
+        "bumps_percent": comparison.relief_error_percent,
     }
 
 
@@ -180,14 +183,15 @@ def _part_line(rows: Sequence[dict[str, Any]], part: str) -> list[str]:
     error = gains.std(ddof=1) / np.sqrt(len(gains)) if len(gains) > 1 else np.nan
     changes = gains.max(), gains.min()
     known = _known(rows, part)
-    heights = [
-        float(np.median([one["height_percent"] for one in each] or [np.nan]))
+    medians = [
+        float(np.median([one[key] for one in each] or [np.nan]))
+        for key in ("height_percent", "bumps_percent")
         for each in ([row["all"] for row in known], [row["without"][part] for row in known])
     ]
     return [
         part, str(changed), *(f"{x:.2f}" for x in numbers), f"{gains.mean() + 0.0:+.3f}", f"{error:.3f}",
         *(f"{x + 0.0:+.2f}" for x in changes), str(forms),
-        *(f"{x:.1f}" for x in heights),
+        *(f"{x:.1f}" for x in medians),
     ]  # fmt: skip
 
 
