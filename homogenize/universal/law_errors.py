@@ -61,8 +61,8 @@ def left_out_errors(law: UniversalLaw) -> LeftOutErrors:
     separated = np.abs(cells[:, _KAPPA]) <= MAX_SEPARATED_CURL
     others = law.nearest_cells(law.groups, NEAREST_CELLS + 1)[:, 1:]
     most = np.array([MAX_SERVING_ERRORS_PERCENT[name] for name in STATED_QUANTITIES])
-    served = (errors_of_cells(percent, separated, others) <= most).all(axis=1)
-    return LeftOutErrors(percent, separated, law.spread, served)
+    served = np.all(errors_of_cells(percent, separated, others) <= most, axis=1)
+    return LeftOutErrors(percent, separated, law.spread, np.asarray(served))
 
 
 def errors_of_cells(percent: Floats, separated: Bools, near: Ints) -> Floats:
