@@ -19,116 +19,150 @@ from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
 from homogenize.cell.motif_responses import MotifResponses, motif_responses
-from homogenize.law.anisotropy import BENDING_POISSON, VOIGT_ENTRIES, mean_q12, voigt_matrices
+from homogenize.cell.rod_bending import GAUSSIAN
+from homogenize.cell.tube_bending import bending_of_tubes
 from pattern.design.design import Design
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.print_layout import print_layout
 from pattern.mesh.coarse.sheet_mesh import sheet_mesh
 
 SHELL_EDGE_MM, EDGE_MM = 15.0, 2.0
-# of the largest bending stiffness, at least
-MIN_STIFFNESS_RATIO = 0.01
+SELF_STRESSED = (("self_stressed_rms_percent", ".2f"), ("self_stressed_shell_rise_mm", ".1f"))
 WAVE = [(float(x), float(2.0 * np.sin(0.1 * np.pi * x))) for x in np.linspace(0.0, 20.0, 17)]
 RHOMB = (9.0 * np.cos(np.pi / 6), 4.5)
-# motif, lattice, width and height of the sheet: the bare rim is at most half a distance of lines wide
-SHEETS: dict[str, tuple[list[dict[str, Any]], dict[str, Any], tuple[float, float]]] = {
-    "lines": (
-        [{"line_mm": [(0, 2.5), (5, 2.5)]}], {"kind": "square", "spacing_mm": 5.0}, (60.0, 60.0)
-    ),
-    "lines, longer": (
-        [{"line_mm": [(0, 2.5), (5, 2.5)]}], {"kind": "square", "spacing_mm": 5.0}, (80.0, 50.0)
-    ),
+# motif and lattice
+MOTIFS: dict[str, tuple[list[dict[str, Any]], dict[str, Any]]] = {
+    "lines": ([{"line_mm": [(0, 2.5), (5, 2.5)]}], {"kind": "square", "spacing_mm": 5.0}),
     "grid": (
         [{"line_mm": [(5, 5), (15, 5)]}, {"line_mm": [(5, 5), (5, 15)]}],
         {"kind": "square", "spacing_mm": 10.0},
-        (60.0, 60.0),
     ),
     "diamonds": (
         [{"line_mm": [(0, 0), RHOMB]}, {"line_mm": [(0, 0), (RHOMB[0], -RHOMB[1])]}],
         {"kind": "custom", "vectors_mm": [RHOMB, (RHOMB[0], -RHOMB[1])]},
-        (64.0, 56.0),
     ),
     "waves": (
         [{"spline_mm": [(x, y + 4.0) for x, y in WAVE]}],
         {"kind": "custom", "vectors_mm": [(20.0, 0.0), (0.0, 8.0)]},
-        (70.0, 64.0),
     ),
-}  # fmt: skip
+}
+# motif, width and height of the sheet: the bare rim is at most half a distance of lines wide
+SHEETS: list[tuple[str, tuple[float, float]]] = [
+    ("lines", (60.0, 60.0)), ("lines", (80.0, 50.0)), ("grid", (60.0, 60.0)), ("diamonds", (64.0, 56.0)),
+    ("waves", (70.0, 64.0)), ("lines", (120.0, 120.0)), ("grid", (120.0, 120.0)), ("diamonds", (128.0, 112.0)),
+    ("waves", (140.0, 128.0)),
+]  # fmt: skip
+# the same sheets, with their motifs shifted: the rim cuts the rods elsewhere
+SHIFTS: dict[str, list[tuple[float, float]]] = {
+    "grid": [(0.0, 0.0), (0.0, 3.0), (4.0, 4.0)],
+    "diamonds": [(0.0, 0.0), (0.0, 2.25), (3.9, 2.25)],
+    "waves": [(0.0, 0.0), (0.0, 2.0), (0.0, 4.0)],
+}
 
 
 def main() -> None:
-    rows = [compare(name) for name in SHEETS]
+    cells = {name: motif_responses(sheet(name, (60.0, 60.0)), EDGE_MM) for name in MOTIFS}
+    rows = [compare(name, size, cells[name]) for name, size in SHEETS]
     text = "Free sheets of motifs (0.4 mm thick), exact, against a shell with the responses of one cell; distances of\n"
     text += f"printed points over the diameter of the exact shape, edges of {EDGE_MM:g} mm:\n\n{motif_table(rows)}"
-    write_report("motif_shells", rows, text)
+    rims = [rim(name, shift) for name, shifts in SHIFTS.items() for shift in shifts]
+    header = ["motif", "shift mm", "rise, exact mm", "minimum"]
+    lines = [
+        [
+            r["sheet"],
+            f"{r['shift_mm'][0]:g}, {r['shift_mm'][1]:g}",
+            f"{r['rise_mm']:.1f}",
+            "yes" if r["minimum"] else "no",
+        ]
+        for r in rims
+    ]
+    text += (
+        f"\n\nThe same sheets, the motif shifted so that the rim cuts the rods elsewhere:\n\n{markdown(header, lines)}"
+    )
+    write_report("motif_shells", [*rows, *rims], text)
     print(text)
 
 
-def sheet(name: str) -> Design:
-    motif, lattice, size = SHEETS[name]
+def sheet(name: str, size: tuple[float, float], shift: tuple[float, float] = (0.0, 0.0)) -> Design:
+    lines, lattice = MOTIFS[name]
+    motif = [{key: [(x + shift[0], y + shift[1]) for x, y in line] for key, line in each.items()} for each in lines]
     rods = {"motif": motif, "thickness_mm": 0.4}
     mesh = {"edge_mm": EDGE_MM}
     return Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": size}, "mesh": mesh})
 
 
-def compare(name: str) -> dict[str, Any]:
+def rim(name: str, shift: tuple[float, float]) -> dict[str, Any]:
+    """The rise of a sheet whose rim cuts the motif elsewhere."""
+    size = next(size for each, size in SHEETS if each == name)
+    shape = exact_shape(sheet(name, size, shift))
+    minimum = bool(shape.summary.is_minimum)
+    return {"sheet": name, "size_mm": size, "shift_mm": shift, "rise_mm": _rise(shape.positions), "minimum": minimum}
+
+
+def self_stress_modulus(design: Design) -> float:
+    """N mm, the multiple of det K in the energy of a square grid that is cut midway between its rods.
+
+    The fabric has the tension N, and each rod the compression N d. Airy's function of one family of rods is then
+    `N (y^2 - d^2/4)/2` around the middle between rods, less its mean; it vanishes at the rim midway for the rods along
+    the rim, and in the mean for those that end there. Its mean over the sheet is N d^2/24, and Gaussian curvature does
+    the work -K times that.
+    """
+    fabric, distance = design.fabric, float(np.linalg.norm(design.lattice.vectors[0]))
+    stretch, poisson = float(fabric.stretch_xy[0]), fabric.poisson
+    shear = fabric.modulus_mpa / (2.0 * (1.0 + poisson))
+    lame = fabric.modulus_mpa * poisson / (1.0 - poisson**2)
+    tension = fabric.thickness_mm / stretch**2 * (shear * (stretch**2 - 1.0) + 2.0 * lame * np.log(stretch))
+    return float(-tension * distance**2 / 24.0)
+
+
+def compare(name: str, size: tuple[float, float], responses: MotifResponses) -> dict[str, Any]:
     """One sheet, by both models."""
-    design = sheet(name)
+    design = sheet(name, size)
     exact = exact_shape(design)
-    responses = motif_responses(design, EDGE_MM)
-    outline = sheet_mesh(print_layout(design).outline, SHELL_EDGE_MM)
-    space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
-    shell = relax(Shell(space, motif_fields(responses)), soft_modes=0)
-    # of two images of a symmetric sheet, the nearer one
-    distance = min(
-        (_distance(space.locate(exact.printed * signs).value @ shell.x, exact.positions, np.prod(signs)))
-        for signs in (np.array(pair, dtype=float) for pair in product((1, -1), repeat=2))
-    )
+    diameter = float(np.linalg.norm(np.ptp(exact.positions, axis=0)))
     flat = exact.printed @ responses.deformation
     from_flat = _distance(np.pad(flat, ((0, 0), (0, 1))), exact.positions, 1.0)[0]
-    diameter = float(np.linalg.norm(np.ptp(exact.positions, axis=0)))
-    row = {
-        "sheet": name, "size_mm": SHEETS[name][2], "vertices": len(exact.printed),
-        "rms_percent": 100.0 * distance[0] / diameter, "largest_percent": 100.0 * distance[1] / diameter,
+    row: dict[str, Any] = {
+        "sheet": name, "size_mm": size, "vertices": len(exact.printed),
         "flat_rms_percent": 100.0 * from_flat / diameter,
-        "exact_minimum": bool(exact.summary.is_minimum), "shell_minimum": bool(shell.is_minimum),
-        "rise_mm": _rise(exact.positions), "shell_rise_mm": _rise(space.locate(exact.printed).value @ shell.x),
-        "doubts": responses.doubts,
+        "exact_minimum": bool(exact.summary.is_minimum), "rise_mm": _rise(exact.positions), "doubts": responses.doubts,
     }  # fmt: skip
+    moduli = {"": 0.0} | ({"self_stressed_": self_stress_modulus(design)} if name == "grid" else {})
+    for kind, modulus in moduli.items():
+        outline = sheet_mesh(print_layout(design).outline, SHELL_EDGE_MM)
+        space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
+        shell = relax(Shell(space, motif_fields(responses, modulus)), soft_modes=0)
+        # of two images of a symmetric sheet, the nearer one
+        distance = min(
+            (_distance(space.locate(exact.printed * signs).value @ shell.x, exact.positions, np.prod(signs)))
+            for signs in (np.array(pair, dtype=float) for pair in product((1, -1), repeat=2))
+        )
+        row |= {
+            f"{kind}rms_percent": 100.0 * distance[0] / diameter,
+            f"{kind}largest_percent": 100.0 * distance[1] / diameter,
+            f"{kind}shell_minimum": bool(shell.is_minimum),
+            f"{kind}shell_rise_mm": _rise(space.locate(exact.printed).value @ shell.x),
+        }
     print(row, flush=True)
     return row
 
 
-def motif_fields(responses: MotifResponses) -> Fields:
-    """Uniform fields: the rest metric and the membrane of the flat cell, and the bending of its natural tubes."""
+def motif_fields(responses: MotifResponses, modulus: float = 0.0) -> Fields:
+    """Uniform fields: the rest metric and the membrane of the flat cell, and the bending of its natural tubes.
+
+    Parameters
+    ----------
+    modulus : N mm, of the energy `modulus det K`.
+    """
     stiffness = np.zeros((6, 6))
     stiffness[:3, :3] = 0.5 * (responses.linear.stiffness[:3, :3] + responses.linear.stiffness[:3, :3].T)
-    stiffness[3:, 3:], moment = bending_of_tubes(responses)
+    of_tubes, moment = bending_of_tubes(responses)
+    stiffness[3:, 3:] = of_tubes + modulus * GAUSSIAN
     metric = responses.deformation @ responses.deformation
     natural = np.linalg.solve(stiffness[3:, 3:], moment)
     # plastic outside: edges go down
     curvature = -natural * [1.0, 1.0, 0.5]
     return Fields(Density(stiffness), (metric[0, 0], metric[1, 1], metric[0, 1]), curvature)
-
-
-def bending_of_tubes(responses: MotifResponses) -> tuple[np.ndarray, np.ndarray]:
-    """Q (3, 3) N mm and m (3,) N, in curvatures of the print: the energy `b . Q b/2 - m . b` nearest to the tubes.
-
-    Tubes leave Q12 open up to Q33: the mean of Q12 over all axes is 0.05 of the mean stiffness, as in laws of stars.
-    """
-    angle = np.array([tube.direction_rad for tube in responses.directions])
-    along = np.stack([np.cos(angle) ** 2, np.sin(angle) ** 2, np.sin(2.0 * angle)], axis=-1)
-    hoop = np.array([tube.hoop for tube in responses.directions])
-    curvature = np.array([tube.curvature for tube in responses.directions]) * hoop**2
-    bending = np.array([tube.bending for tube in responses.directions]) / hoop**4
-    pairs = np.array([along[:, i] * along[:, j] * (1.0 if i == j else 2.0) for i, j in VOIGT_ENTRIES]).T
-    mean = np.array([mean_q12(voigt_matrices(row)) for row in np.eye(6)])
-    rows = np.vstack([pairs, mean])
-    entries = np.linalg.lstsq(rows, np.append(bending, BENDING_POISSON * bending.mean()), rcond=None)[0]
-    sizes, axes = np.linalg.eigh(voigt_matrices(entries))
-    q = (axes * np.maximum(sizes, MIN_STIFFNESS_RATIO * sizes.max())) @ axes.T
-    moment = np.linalg.lstsq(along, bending * curvature, rcond=None)[0]
-    return q, moment
 
 
 def _distance(places: np.ndarray, exact: np.ndarray, parity: float) -> tuple[float, float]:
@@ -155,6 +189,8 @@ def motif_table(rows: list[dict[str, Any]]) -> str:
         "flat sheet rms %",
         "rise, exact mm",
         "shell mm",
+        "with self-stress: rms %",
+        "rise mm",
         "minimum",
     ]
     return markdown(
@@ -169,6 +205,7 @@ def motif_table(rows: list[dict[str, Any]]) -> str:
                 f"{r['flat_rms_percent']:.2f}",
                 f"{r['rise_mm']:.1f}",
                 f"{r['shell_rise_mm']:.1f}",
+                *(f"{r[key]:{form}}" if key in r else "" for key, form in SELF_STRESSED),
                 "yes" if r["exact_minimum"] and r["shell_minimum"] else "no",
             ]
             for r in rows
