@@ -29,10 +29,8 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 
-# number of repeated previews, with everything loaded, of which the fastest is reported
-MAX_REPEATS = 3
-# no further repeat starts once the repeats have taken this long
-MAX_REPEATS_S = 2.0
+# a preview that takes longer is announced before it is computed again
+MAX_UNANNOUNCED_S = 2.0
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")
 
@@ -98,9 +96,9 @@ def verify(
             return shape
 
         quick, cold_s = _timed(clock, make, layout_s, ready)
-        if ready is None and cold_s > MAX_REPEATS_S:
+        if ready is None and cold_s > MAX_UNANNOUNCED_S:
             tell(f"preview done in {cold_s:.2f} s; once more, to see how long it takes with everything loaded")
-        warm_s = cold_s if ready is not None else _again(clock, make, layout_s)
+        warm_s = cold_s if ready is not None else _timed(clock, make, layout_s)[1]
         tell(f"preview done in {cold_s:.2f} s, again in {warm_s:.3f} s")
         step(STAGES[0], 1, 1)
         if released is None:
@@ -135,14 +133,6 @@ def _timed(
         return known, float(known.summary["wall_s"])
     begun = clock()
     return make(), clock() - begun + layout_s
-
-
-def _again(clock: Callable[[], float], make: Callable[[], Shape], layout_s: float) -> float:
-    """Shortest time (s) of repeated computations of the same shape."""
-    seconds: list[float] = []
-    while len(seconds) < MAX_REPEATS and sum(seconds) < MAX_REPEATS_S:
-        seconds.append(_timed(clock, make, layout_s)[1])
-    return min(seconds)
 
 
 def _summary(
