@@ -28,7 +28,7 @@ Origin = Literal["derived", "computed from cells", "computed from sheets", "fitt
 STUDY = "no command repeats the choice; python -m benchmarks.accuracy FOLDER measures what it does"
 ERRORS = "python -m benchmarks.accuracy.expectation FOLDER"
 CHOSEN = f"no command repeats the choice; {ERRORS} measures what it does"
-SUPPORTED_SHARE = "python -m benchmarks.accuracy.supported_share"
+AMPLITUDE_SHARE = "python -m benchmarks.accuracy.amplitude_share"
 ERROR_DESIGNS = "the study (42 designs), random-24 to -47 and 20 small free sheets of equal stars"
 
 
@@ -223,17 +223,8 @@ class PreviewModel:
     # estimated error of the distance: uncertainty/distance_error.py
     floor_percent: float = _fitted(0.3, "% of diameter", "error of a stiff sheet", ERROR_DESIGNS, ERRORS)
     amplitude_share: float = _fitted(
-        0.04, "-", "share of the amplitudes, free sheets without symmetry", ERROR_DESIGNS, ERRORS
-    )
-    amplitude_share_mirrored: float = _fitted(
-        0.06, "-", "share of the amplitudes, free sheets whose only symmetry is a mirror", ERROR_DESIGNS, ERRORS
-    )
-    amplitude_share_symmetric: float = _fitted(
-        0.03, "-", "share of the amplitudes, free sheets with a rotation", ERROR_DESIGNS, ERRORS
-    )
-    amplitude_share_supported: float = _fitted(
-        0.08, "-", "share of the amplitudes, supported sheets",
-        "24 supported sheets of the study, compared as held", SUPPORTED_SHARE,
+        0.06, "-", "share of the amplitudes of the near-zero modes",
+        "the 174 designs of accuracy.expectation and accuracy.held", AMPLITUDE_SHARE,
     )  # fmt: skip
     other_form_percent: float = _fitted(5.0, "% of diameter", "error if another form is likely", ERROR_DESIGNS, CHOSEN)
     other_form_sharpness: float = _unknown(8.0, "-", "exponent with which the second amplitude makes it likely")

@@ -18,6 +18,7 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
+from asterism.previews.model import PREVIEW_MODEL
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
@@ -79,7 +80,13 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     released = exact(design, folder)
     row = (whole_row if starts else quick_row)(design, folder, law)
     known = causes(design, law) | {"softness": released.summary["smallest_eigenvalue"]}
-    row |= {"stars": released.summary["stars_total"], "causes": known, "made_by": made_by, "design": design.to_dict()}
+    row |= {
+        "share": PREVIEW_MODEL.amplitude_share,
+        "stars": released.summary["stars_total"],
+        "causes": known,
+        "made_by": made_by,
+        "design": design.to_dict(),
+    }
     write_row(path, row)
     return row
 

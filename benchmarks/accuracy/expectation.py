@@ -26,7 +26,7 @@ from scipy.optimize import minimize
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.previews.search.near_zero_modes import has_two_near_zero_modes
-from asterism.previews.uncertainty.distance_error import amplitude_share, unequal_stars_percent
+from asterism.previews.uncertainty.distance_error import unequal_stars_percent
 from asterism.verification.numbers import MAX_LIKE_DISTANCE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
@@ -41,24 +41,15 @@ from homogenize.errors import LawError
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
 from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them
 LATER, LAST = range(600, 640), range(640, 690)  # seeds: two of the former set CONTRAST, the latter came after it
-SYMMETRIC = 3  # kind of the free sheets with a rotation, see IN_USE; that of supported ones follows
 # columns of the study's table
 NAMES = [
     "design", "stars", "held", "rms %", "expected %", "same form", "height %", "expected height %", "warnings",
 ]  # fmt: skip
-IN_USE = (
-    PREVIEW_MODEL.floor_percent,
-    PREVIEW_MODEL.amplitude_share,
-    PREVIEW_MODEL.amplitude_share_mirrored,
-    PREVIEW_MODEL.amplitude_share_symmetric,
-    PREVIEW_MODEL.amplitude_share_supported,
-)
+IN_USE = (PREVIEW_MODEL.floor_percent, PREVIEW_MODEL.amplitude_share)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
 NARROW = "ribbons, never fitted to"
@@ -106,11 +97,9 @@ def _rows(chosen: Sequence[Design], folder: Path, law: Law, as_is: bool, left_ou
                 print(f"{design.name}: the exact model has found no certain shape", flush=True)
                 continue
         entry = kept(design, folder, law, starts=False, as_is=as_is)
-        plan = layout(design)
-        share = amplitude_share(plan.is_supported_in_plane, symmetries(design, plan))
         amplitude = float(np.linalg.norm(entry["preview"]["soft_amplitudes_percent"]))
         unequal = unequal_stars_percent(entry["preview"]["contrast_percent"])
-        rows.append(entry | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude, "unequal": unequal})
+        rows.append(entry | {"amplitude": amplitude, "unequal": unequal})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
@@ -142,7 +131,7 @@ def section(
         "", "designs", "supported", "rms, median %", "nine in ten %", "distance over expected, median", "nine in ten",
         "misses", "of these announced", "announced in all",
     ]  # fmt: skip
-    numbers = [["floor %", "share, free without symmetry", "with a mirror alone", "with a rotation", "supported"]]
+    numbers = [["floor %", "share of the amplitudes"]]
     numbers += [[f"{x:.3f}" for x in fit] for fit in (IN_USE, fitted(known))]
     numbers += [
         [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
@@ -176,20 +165,16 @@ def section(
 
 
 def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
-    """FLOOR and the four shares: least squares of the logarithms, then scaled from the median to the mean square.
+    """Floor and share: least squares of the logarithms, then scaled from the median to the mean square.
 
-    From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
+    From designs within 10 % of the exact shape that are not soft in two ways.
     """
-    some = [
-        entry
-        for entry in rows
-        if entry["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and (entry["kind"] < SYMMETRIC or not _two_ways(entry))
-    ]
-    size, kind, unequal = (np.array([entry[name] for entry in some]) for name in ("amplitude", "kind", "unequal"))
+    some = [entry for entry in rows if entry["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and not _two_ways(entry)]
+    size, unequal = (np.array([entry[name] for entry in some]) for name in ("amplitude", "unequal"))
     distance = np.log([entry["rms_percent"] for entry in some])
 
     def off(w: np.ndarray) -> np.ndarray:
-        return np.asarray(distance - np.log(np.hypot(np.hypot(w[0], w[kind] * size), unequal)))
+        return np.asarray(distance - np.log(np.hypot(np.hypot(w[0], w[1] * size), unequal)))
 
     best = minimize(lambda w: float((off(w) ** 2).sum()), IN_USE, method="Nelder-Mead").x
     return tuple(float(x) for x in np.abs(best) * np.exp(off(best).var()))
@@ -204,7 +189,7 @@ def _again(entry: Row, fit: tuple[float, ...]) -> float | None:
 
 
 def _near(entry: Row, fit: tuple[float, ...]) -> float:
-    return math.hypot(fit[0], fit[entry["kind"]] * entry["amplitude"], entry["unequal"])
+    return math.hypot(fit[0], fit[1] * entry["amplitude"], entry["unequal"])
 
 
 def _two_ways(entry: Row) -> bool:

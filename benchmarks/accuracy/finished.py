@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
@@ -59,7 +60,8 @@ def restated(row: Row, design: Design, law: Law) -> Row | None:
 def with_statements(row: Row, shown: Shape) -> Row:
     """The row with what a preview states of itself."""
     summary = {key: value for key, value in shown.summary.items() if key != "design"}
-    return row | {key: summary.get(key) for key in STATED} | {"preview": summary}
+    stated = {key: summary.get(key) for key in STATED} | {"share": PREVIEW_MODEL.amplitude_share}
+    return row | stated | {"preview": summary}
 
 
 def is_same_shape(first: Any, second: Any) -> bool:

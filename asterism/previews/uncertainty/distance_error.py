@@ -5,11 +5,8 @@ With a the root of the sum of squares of the amplitudes a_i of the near-zero mod
 
     error^2 = floor^2 + (share a)^2 + (curls)^2 + (buckling)^2 + (unequal stars)^2 + max(form^2, P_j d_j^2).
 
-- **Amplitudes.** The law's energies are wrong by a small part, so that the shape is off by a small share of a. It is
-  largest for sheets whose only symmetry is a mirror: most of them are rectangles, whose bare rims differ in width. It
-  is smaller where a rotation maps a free sheet to itself: errors of the law have the symmetry of the design, and do not
-  push along modes that break it, such as the turn of a tube's axis. Supported sheets have the largest share. They are
-  compared as held, so that their swing on the supports counts, which a rigid motion would take out.
+- **Amplitudes.** The law's energies are wrong by a small part, so that the shape is off by a small share of a:
+  `amplitude_share`. It is one for all sheets: shares by symmetry and support of their own announce no further miss.
 - **Curls.** A free sheet whose stars curl within their own spacing is not smooth: `other_form_percent` times the share
   of these stars.
 - **Buckling.** A supported sheet that is much narrower than its natural size buckles, and the law cannot tell where.
@@ -35,13 +32,11 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.search.near_zero_modes import second_amplitude_limit
 from asterism.previews.uncertainty.other_forms import OtherForm
 from equilibrium.arrays import Floats
-from pattern.layout.symmetries import Symmetry
 
 
 def distance_error_percent(
     amplitudes: Floats,
     others: Sequence[OtherForm] = (),
-    share: float | None = None,
     is_supported: bool = False,
     tight_share: float = 0.0,
     size_ratio: float = 1.0,
@@ -53,7 +48,6 @@ def distance_error_percent(
     Parameters
     ----------
     amplitudes : (k,) %, the largest first.
-    share : of the amplitudes, see `amplitude_share`; by default that of free sheets without symmetry.
     tight_share : of the stars that are not scale-separated.
     size_ratio : size that the supports allow over the natural size.
     sensitivity_percent : to size-dependent strain error, in % of the diameter.
@@ -61,13 +55,12 @@ def distance_error_percent(
     Examples
     --------
     >>> distance_error_percent(np.array([6.0, 4.0, 3.0]), is_supported=True, size_ratio=np.inf).__round__(2)
-    0.43
+    0.56
     """
     if len(amplitudes) < 2:
         return None
-    share = model.amplitude_share if share is None else share
     curls = 0.0 if is_supported else model.other_form_percent * tight_share
-    soft = share * float(np.linalg.norm(amplitudes))
+    soft = model.amplitude_share * float(np.linalg.norm(amplitudes))
     buckling = model.buckling_percent * buckling_weight(size_ratio, model)
     near = math.hypot(model.floor_percent, soft, curls, buckling, unequal_stars_percent(sensitivity_percent, model))
     ratio = (float(amplitudes[1]) / second_amplitude_limit(is_supported, model)) ** model.other_form_sharpness
@@ -78,15 +71,6 @@ def distance_error_percent(
         ]
     )
     return float(np.hypot(near, form))
-
-
-def amplitude_share(is_supported: bool, symmetries: Sequence[Symmetry], model: PreviewModel = PREVIEW_MODEL) -> float:
-    """The share of the amplitudes that counts for a sheet with these symmetries, the identity among them."""
-    if is_supported:
-        return model.amplitude_share_supported
-    if sum(not symmetry.mirrors for symmetry in symmetries) > 1:
-        return model.amplitude_share_symmetric
-    return model.amplitude_share_mirrored if len(symmetries) > 1 else model.amplitude_share
 
 
 def unequal_stars_percent(sensitivity_percent: float, model: PreviewModel = PREVIEW_MODEL) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from asterism.previews.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.state import PreviewState
-from asterism.previews.uncertainty.distance_error import amplitude_share, buckling_weight, distance_error_percent
+from asterism.previews.uncertainty.distance_error import buckling_weight, distance_error_percent
 from asterism.previews.uncertainty.height_error import HeightDoubts, height_doubts, height_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from asterism.previews.uncertainty.strain_sensitivity import strain_sensitivity
@@ -82,15 +82,13 @@ def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) 
     means = mean_fields(state.shell) if is_supported else None
     size_ratio = means.chord / means.stretch if means else np.inf
     others = other_forms(state, across)
-    # the symmetries of supported sheets do not count, and are not computed
-    share = amplitude_share(is_supported, () if is_supported else state.symmetries, model)
     tight_share = len(state.values.not_scale_separated) / len(layout.centres)
     sensitivity_percent = 100.0 * sensitivity / across
     distance, height = None, None
     if _is_within_experience(state):
         terms = is_supported, tight_share, size_ratio, sensitivity_percent, model
-        distance = distance_error_percent(amplitudes, others, share, *terms)
-        height = height_error_percent(doubts, share, model) if doubts else None
+        distance = distance_error_percent(amplitudes, others, *terms)
+        height = height_error_percent(doubts, model) if doubts else None
     return ErrorEstimate(
         distance_percent=distance,
         height_percent=height,

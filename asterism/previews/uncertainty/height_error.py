@@ -13,8 +13,8 @@ contributions in mm:
   arms of at least `inverted_min_arm`, sit where the curvature is below `inverted_max_curvature` of the natural one, and
   where the sheet is not wider than its flat cell. `inverted_share` times their bumps, rms over all stars, counts.
 
-`python -m benchmarks.accuracy.expectation` fits the four shares, `python -m benchmarks.accuracy.supported_share` states
-how many heights of supported sheets the estimate covers. Other forms are left out: a warning names them, and
+`python -m benchmarks.accuracy.expectation` fits the four shares, `python -m benchmarks.accuracy.amplitude_share` states
+how many heights the estimate covers. Other forms are left out: a warning names them, and
 most are as high.
 """
 
@@ -54,22 +54,21 @@ class HeightDoubts:
     turning: float
 
 
-def height_error_percent(doubts: HeightDoubts, share: float, model: PreviewModel = PREVIEW_MODEL) -> float | None:
+def height_error_percent(doubts: HeightDoubts, model: PreviewModel = PREVIEW_MODEL) -> float | None:
     """The estimated error in % of the height; None for a sheet without height.
 
-    `share` is that of `asterism.previews.uncertainty.distance_error.amplitude_share`. Over many designs the estimate is
-    a root mean square: most previews are closer.
+    Over many designs the estimate is a root mean square: most previews are closer.
 
     Examples
     --------
-    >>> height_error_percent(HeightDoubts(height=20.0, lowest=0.0, softness=0.0, turning=0.0), share=0.03)
+    >>> height_error_percent(HeightDoubts(height=20.0, lowest=0.0, softness=0.0, turning=0.0))
     2.0
     """
     if doubts.height <= 0.0:
         return None
     contributions = (
         model.lowest_point_share * doubts.lowest,
-        model.height_softness_share * share * doubts.softness,
+        model.height_softness_share * model.amplitude_share * doubts.softness,
         model.height_share * doubts.height,
         model.inverted_share * doubts.turning,
     )

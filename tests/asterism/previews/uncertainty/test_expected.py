@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,17 +10,12 @@ import pytest
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
-from asterism.previews.uncertainty.distance_error import amplitude_share, distance_error_percent
+from asterism.previews.uncertainty.distance_error import distance_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import Symmetry, symmetries
 
 UNSURE, FLOOR = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.floor_percent
-SHARE, MIRRORED = PREVIEW_MODEL.amplitude_share, PREVIEW_MODEL.amplitude_share_mirrored
-SUPPORTED = PREVIEW_MODEL.amplitude_share_supported
-FORGIVEN, ANOTHER_FORM = PREVIEW_MODEL.amplitude_share_symmetric, PREVIEW_MODEL.other_form_percent
+SHARE, ANOTHER_FORM = PREVIEW_MODEL.amplitude_share, PREVIEW_MODEL.other_form_percent
+WITHOUT_SHARE = replace(PREVIEW_MODEL, amplitude_share=0.0)
 CONTRAST, BUCKLED = PREVIEW_MODEL.size_strain_share, PREVIEW_MODEL.buckling_percent
 
 
@@ -35,56 +31,38 @@ def test_softer_sheets_expect_more():
     assert all(one < other for one, other in pairwise(expected))
 
 
-def test_a_symmetry_forgives_soft_motions():
+def test_a_share_of_all_amplitudes_counts():
     soft = np.array([30.0, 12.0, 8.0])
-    assert distance_error_percent(soft, share=FORGIVEN) < 0.8 * distance_error_percent(soft)
-    none, forgiven, free = (distance_error_percent(soft, share=share) ** 2 for share in (0.0, FORGIVEN, SHARE))
-    assert (forgiven - none) / (free - none) == pytest.approx((FORGIVEN / SHARE) ** 2)
-
-
-@pytest.mark.parametrize(
-    ("border", "share"),
-    [
-        ({"rings": 1}, FORGIVEN),
-        ({"rectangle_mm": [70.0, 62.0]}, MIRRORED),
-        ({"polygon_mm": [[-40.0, -30.0], [45.0, -35.0], [30.0, 40.0]]}, SHARE),
-    ],
-)
-def test_a_mirror_alone_forgives_nothing(border, share):
-    design = Design.from_dict(gallery.load("tube").to_dict() | {"border": border})
-    same = symmetries(design, layout(design))
-    assert amplitude_share(False, same) == share
-    assert amplitude_share(True, same) == SUPPORTED
+    none, found = distance_error_percent(soft, model=WITHOUT_SHARE), distance_error_percent(soft)
+    assert found == pytest.approx(np.hypot(none, SHARE * np.linalg.norm(soft)))
 
 
 def test_forms_count_by_the_chance_that_they_are_lower():
     """Of a normal error of the energies: one in two at equal ones, .1587 one standard deviation above."""
     stiff = np.zeros(2)
     for gap, chance in ((0.0, 0.5), (UNSURE, 0.158655), (-UNSURE, 0.841345)):
-        found = distance_error_percent(stiff, [OtherForm("arc", 1.0, gap, 60.0)], share=0.0)
+        found = distance_error_percent(stiff, [OtherForm("arc", 1.0, gap, 60.0)], model=WITHOUT_SHARE)
         assert found == pytest.approx(np.hypot(FLOOR, 60.0 * np.sqrt(chance)), rel=1e-5)
 
 
 def test_stars_that_curl_tightly_are_beyond_a_smooth_sheet():
     soft = np.array([3.0, 2.0, 1.0])
-    assert distance_error_percent(soft, share=FORGIVEN, tight_share=1.0) > 4.0
-    assert distance_error_percent(soft, share=FORGIVEN, tight_share=1.0, is_supported=True) < 1.0
+    assert distance_error_percent(soft, tight_share=1.0) > 4.0
+    assert distance_error_percent(soft, tight_share=1.0, is_supported=True) < 1.0
 
 
 def test_one_soft_motion_is_forgiven():
     """The turn of a tube's axis alone does not make another form."""
     assert not has_two_near_zero_modes(np.array([80.0, 10.0]), False)
     assert has_two_near_zero_modes(np.array([80.0, 40.0]), False)
-    one, two = (distance_error_percent(np.array([80.0, second]), share=FORGIVEN) for second in (10.0, 40.0))
+    one, two = (distance_error_percent(np.array([40.0, second])) for second in (10.0, 40.0))
     assert two > 2.0 * one
 
 
 def test_held_sheets_take_less_to_have_another_form():
     edges = np.array([16.0, 15.0, 15.0])
     assert has_two_near_zero_modes(edges, True) and not has_two_near_zero_modes(edges, False)
-    assert distance_error_percent(edges, share=FORGIVEN, is_supported=True) > 2.0 * distance_error_percent(
-        edges, share=FORGIVEN
-    )
+    assert distance_error_percent(edges, is_supported=True) > 2.0 * distance_error_percent(edges)
 
 
 def test_sheets_that_are_held_narrow_may_buckle_otherwise():
@@ -108,13 +86,6 @@ def test_sheets_that_hang_on_unequal_stars_expect_more():
 def test_nothing_is_expected_of_what_is_not_stable():
     assert distance_error_percent(np.empty(0)) is None
     assert not has_two_near_zero_modes(np.empty(0), False)
-
-
-def test_half_a_turn_forgives_as_other_turns_do():
-    none, star = np.zeros(2), np.arange(1)
-    same, half, mirror = (Symmetry(turn, none, star) for turn in (np.eye(2), -np.eye(2), np.diag([1.0, -1.0])))
-    assert amplitude_share(False, [same, half]) == amplitude_share(False, [same, half, mirror]) == FORGIVEN
-    assert amplitude_share(False, [same]) == SHARE
 
 
 def test_the_lowest_form_within_the_energies_doubt_might_be_the_right_one():
