@@ -59,6 +59,7 @@ def fit(
             help="Hold the whole border along that of the target, in place of needles (default: on saddles).",
         ),
     ] = None,
+    width_mm: Annotated[float | None, typer.Option(min=0.0, help="Width of all arms in mm (default: 1.2).")] = None,
     printer: Annotated[
         str, typer.Option(help="Printer to whose layers and lines sizes are rounded (see asterism printers).")
     ] = "ultimaker2",
@@ -135,6 +136,7 @@ def fit(
             border=border,
             corrections=corrections,
             weight=weight,
+            width_mm=width_mm,
         )
     files = write_fit(fitted, directory)
     write_file(file, table_text(fitted.design.to_dict(), file))

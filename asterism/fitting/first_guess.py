@@ -22,6 +22,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.process.listeners import Say, ignore_line
 from equilibrium.arrays import Floats
+from homogenize.errors import LawError
 from homogenize.law.anisotropy import BENDING_POISSON
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -70,6 +71,7 @@ def guess_design(
     nearest: bool = False,
     say: Say = ignore_line,
     border: bool | None = None,
+    width_mm: float | None = None,
 ) -> FirstGuess:
     """The first guess of a design for a target.
 
@@ -83,6 +85,7 @@ def guess_design(
     say : called with a line of text at the beginning of each stage.
     border : hold the whole border on that of the target; by default if needles are not given and
         `MIN_HELD_SADDLE_SHARE` of the Gauss curvature is negative.
+    width_mm : of all arms; `FITTED_WIDTH_MM`, or the nearest width of the law, by default.
 
     Raises
     ------
@@ -92,10 +95,15 @@ def guess_design(
         Stars cannot make the target.
     ForeignLaw
         The law has no table for the stretch.
+    LawError
+        The law does not cover the width.
     """
     say("flattening the target")
     flat = flatten_target(target)
-    width = float(np.clip(FITTED_WIDTH_MM, *law.size_ranges(law.stretches[0])["width_mm"]))
+    thinnest, widest = law.size_ranges(law.stretches[0])["width_mm"]
+    if width_mm is not None and not thinnest <= width_mm <= widest:
+        raise LawError(f"width_mm = {width_mm:g}: the law covers {thinnest:g} to {widest:g} mm")
+    width = float(np.clip(FITTED_WIDTH_MM, thinnest, widest)) if width_mm is None else float(width_mm)
     menus = [StarMenu.of(law, available, width) for available in sorted(law.stretches)]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
     lattice = law.material.lattice

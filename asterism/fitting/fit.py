@@ -62,6 +62,7 @@ def fit(
     border: bool | None = None,
     corrections: int = MAX_CORRECTIONS,
     weight: str | Path | ArrayLike | None = None,
+    width_mm: float | None = None,
 ) -> Fit:
     """Find star sizes whose sheet comes near to a target surface.
 
@@ -89,6 +90,7 @@ def fit(
         target's file), a grey picture as one sees the target along z (black 1, white 10), or (V,) numbers at the
         vertices of `target.disk`; from 0.01 to 100. The design keeps the weights in its section `[fit]`, and
         `within_percent` counts all places alike.
+    width_mm : of all arms; 1.2 mm by default. The fit changes lengths and thicknesses.
 
     Returns
     -------
@@ -99,7 +101,7 @@ def fit(
     TargetError, ReachError
         The target has no flattening, or stars cannot make it.
     LawError
-        The law has no table for the stretch.
+        The law has no table for the stretch, or does not cover the width.
     ValueError
         `needles` is not a whole number from 0 to 1000, or is 1 or 2, or is given with `border`; or `corrections` is not
         a whole number from 0 to 20.
@@ -123,7 +125,7 @@ def fit(
     law, tell = law or paper_law(), say or ignore_line
     if weight is not None:
         target = weighted_target(target, weight)
-    guess = guess_design(target, law, stretch, needles, nearest, tell, border)
+    guess = guess_design(target, law, stretch, needles, nearest, tell, border, width_mm)
     plan = layout(guess.design)
     guess = replace(guess, design=with_weights(guess.design, target, guess.target_map, plan))
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)

@@ -12,7 +12,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.previews.default_law import paper_law
 from benchmarks.fit_targets import rectangle_mesh
-from homogenize.errors import ForeignLaw
+from homogenize.errors import ForeignLaw, LawError
 from pattern.layout.build import layout
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
@@ -134,3 +134,9 @@ def test_the_menu_agrees_with_the_law() -> None:
     # the sheet bends as its stars do: it contracts as their natural tube
     assert values["lam_n"] == pytest.approx([0.80, 0.85], rel=0.01)
     assert (menu.least_thickness(sizes[:, 0]) <= sizes[:, 1] + 1e-9).all()
+
+
+def test_the_width_of_the_arms_can_be_given() -> None:
+    assert guess_design(cap(30.0), paper_law(), width_mm=0.8).menu.width_mm == 0.8
+    with pytest.raises(LawError, match=r"width_mm = 2: the law covers 0.8 to 1.6 mm"):
+        guess_design(cap(30.0), paper_law(), width_mm=2.0)
