@@ -18,8 +18,8 @@ class Pins(Section):
     Attributes
     ----------
     where : "border" or "corners": the whole outline, or all of its corners.
-    points_mm : printed points. Points within 0.25 mm of the outline, of a star's centre, of a tip or of an arm are
-        moved onto it.
+    points_mm : printed points. Points within 0.25 mm of the outline, of the edge of a hole, of a star's centre, of a
+        tip or of an arm are moved onto it.
     edges, corners : numbers of edges or corners of the outline, counterclockwise. Edge i runs from corner i to corner
         i + 1. Corner 0 of a hexagon is at 30 deg, of a rectangle at the lower left.
     scale : the pins stand at `scale` times the printed place, about the origin, at the height z = 0.

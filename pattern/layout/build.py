@@ -32,6 +32,8 @@ KEPT_OUTLINES = 8
 HOLE_CURVE_MM = 0.005
 # vertices of the exact model's mesh
 MAX_VERTICES = 400_000
+# places closer than this to the edge of a hole are on it, but for rounding
+ON_EDGE_MM = 1e-6
 # ends of arms closer than this part of the spacing are one point, but for rounding
 MEETING_TOLERANCE_SPACINGS = 1e-6
 
@@ -180,8 +182,8 @@ def _kept_holes(border: Border, lattice: Lattice) -> tuple[Floats, ...]:
 @lru_cache(maxsize=KEPT_OUTLINES)
 def _placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tuple[PinSet, ...]:
     """The pins where the design places them, kept for edits."""
-    corners = _kept_outline(border, lattice)
-    return tuple(pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(pins))
+    corners, holes = _kept_outline(border, lattice), _kept_holes(border, lattice)
+    return tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
 
 
 @lru_cache(maxsize=KEPT_OUTLINES)
@@ -193,12 +195,18 @@ def _check_placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice)
 def check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, ...] = ()) -> None:
     """Refuse pins in holes, that contradict each other or pull too far, on a sheet with the outline (B, 2) mm."""
     for number, pin in enumerate(pins):
-        in_hole = [point for point in pin.points if any(inside(point[None], hole)[0] for hole in holes)]
+        in_hole = [point for point in pin.points if any(_in_hole(point, hole) for hole in holes)]
         if in_hole:
             problem = "must be on the sheet, not in a hole"
             raise DesignError(f"pins[{number}]", problem, in_hole[0].round(4).tolist(), place_mm=in_hole[0])
     check_conflicts(pins, corners)
     check_reach(pins, corners)
+
+
+def _in_hole(point: Floats, hole: Floats) -> bool:
+    """Whether a point (2,) mm is in a hole (n, 2) and not on its edge."""
+    on_edge = shapely.distance(shapely.linearrings(hole), shapely.points(point)) < ON_EDGE_MM
+    return bool(inside(point[None], hole)[0]) and not on_edge
 
 
 @lru_cache(maxsize=KEPT_OUTLINES)

@@ -20,13 +20,14 @@ PIN_TOLERANCE_MM = 0.25
 _NO_POINTS: Floats = np.empty((0, 2))
 
 
-def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
+def pin_set(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...] = ()) -> PinSet:
     """The pins of one entry of `[[pins]]`.
 
     Parameters
     ----------
     corners : (B, 2) mm, the outline.
     name : of the entry in messages, e.g. `pins[0]`.
+    holes : (n, 2) mm each, their edges.
 
     Raises
     ------
@@ -34,7 +35,7 @@ def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
         An edge or a corner does not exist, a point is off the sheet, points and targets differ in number, or edges
         with targets do not follow each other.
     """
-    points, edges = _selected(pins, corners, name)
+    points, edges = _selected(pins, corners, name, holes)
     target = curve = None
     if pins.target_mm is not None:
         target = np.asarray(pins.target_mm)
@@ -60,7 +61,7 @@ def _curve(target: Floats, edges: tuple[int, ...], corners: Floats, name: str) -
     return SupportCurve.through(chain, np.concatenate([target, target[:1]]) if is_closed else target)
 
 
-def _selected(pins: Pins, corners: Floats, name: str) -> tuple[Floats, tuple[int, ...]]:
+def _selected(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...]) -> tuple[Floats, tuple[int, ...]]:
     """Points (P, 2) and edges that an entry selects."""
     count = len(corners)
     if pins.where == "border":
@@ -71,7 +72,10 @@ def _selected(pins: Pins, corners: Floats, name: str) -> tuple[Floats, tuple[int
         return corners[list(_numbers(pins.corners, count, f"{name}.corners"))], ()
     if pins.edges is not None:
         return _NO_POINTS, _numbers(pins.edges, count, f"{name}.edges")
-    return _snapped_to_outline(np.asarray(pins.points_mm), corners, f"{name}.points_mm"), ()
+    points = _snapped_to_outline(np.asarray(pins.points_mm), corners, f"{name}.points_mm")
+    for hole in holes:
+        points = _snapped_to_ring(points, hole, PIN_TOLERANCE_MM)
+    return points, ()
 
 
 def _numbers(numbers: tuple[int, ...], count: int, field: str) -> tuple[int, ...]:
@@ -95,7 +99,12 @@ def _snapped_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
     if off_sheet.any():
         k = int(off_sheet.argmax())
         raise DesignError(f"{field}[{k}]", "must be on the sheet", rounded_place(points[k]), place_mm=points[k])
-    ring = shapely.linearrings(corners)
+    return _snapped_to_ring(points, corners, tolerance)
+
+
+def _snapped_to_ring(points: Floats, corners: Floats, tolerance: float) -> Floats:
+    """Points (P, 2); those within a tolerance (mm) of a corner or an edge of a ring (B, 2) are moved onto it."""
+    places, ring = shapely.points(points), shapely.linearrings(corners)
     beside = shapely.distance(ring, places) <= tolerance
     feet = shapely.get_coordinates(shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, places)))
     distance = np.linalg.norm(points[:, None] - corners, axis=2)

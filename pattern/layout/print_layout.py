@@ -76,7 +76,7 @@ def print_layout(design: Design) -> Layout:
 def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats, ...]) -> tuple[PinSet, ...]:
     """The pins of a design with drawn rods, moved onto rods beside them."""
     lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
-    sets = [pin_set(pin, outline, f"pins[{k}]") for k, pin in enumerate(design.pins)]
+    sets = [pin_set(pin, outline, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_lines(pin, outline, graph.nodes, lines) for pin in sets)
     check_pins(pins, outline, holes)
     return pins

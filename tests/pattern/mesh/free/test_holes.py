@@ -115,6 +115,17 @@ def test_pins_in_holes_are_refused() -> None:
         print_layout(design(ROUND, pins=[{"points_mm": [(0.0, 10.0)]}]))
 
 
+@pytest.mark.parametrize("place", [(6.1, 10.0), (5.9, 10.0), (-4.243, 14.243), (0.0, 16.1)])
+def test_pins_beside_the_edge_of_a_hole_are_moved_onto_it(place: tuple[float, float]) -> None:
+    plan = print_layout(design(ROUND, pins=[{"points_mm": [place, (-30, -30), (30, -30)]}]))
+    held = plan.pins[0].points[0]
+    assert np.linalg.norm(held - place) <= 0.25
+    assert np.linalg.norm(held - [0.0, 10.0]) == pytest.approx(6.0, abs=0.03)
+    mesh = mesh_layout(plan, 3.0)
+    assert np.linalg.norm(mesh.points - held, axis=1).min() < 1e-9
+    assert triangle_angles(mesh.points, mesh.triangles).min() > 20.0
+
+
 def test_stars_stand_clear_of_holes_and_their_arms_are_cut() -> None:
     stars = {"stars": {"length_mm": 8.0}, "border": {"rings": 2, "holes": [{"circle_mm": {"radius": 5.0}}]}}
     one = Design.from_dict(stars)
