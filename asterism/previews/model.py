@@ -241,18 +241,12 @@ class PreviewModel:
         0.1, "-", "standard deviation of the law's energies over the energy at stake", ERROR_DESIGNS, CHOSEN
     )
     # estimated error of the height: uncertainty/height_error.py
-    lowest_point_share: float = _fitted(
-        0.65, "-", "error of the lowest point over its distance from the smooth surface", ERROR_DESIGNS, ERRORS
-    )
     height_softness_share: float = _fitted(
         0.5, "-", "share of the amplitudes in the height over that in the distance", ERROR_DESIGNS, ERRORS
     )
     height_share: float = _fitted(0.02, "-", "error of the law over the height", ERROR_DESIGNS, ERRORS)
-    inverted_share: float = _fitted(
-        1.25, "-", "error over the rms bump of stars that may be inverted", ERROR_DESIGNS, ERRORS
-    )
+    # stars that may be inverted: inverted_stars.py
     inverted_min_arm: float = _unknown(0.5, "spacing", "stars with longer arms may be inverted")
-    inverted_max_curvature: float = _unknown(0.5, "-", "relative curvature up to which stars may be inverted")
 
 
 PREVIEW_MODEL = PreviewModel()

@@ -15,13 +15,8 @@ from benchmarks.report import markdown
 
 Row = dict[str, Any]
 
-IN_USE = (
-    PREVIEW_MODEL.lowest_point_share,
-    PREVIEW_MODEL.height_softness_share,
-    PREVIEW_MODEL.height_share,
-    PREVIEW_MODEL.inverted_share,
-)
-NAMES = ["LOWEST", "SOFT", "PART", "TURNED"]
+IN_USE = (PREVIEW_MODEL.height_softness_share, PREVIEW_MODEL.height_share)
+NAMES = ["share of the softness", "share of the height"]
 HEADER = [
     "", "designs", "error over expected, median", "nine in ten", "more than twice that", "more than 6 % off",
     "of these expected", "or another form warned of", "within 6 %",
@@ -50,7 +45,7 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     error = np.array([np.subtract(*one["heights_mm"]) for one in some])
 
     def unlikely(w: np.ndarray) -> float:
-        spread = np.linalg.norm(w * parts, axis=1)
+        spread = np.linalg.norm(np.append(1.0, w) * parts, axis=1)
         return float((np.log(spread) + 0.5 * (error / spread) ** 2).sum())
 
     best = minimize(unlikely, IN_USE, method="Nelder-Mead", options={"maxiter": 4000, "maxfev": 4000}).x
@@ -59,7 +54,8 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
 
 def expected(one: Row, fit: Sequence[float]) -> float:
     """% of the preview's height."""
-    return float(100.0 * np.linalg.norm(np.multiply(fit, _parts(one))) / one["preview"]["height_doubts_mm"]["height"])
+    height = one["preview"]["height_doubts_mm"]["height"]
+    return float(100.0 * np.linalg.norm(np.multiply([1.0, *fit], _parts(one))) / height)
 
 
 def goodness(rows: Sequence[Row]) -> list[str]:
@@ -77,9 +73,9 @@ def goodness(rows: Sequence[Row]) -> list[str]:
 
 
 def _parts(one: Row) -> list[float]:
-    """mm, what each constant is a part of."""
+    """mm, the lowest point, which counts in full, and what each constant is a part of."""
     doubts = one["preview"]["height_doubts_mm"]
-    return [doubts["lowest"], one["share"] * doubts["softness"], doubts["height"], doubts["turning"]]
+    return [doubts["lowest"], PREVIEW_MODEL.amplitude_share * doubts["softness"], doubts["height"]]
 
 
 def _three(numbers: Sequence[float]) -> list[str]:

@@ -1,19 +1,16 @@
 """Estimated error of the height of a preview, in % of it.
 
-The height is from the lowest to the highest point, bumps included. Its error is the root of the sum of squares of four
+The height is from the lowest to the highest point, bumps included. Its error is the root of the sum of squares of three
 contributions in mm:
 
-- **The lowest point** is often the tip of an arm beside the border. Its error is `lowest_point_share` of the distance
-  from there to the smooth surface. On nearly flat sheets that is much of the height.
+- **The lowest point** is often the tip of an arm beside the border. Its error is the distance from there to the smooth
+  surface. On nearly flat sheets that is much of the height.
 - **Softness.** The energy E at stake would part the highest from the lowest point by `sqrt(2 E c)`, c (mm/N) being the
   compliance against a pair of unit forces there. `height_softness_share` times the share of the amplitudes
   (`asterism.previews.uncertainty.distance_error`) of that counts.
 - **The law.** `height_share` of the height.
-- **Inverted stars.** Supported sheets may have stars with the bump down, where the law's are all up. Candidates have
-  arms of at least `inverted_min_arm`, sit where the curvature is below `inverted_max_curvature` of the natural one, and
-  where the sheet is not wider than its flat cell. `inverted_share` times their bumps, rms over all stars, counts.
 
-`python -m benchmarks.accuracy.expectation` fits the four shares, `python -m benchmarks.accuracy.amplitude_share` states
+`python -m benchmarks.accuracy.expectation` fits both shares, `python -m benchmarks.accuracy.amplitude_share` states
 how many heights the estimate covers. Other forms are left out: a warning names them, and
 most are as high.
 """
@@ -25,15 +22,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.state import PreviewState
-from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from fem.search.compliance import compliance
 from fem.supports.loads import point_load
-from pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)
@@ -45,13 +39,11 @@ class HeightDoubts:
     height : of the preview.
     lowest : distance of the lowest point from the smooth surface.
     softness : by which the energy at stake would part the lowest and the highest point.
-    turning : bumps of stars that may be inverted, rms over all stars.
     """
 
     height: float
     lowest: float
     softness: float
-    turning: float
 
 
 def height_error_percent(doubts: HeightDoubts, model: PreviewModel = PREVIEW_MODEL) -> float | None:
@@ -61,16 +53,15 @@ def height_error_percent(doubts: HeightDoubts, model: PreviewModel = PREVIEW_MOD
 
     Examples
     --------
-    >>> height_error_percent(HeightDoubts(height=20.0, lowest=0.0, softness=0.0, turning=0.0))
+    >>> height_error_percent(HeightDoubts(height=20.0, lowest=0.0, softness=0.0))
     2.0
     """
     if doubts.height <= 0.0:
         return None
     contributions = (
-        model.lowest_point_share * doubts.lowest,
+        doubts.lowest,
         model.height_softness_share * model.amplitude_share * doubts.softness,
         model.height_share * doubts.height,
-        model.inverted_share * doubts.turning,
     )
     return 100.0 * math.hypot(*contributions) / doubts.height
 
@@ -88,33 +79,8 @@ def height_doubts(state: PreviewState, shape: Shape, up: Floats) -> HeightDoubts
     ends = [int(height.argmax()), int(height.argmin())]
     forces = point_load(sheet.space, shape.printed[ends], np.array([up, -up]))
     apart = compliance(state.shell, equilibrium.x, state.factor, forces)
-    surface = smooth_surface(sheet.arms.at_centres, equilibrium.x)
-    curvature = 2.0 * surface.mean_curvature
     return HeightDoubts(
         height=shape.height_mm,
         lowest=abs(float(shape.point_fields["bump_mm"][ends[1], 2])),
         softness=math.sqrt(2.0 * max(equilibrium.absolute_energy, 0.0) * max(apart, 0.0)),
-        turning=inverted_bumps(state.values, state.layout, curvature, surface.area, state.model),
     )
-
-
-def inverted_bumps(
-    values: StarValues, layout: Layout, curvature: Floats, area: Floats, model: PreviewModel = PREVIEW_MODEL
-) -> float:
-    """mm, bumps of stars that may be inverted, rms over all stars; 0 for a sheet without supports.
-
-    Parameters
-    ----------
-    curvature : (S,) 1/mm at the star centres, sum of the principal curvatures, positive where the plastic is outside.
-    area : (S,) of the surface per printed area.
-    """
-    if not layout.pins:
-        return 0.0
-    kappa, length = values.value["kappa"][:-1], values.sizes[:, 0]
-    bumps = 0.5 * values.bump_curvature[:-1] * np.minimum(length, model.cell_radius * layout.spacing_mm) ** 2
-    may = (
-        (length >= model.inverted_min_arm * layout.spacing_mm)
-        & (curvature * np.sign(kappa) < model.inverted_max_curvature * np.abs(kappa))
-        & (np.sqrt(area) < values.value["lam"][:-1])
-    )
-    return float(np.sqrt((bumps**2 * may).mean()))

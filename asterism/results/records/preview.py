@@ -60,7 +60,6 @@ class HeightDoubtsRecord(Record):
     height: float = key("Height of the preview.", unit="mm")
     lowest: float = key("Distance of the lowest point from the smooth surface.", unit="mm")
     softness: float = key("How far the energy of the sheet would part its highest from its lowest point.", unit="mm")
-    turning: float = key("Size of the bumps of stars that may turn over, rms over all stars.", unit="mm")
 
 
 def _likely_forms(record: PreviewRecord) -> dict[str, str] | None:
