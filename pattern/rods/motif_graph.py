@@ -15,7 +15,7 @@ from pattern.rods.curves import polyline
 from pattern.rods.drawn_graph import PlacedLine, graph_of_lines
 from pattern.rods.graph import Rod
 
-# mm: places of a cell closer than this are one, but for rounding
+# mm: places of a cell closer than this are one, but for rounding, whatever `join_mm` is
 SAME_NODE_MM = 1e-5
 # copies of a motif around the cell, beyond which a motif is too long for its lattice
 MAX_NEARBY_COPIES = 2000
@@ -76,7 +76,7 @@ def motif_graph(rods: Rods, lattice: Lattice) -> MotifGraph:
     own = [rod for rod, piece in zip(graph.rods, pieces, strict=True) if piece.line < len(rods.motif)]
     if not own:
         raise DesignError("rods.motif", "must have a line that is longer than half its width")
-    return _folded(own, np.asarray(lattice.vectors))
+    return _folded(own, np.asarray(lattice.vectors), max(rods.join_mm, SAME_NODE_MM))
 
 
 def _places_nearby(rods: Rods, lattice: Lattice) -> Floats:
@@ -102,8 +102,11 @@ def _check_equal(rods: Rods) -> None:
                 raise DesignError(f"{place}.{name}", "must be a number: all copies in a unit cell are equal")
 
 
-def _folded(rods: list[Rod], vectors: Floats) -> MotifGraph:
-    """The rods with nodes of the cell, each moved so that it starts at the place of its node."""
+def _folded(rods: list[Rod], vectors: Floats, join_mm: float) -> MotifGraph:
+    """The rods with nodes of the cell, each moved so that it starts at the place of its node.
+
+    Ends that are within `join_mm` of an image of another are at the same node, as on the sheet; they move there.
+    """
     inverse = np.linalg.inv(vectors)
     nodes: list[Floats] = []
 
@@ -111,7 +114,7 @@ def _folded(rods: list[Rod], vectors: Floats) -> MotifGraph:
         """Number of the node at a place, and its image there."""
         for number, known in enumerate(nodes):
             image = np.rint((place - known) @ inverse).astype(np.int64)
-            if np.linalg.norm(place - known - image @ vectors) < SAME_NODE_MM:
+            if np.linalg.norm(place - known - image @ vectors) <= join_mm:
                 return number, image
         nodes.append(place)
         return len(nodes) - 1, np.zeros(2, dtype=np.int64)
@@ -120,6 +123,8 @@ def _folded(rods: list[Rod], vectors: Floats) -> MotifGraph:
     for rod in rods:
         start, image = node_at(rod.points[0])
         end, far = node_at(rod.points[-1])
-        folded.append(replace(rod, points=rod.points - image @ vectors, start=start, end=end, group=-1))
+        points = rod.points - image @ vectors
+        points[0], points[-1] = nodes[start], nodes[end] + (far - image) @ vectors
+        folded.append(replace(rod, points=points, start=start, end=end, group=-1))
         end_image.append(far - image)
     return MotifGraph(vectors, np.array(nodes), tuple(folded), np.array(end_image, dtype=np.int64))

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pattern import gallery
 from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.rods import Rods
@@ -34,6 +35,17 @@ def test_a_honeycomb_has_two_nodes_and_three_rods_a_cell(x: float, y: float) -> 
     for rod, image in zip(graph.rods, graph.end_image, strict=True):
         np.testing.assert_allclose(rod.points[0], graph.nodes[rod.start], atol=1e-9)
         np.testing.assert_allclose(rod.points[-1], graph.nodes[rod.end] + image @ graph.vectors, atol=1e-6)
+
+
+def test_ends_in_rounded_numbers_meet_as_they_do_on_the_sheet() -> None:
+    """The gallery's honeycomb misses its copies by 0.3 micrometres."""
+    design = gallery.load("honeycomb")
+    assert design.rods is not None
+    graph = motif_graph(design.rods, design.lattice)
+    assert graph.ends_at.tolist() == [3, 3]
+    for rod, image in zip(graph.rods, graph.end_image, strict=True):
+        np.testing.assert_array_equal(rod.points[0], graph.nodes[rod.start])
+        np.testing.assert_array_equal(rod.points[-1], graph.nodes[rod.end] + image @ graph.vectors)
 
 
 @pytest.mark.parametrize(
