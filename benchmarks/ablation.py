@@ -56,6 +56,7 @@ from pattern.layout.symmetries import symmetries
 RANDOM_PREFIX = "random-"
 HELD_PREFIXES = ("canopy-", "held-")
 FROZEN_PREFIX = "frozen-"
+COMMAND = "python -m benchmarks.ablation"
 ROWS = "ablation"  # name of the report, and of the file of each design in the folder
 MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance are no change
 HEADER = [
@@ -95,7 +96,8 @@ def main(words: Sequence[str]) -> int:
     text = f"{len(rows)} designs: {', '.join(row['design'] for row in rows)}.\n\n{table(rows)}"
     print(text)
     if options.write:
-        write_report(f"{ROWS}.frozen" if options.frozen else ROWS, rows, text)
+        name, command = (f"{ROWS}.frozen", f"{COMMAND} --frozen --keep FOLDER") if options.frozen else (ROWS, COMMAND)
+        write_report(name, rows, text, command=f"{command} --write")
     return 0
 
 

@@ -26,9 +26,11 @@ def peak_memory_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
-def write_report(name: str, rows: Sequence[dict[str, Any]], table: str, folder: Path = RESULTS) -> None:
-    """Write NAME.json and NAME.md, both or none, each saying what made it."""
-    command = f"python -m benchmarks.{name}"
+def write_report(
+    name: str, rows: Sequence[dict[str, Any]], table: str, folder: Path = RESULTS, command: str | None = None
+) -> None:
+    """Write NAME.json and NAME.md, both or none, each saying what made it: by default the module of that name."""
+    command = command or f"python -m benchmarks.{name}"
     content = {"command": command, "version": __version__, "machine": machine(), "rows": rows}
     text = f"Made by `{command}`, asterism {__version__}.\n\n{table}\n"
     with staged(folder) as here:

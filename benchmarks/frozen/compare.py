@@ -54,7 +54,7 @@ def main() -> None:
     text = section(rows, without)
     print(text)
     if not options.names:
-        write_report(f"frozen.{half}", rows, text)
+        write_report(f"frozen.{half}", rows, text, command="python -m benchmarks.frozen.compare FOLDER")
 
 
 def section(rows: Sequence[Row], without: Sequence[str]) -> str:
