@@ -201,9 +201,16 @@ def overhang(
 ) -> None:
     """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
     from asterism.measure.overhang import bending_stiffness
+    from pattern.design.errors import DesignError
 
-    stiffness = bending_stiffness(lengths, mass, confidence)
-    interval = f" ({stiffness.low_n_mm:.3g} to {stiffness.high_n_mm:.3g})" if len(lengths) > 1 else ", one reading only"
+    try:
+        stiffness = bending_stiffness(lengths, mass, confidence)
+    except DesignError as error:
+        typed = {"mass_g_m2": "--mass", "confidence": "--confidence"}.get(error.field)
+        raise error if typed is None else DesignError(typed, error.allowed, error.value) from None
+    interval = ", one reading only"
+    if len(lengths) > 1:
+        interval = f" ({stiffness.low_n_mm:.3g} to {stiffness.high_n_mm:.3g} at {100.0 * confidence:g} %)"
     run.table(
         {
             "bending length": f"{stiffness.bending_length_mm:.1f} mm",

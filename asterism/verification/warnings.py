@@ -44,7 +44,7 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
         *two_minima_warnings(verification.exact, verification.result, apart_percent),
         *_far(verification.comparison, preview.get("expected_rms_percent")),
         *_high(verification.comparison, preview.get("expected_height_percent")),
-        *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False)),
+        *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False), exact.get("mesh")),
         *_meshes(exact, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
     ]
 
@@ -101,8 +101,12 @@ def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
         yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
 
 
-def _kinds_of_mesh(design: Design, of_law: bool) -> Iterator[str]:
-    """A graded mesh of the law's cells beside an even one of the exact model, or the other way round."""
+def _kinds_of_mesh(design: Design, of_law: bool, kind: str | None) -> Iterator[str]:
+    """A graded mesh of the law's cells beside an even one of the exact model, or the other way round.
+
+    Two graded meshes differ if that of the exact model is a Delaunay mesh: its edges along the arms are a fifth as
+    long as elsewhere, those of the law's cells as long.
+    """
     if design.mesh.graded != of_law:
         names = {False: "even", True: "graded"}
         made = f"the law has {names[of_law]} meshes, the exact model {names[design.mesh.graded]} ones"
@@ -110,6 +114,11 @@ def _kinds_of_mesh(design: Design, of_law: bool) -> Iterator[str]:
         if not of_law and aligned_lines(design.lattice) is not None:
             advice = "; asterism calibrate makes a law of graded cells"
         yield f"{made}: part of the distance is this difference{advice}"
+    elif of_law and kind == "delaunay":
+        yield (
+            "the exact model has a graded Delaunay mesh, finer along the arms than the law's graded cells: part of the "
+            "distance is this difference; hexagons along the lattice have meshes like the cells'"
+        )
 
 
 def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:

@@ -62,5 +62,8 @@ def test_the_command_prints_what_the_design_needs(
 ) -> None:
     done = command(["strips", "overhang", "52", "50", "55", "51", "--mass", "250"], capsys, monkeypatch)
     assert done.status == 0
-    assert "0.043 N mm (0.0354 to 0.0523)" in done.out and "bending_stiffness_n_mm = 0.043" in done.out
-    assert command(["strips", "overhang", "5", "--mass", "250"], capsys, monkeypatch).status == 2
+    assert "0.043 N mm (0.0354 to 0.0523 at 95 %)" in done.out and "bending_stiffness_n_mm = 0.043" in done.out
+    refused = command(["strips", "overhang", "5", "--mass", "250"], capsys, monkeypatch)
+    assert refused.status == 2 and "reading 1 = 5.0: must be from 10 to 500 mm" in refused.err
+    refused = command(["strips", "overhang", "50", "--mass", "0"], capsys, monkeypatch)
+    assert refused.status == 2 and "--mass = 0.0: must be from 10 to 5000 g for a square metre" in refused.err
