@@ -4,7 +4,9 @@ python -m benchmarks.plate_previews FOLDER [NAME ...]
 
 Ten small designs, free and supported, of several outlines; each has the law of its own stars, whose cells have the
 design's graded mesh. Beside it, previews by laws whose cells have even meshes of
-a fifteenth of the spacing. FOLDER keeps the laws. With names, only these designs are computed, and no table is written.
+a fifteenth of the spacing. Aligned meshes of these edges do not resolve the creases: `benchmarks.plate_meshes` measures
+how far that moves exact shapes. FOLDER keeps the laws. With names, only these designs are computed, and no table is
+written.
 """
 
 from __future__ import annotations

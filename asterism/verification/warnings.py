@@ -105,7 +105,7 @@ def _kinds_of_mesh(design: Design, of_law: bool, kind: str | None) -> Iterator[s
     """A graded mesh of the law's cells beside an even one of the exact model, or the other way round.
 
     Two graded meshes differ if that of the exact model is a Delaunay mesh: its edges along the arms are a fifth as
-    long as elsewhere, those of the law's cells as long.
+    long as elsewhere, while those of the law's cells are shorter at the tips only.
     """
     if design.mesh.graded != of_law:
         names = {False: "even", True: "graded"}
