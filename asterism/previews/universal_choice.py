@@ -19,6 +19,8 @@ from pattern.design.stars import MIN_ARM_MM
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
+# share of the stars outside the law, above which it does not serve; fewer are named by the preview, as of every law
+MAX_UNCOVERED_SHARE = 0.25
 _IN_WORDS = {"lam_n": "contraction", "kappa": "natural curvature", "bending": "bending stiffness"}
 _OTHERWISE = "; asterism simulate needs no law"
 # materials whose tables are kept
@@ -49,7 +51,7 @@ def universal_choice(design: Design, sizes: Floats) -> UniversalChoice:
         errors = universal_law_errors(law, design, sizes, edge)
     except LawError as error:
         return UniversalChoice(None, str(error))
-    if not errors.covered.all():
+    if (~errors.covered).mean() > MAX_UNCOVERED_SHARE:
         count = f"{int((~errors.covered).sum())} of {len(sizes)} stars"
         return UniversalChoice(None, f"the universal law does not serve for {count}: {errors.outside}{_OTHERWISE}")
     typical = errors.typical_percent
