@@ -185,6 +185,9 @@ class PreviewModel:
         0.55, "rad", "turn over a spacing in which bumps come most of the way from flat to natural",
         "computed from cells", "origin unknown", "cells of long thin stars",
     )  # fmt: skip
+    bump_flattening_strain: float = _fitted(
+        0.08, "-", "strain over the flat cell at which no bumps are left", "random-20, random-35"
+    )
     bump_support_distance: float = _fitted(
         0.25, "spacing", "distance from supports over which bumps grow", "random-43, random-32"
     )

@@ -14,6 +14,10 @@ its spacing d, independently of its natural curvature kappa. The share of the ch
 
 which is linear for stars of small natural curvature. In a sheet that is bent to the other side, s(k) is negative.
 
+**Supports that stretch the sheet** flatten the bumps. The excess length of a bump is proportional to its squared
+height. Therefore, if lengths exceed those of the flat cell by the strain e, the height is multiplied by
+`sqrt(1 - e / e_0)`, with e_0 = `bump_flattening_strain`. The height is zero for strains above e_0.
+
 **At supports** the corrugation is zero, and it grows over a quarter of the spacing from there.
 """
 
@@ -68,6 +72,19 @@ def support_factor(far: Floats, spacing: float, model: PreviewModel = PREVIEW_MO
     if model.bump_support_distance == 0.0:
         return np.ones_like(far)
     return np.asarray(np.minimum(far / (model.bump_support_distance * spacing), 1.0))
+
+
+def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+    """(n,) factor by which the stretch of a supported sheet reduces the height of its bumps.
+
+    Parameters
+    ----------
+    weights : (n, S) share of each star.
+    area : (n,) area of the sheet per printed area.
+    """
+    lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
+    strain = np.sqrt(area) / lam - 1.0
+    return np.asarray(np.sqrt(np.clip(1.0 - strain / model.bump_flattening_strain, 0.0, 1.0)))
 
 
 def _bent(kappa: Floats, curvature: Floats, spacing: float, model: PreviewModel) -> Floats:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asterism.previews.corrugation.arm_shares import arm_shares
-from asterism.previews.corrugation.bumps import corrugation_heights, support_factor
+from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
 from asterism.previews.edges.free_rim import beyond_stars
 from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.fields.star_values import StarValues
@@ -66,7 +66,7 @@ class Lens:
         self.points = np.atleast_2d(np.asarray(points, dtype=float))
         self._model = sheet.model
         self._waves = waves(self.points - sheet.layout.lattice_origin)
-        self._spacing = sheet.layout.spacing_mm
+        self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._stays = support_factor(sheet.layout.distance_to_supports(self.points), self._spacing, sheet.model)
         self._at = sheet.space.locate(self.points)
         self._follow_stars(sheet)
@@ -113,6 +113,8 @@ class Lens:
         heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._arm_shares.lifted @ lift
+        if self._held:
+            heights *= flattening(values, weights, smooth.area, self._model)
         return Places(smooth, smooth.moved(self._arm_shares.along @ out) + heights[:, None] * smooth.normals)
 
 

@@ -1,10 +1,12 @@
-"""How far along an arm the tips of bumps are looked for."""
+"""How high bumps stand where a sheet is pulled, and how far along an arm they are looked for."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
+from asterism.previews.corrugation.bumps import flattening
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from pattern import gallery
@@ -12,12 +14,22 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
-REACH = PREVIEW_MODEL.cell_radius
+APART, REACH = PREVIEW_MODEL.bump_flattening_strain, PREVIEW_MODEL.cell_radius
 
 
 def of_stars(length: float):
     design = Design.from_dict(gallery.load("tube").to_dict() | {"stars": {"length_mm": length, "thickness_mm": 0.4}})
     return design, star_values(design, layout(design), plain_law())
+
+
+def test_bumps_go_as_the_sheet_is_stretched_in_length() -> None:
+    """Half of the way to none: the root of one half, at lengths beyond the sheet's own by half of APART."""
+    _, values = of_stars(8.0)
+    stars = len(values.sizes)
+    lam = values.value["lam"][:-1]
+    for part in (-0.5, 0.0, 0.5, 1.0, 2.0):
+        found = flattening(values, sp.eye_array(stars, format="csr"), (lam * (1.0 + part * APART)) ** 2)
+        np.testing.assert_allclose(found, np.sqrt(np.clip(1.0 - part, 0.0, 1.0)), atol=1e-7)
 
 
 @pytest.mark.parametrize("length", [6.0, 12.0])
