@@ -51,6 +51,8 @@ def test_new_lists_and_writes(
     assert drawn.status == 0 and "asterism simulate leaf.toml" in drawn.out and "preview" not in drawn.out
     assert command(["new", "tube"], capsys, monkeypatch).status == 0
     assert command(["new", "tube"], capsys, monkeypatch).status == 0  # nothing is lost by writing the same again
+    assert command(["new", "tube", "-o", "missing/folder/tube.toml"], capsys, monkeypatch).status == 0
+    assert (tmp_path / "missing" / "folder" / "tube.toml").read_bytes() == (tmp_path / "tube.toml").read_bytes()
     (tmp_path / "tube.toml").write_text("mine")
     assert "exists" in mistake(run("new", "tube", cwd=tmp_path))
     assert (tmp_path / "tube.toml").read_text() == "mine"
