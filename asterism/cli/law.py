@@ -11,7 +11,8 @@ from asterism.cli.common.options import DaskAddress, Processes, output_option
 from asterism.cli.common.run import Run, command
 
 app = typer.Typer(
-    help="Show a law, make the universal law of all fabrics, or solve the cell of a motif.", invoke_without_command=True
+    help="Show a law, add cells of other mesh edges, make the universal law, or solve the cell of a motif.",
+    invoke_without_command=True,
 )
 
 
@@ -20,7 +21,7 @@ def _needs_a_command(context: typer.Context) -> None:
     from asterism.cli.common.mistake import Mistake
 
     if context.invoked_subcommand is None:
-        raise Mistake("law: needs a command: show, errors, universal or cell")
+        raise Mistake("law: needs a command: show, edges, errors, universal or cell")
 
 
 @command
@@ -37,6 +38,52 @@ def show(
     lines = show_law(path, output)
     run.table({}, doubts=law_doubts(path))
     run.lines(lines)
+
+
+@command
+def edges(
+    run: Run,
+    path: Annotated[
+        Path | None, typer.Argument(help="File of the law (.npz). Without a file: the law of the paper's material.")
+    ] = None,
+    output: Annotated[Path | None, output_option("File of the new law (default: LAW-edges.npz).")] = None,
+    edge: Annotated[
+        list[float] | None,
+        typer.Option(help="Edge of the cells' mesh, mm; repeat it for several (default: spacing over 9, 27 and 36)."),
+    ] = None,
+    stretch: Annotated[float | None, typer.Option(help="Only cells of this stretch (default: all of the law).")] = None,
+    length: Annotated[
+        tuple[float, float] | None, typer.Option(help="Only cells from LOW to HIGH arm length in mm (default: all).")
+    ] = None,
+    thickness: Annotated[
+        tuple[float, float] | None, typer.Option(help="Only cells from LOW to HIGH thickness in mm (default: all).")
+    ] = None,
+    jobs: Processes = None,
+    dask: DaskAddress = None,
+) -> None:
+    """Add cells with other mesh edges to a law: previews then go with any mesh, and state the limit of a fine one.
+
+    The command continues an interrupted run: finished cells stay beside the law, in LAW.samples.
+    """
+    from asterism.cli.common.mistake import Mistake
+    from asterism.cli.common.stop import stop
+    from asterism.laws.calibrate import samples_folder
+    from asterism.laws.edge_tables import add_edges, edge_lines
+    from homogenize.campaign.workers import default_jobs
+
+    new = output or (Path("paper-edges.npz") if path is None else path.with_name(f"{path.stem}-edges.npz"))
+    if new.suffix != ".npz":
+        raise Mistake(f"--output: {str(new)!r} must end with .npz")
+    if jobs is not None and dask is not None:
+        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+    try:
+        law = add_edges(path, new, jobs or default_jobs(), dask, run.stream, edge, stretch, length, thickness)
+    except KeyboardInterrupt:
+        folder = samples_folder(new)
+        if not folder.exists():
+            raise
+        stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
+    run.lines(edge_lines(law, new))
 
 
 @command
@@ -122,5 +169,5 @@ def cell(
     return DONE if responses.comparison.has_law else NO_ANSWER
 
 
-for function in (show, errors, universal, cell):
+for function in (show, edges, errors, universal, cell):
     app.command()(function)

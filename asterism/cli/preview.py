@@ -23,11 +23,21 @@ def preview(
         typer.Option(help="Side to which the edges bend; auto: the side follows from the stars."),
     ] = "auto",
     material: MaterialFile = None,
+    edge: Annotated[
+        str | None,
+        typer.Option(
+            help="Edge length in mm of the exact mesh that the preview goes with, or limit for an infinitely fine "
+            "mesh (default: that of the law)."
+        ),
+    ] = None,
 ) -> int:
     """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars.
 
+    With --edge the preview also states what an infinitely fine mesh would change.
+
     Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
+    from asterism.cli.common.asked_edge import asked_edge
     from asterism.cli.common.results_folder import results_folder
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import read_design
@@ -35,12 +45,17 @@ def preview(
     from asterism.print.known_printers import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
+    from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
 
     chosen = read_design(design, material, run.warn)
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = law_for_design(chosen, law, design, material)
+    asked = None if edge is None else asked_edge(edge)
+    chosen, on_mesh = design_and_law(chosen, chosen_law, asked)
     with run.computing():
-        shape = compute(chosen, chosen_law, side, run.say)
+        shape = compute(chosen, on_mesh, side, run.say)
+        if asked is not None:
+            shape = with_mesh_limit(shape, chosen, chosen_law)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)

@@ -7,15 +7,20 @@ from dataclasses import replace
 from functools import partial
 
 from asterism.exact.simulation import exact_shape
+from asterism.previews.mesh_law import law_of_exact_mesh
 from asterism.previews.run import preview
+from asterism.previews.serving_law import serving_law
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.exact import ExactRecord
+from asterism.results.records.mesh_limit import MeshLimitRecord
 from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
+from asterism.verification.mesh_error import verified_mesh_error
+from asterism.verification.mesh_limit import is_on_exact_mesh, mesh_limit
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.progress import ExactProgress, StageReport
 from asterism.verification.same_minimum import same_minimum
@@ -52,7 +57,9 @@ def verify(
 
     Parameters
     ----------
-    law : law of the preview; that of the paper's material by default.
+    law : law of the preview; by default the one that the design names, or else that of the paper's material, or else
+        the universal law. If it has cells of several mesh edges, the preview is made on meshes of the design's edge
+        length, and `mesh_limit` holds one on an infinitely fine mesh.
     backend, report, say : as in `simulate`.
     released, near : exact shapes from the flat print and from the preview, if they are available already.
     shown : function that computes the shape to compare, instead of `preview`.
@@ -75,7 +82,9 @@ def verify(
         begun = clock()
         plan = layout(design)
         layout_s = clock() - begun
-        make = partial(shown or partial(preview, law=law, plan=plan), design)
+        law = law if law is not None or shown or ready else serving_law(design, plan)
+        on_mesh = law and law_of_exact_mesh(law, design, plan)
+        make = partial(shown or partial(preview, law=on_mesh, plan=plan), design)
 
         shared = SharedSearch()
 
@@ -121,8 +130,11 @@ def verify(
         "exact_s": exact_s,
         "exact_from_preview_s": near_s,
     }
+    limit = None
+    if law and on_mesh and not shown and is_on_exact_mesh(quick, on_mesh, design):
+        limit = mesh_limit(design, law, quick, plan)
     step(STAGES[3], 1, 1)
-    return replace(verification, summary=_summary(verification, between, agree, seconds) | {"command": command})
+    return replace(verification, summary=_summary(verification, between, agree, seconds, limit) | {"command": command})
 
 
 def _timed(
@@ -136,13 +148,18 @@ def _timed(
 
 
 def _summary(
-    verification: Verification, between: Comparison, agree: bool, seconds: dict[str, float]
+    verification: Verification,
+    between: Comparison,
+    agree: bool,
+    seconds: dict[str, float],
+    limit: MeshLimitRecord | None,
 ) -> VerificationRecord:
     result, other = verification.result, next(name for name in verification.exact if name != verification.result)
     exact = ExactRecord.from_json(verification.exact[result].summary)
     # a start that ends without a minimum has no form to compare with
     with_other = verification.comparisons[other] if verification.exact[other].summary["is_minimum"] else None
     form = same_branch(verification.comparison, with_other, between.rms_percent) if exact.is_minimum else None
+    mesh_error, mesh_error_from = verified_mesh_error(exact, limit, form)
     return VerificationRecord.from_json(
         {
             "model": VERIFICATION_MODEL,
@@ -151,7 +168,9 @@ def _summary(
             "speedup": seconds["exact_s"] / seconds["preview_again_s"],
             "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
             **seconds,
-            "mesh_error_percent": exact.mesh_error_percent,
+            "mesh_error_percent": mesh_error,
+            "mesh_error_from": mesh_error_from,
+            "mesh_limit": limit,
             "mesh_change_percent": exact.get("mesh_change_percent"),
             "expected_rms_percent": verification.preview.summary.get("expected_rms_percent"),
             "expected_height_percent": verification.preview.summary.get("expected_height_percent"),
@@ -167,7 +186,7 @@ def _summary(
                 )
                 for name, shape in verification.exact.items()
             },
-            "warnings": verification_warnings(verification, between.rms_percent),
+            "warnings": verification_warnings(verification, between.rms_percent, mesh_error),
             "version": __version__,
             "preview": verification.preview.summary,
             "exact": exact,

@@ -26,13 +26,16 @@ MAX_HEIGHT_ERROR_PERCENT = 10.0
 FLAT_HEIGHT_FACTOR = 1e-3
 
 
-def verification_warnings(verification: Verification, apart_percent: float) -> list[str]:
+def verification_warnings(
+    verification: Verification, apart_percent: float, mesh_error_percent: float | None
+) -> list[str]:
     """The warnings of the preview, of the exact shape and of their comparison, one line each.
 
     Parameters
     ----------
     verification : the verification.
     apart_percent : rms distance of the two exact shapes, in % of the diameter.
+    mesh_error_percent : of the exact shape that counts, in % of the diameter; None if not known.
     """
     preview, exact = verification.preview.summary, verification.exact[verification.result].summary
     lines = [*map(str, preview.get("warnings", []))]
@@ -45,7 +48,7 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
         *_far(verification.comparison, preview.get("expected_rms_percent")),
         *_high(verification.comparison, preview.get("expected_height_percent")),
         *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False), exact.get("mesh")),
-        *_meshes(exact, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
+        *_meshes(exact, mesh_error_percent, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
     ]
 
 
@@ -121,7 +124,7 @@ def _kinds_of_mesh(design: Design, of_law: bool, kind: str | None) -> Iterator[s
         )
 
 
-def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:
+def _meshes(exact: Mapping[str, Any], error: float | None, of_law: float | None, distance: float) -> Iterator[str]:
     """Meshes of the law and the exact model that differ, and a mesh error above the distance."""
     edge = exact["edge_mm"]
     if of_law is not None and not 1.0 / MAX_EDGE_RATIO < of_law / edge < MAX_EDGE_RATIO:
@@ -132,7 +135,7 @@ def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> 
             f"the law has edges of {of_law:g} mm, the exact model {edge:g} mm: part of the distance is "
             f"the error of the {coarser} coarser mesh{advice}"
         )
-    error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
+    change = exact.get("mesh_change_percent")
     if error is not None and error > distance:
         yield f"the mesh error of the exact model ({error:.1f} %) is larger than the distance ({distance:.1f} %)"
     elif error is None and change is not None and change > distance:

@@ -44,7 +44,9 @@ def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | N
     found = bowls(*depths)
     one = replace(found.exact["release"], summary=EXACT | exact)
     return verification_warnings(
-        replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}), 0.0
+        replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}),
+        0.0,
+        one.summary["mesh_error_percent"],
     )
 
 
@@ -112,7 +114,7 @@ def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list
         for name, own in (("release", one), ("preview", other))
     }
     both = replace(found, exact=shapes, comparisons=dict.fromkeys(shapes, found.comparison))
-    return verification_warnings(both, apart)
+    return verification_warnings(both, apart, None)
 
 
 @pytest.mark.parametrize(
@@ -186,6 +188,7 @@ def test_a_graded_delaunay_mesh_differs_from_graded_cells() -> None:
                 exact={"release": replace(found.exact["release"], summary=EXACT | {"mesh": kind})},
             ),
             0.0,
+            None,
         )
         assert [line.startswith("the exact model has a graded Delaunay mesh, ") for line in lines] == [True] * differs
 

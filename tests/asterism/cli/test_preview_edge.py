@@ -1,0 +1,18 @@
+"""`asterism preview --edge`: the mesh that the preview goes with."""
+
+from __future__ import annotations
+
+import pytest
+
+from asterism.cli.common.asked_edge import asked_edge
+from asterism.cli.common.mistake import Mistake
+
+
+def test_an_edge_is_a_length_or_the_limit() -> None:
+    assert asked_edge("0.7") == 0.7 and asked_edge("limit") == 0.0
+
+
+@pytest.mark.parametrize("text", ["0", "0.1", "fine", "nan", "inf", "-1", "1e9", ""])
+def test_other_edges_are_refused_in_one_line(text: str) -> None:
+    with pytest.raises(Mistake, match=r"--edge: .* must be a length from 0\.2 to 100 mm, or limit"):
+        asked_edge(text)

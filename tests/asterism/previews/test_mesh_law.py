@@ -1,0 +1,35 @@
+"""The law of a preview on the mesh that it goes with."""
+
+from __future__ import annotations
+
+import pytest
+
+from asterism.previews.default_law import paper_law
+from asterism.previews.mesh_law import LIMIT, law_of_exact_mesh, law_on_mesh
+from homogenize.errors import LawError
+from pattern import gallery
+from pattern.layout.build import layout
+
+TUBE = gallery.load("tube")
+PLAN = layout(TUBE)
+
+
+def test_the_default_mesh_of_a_design_has_its_law() -> None:
+    law = law_of_exact_mesh(paper_law(), TUBE, PLAN)
+    assert law.edge_mm == TUBE.mesh.edge_mm == 2.0
+    assert law_on_mesh(paper_law(), TUBE, PLAN, 1.15) is paper_law()  # its own cells
+
+
+def test_a_finer_mesh_lets_the_tube_curl_less() -> None:
+    laws = [law_on_mesh(paper_law(), TUBE, PLAN, edge) for edge in (2.0, 1.15, 0.7, 0.48, LIMIT)]
+    kappa = [float(law.at(1.35)(10.0, 0.4, 1.2).value["kappa"][0]) for law in laws]
+    assert kappa == sorted(kappa, reverse=True)
+
+
+def test_stars_without_cells_of_other_edges_keep_the_law() -> None:
+    thick = TUBE.model_copy(update={"stars": TUBE.required_stars.model_copy(update={"thickness_mm": 0.6})})
+    assert law_of_exact_mesh(paper_law(), thick, layout(thick)) is paper_law()
+    with pytest.raises(LawError, match="no cells with edges of 2 mm for 37 of 37 stars"):
+        law_on_mesh(paper_law(), thick, layout(thick), 2.0)
+    with pytest.raises(LawError, match="no limit for 37 of 37 stars"):
+        law_on_mesh(paper_law(), thick, layout(thick), LIMIT)
