@@ -82,6 +82,23 @@ def test_a_law_that_does_not_serve_gives_the_reason(monkeypatch: pytest.MonkeyPa
     assert choice.law is None and "does not serve such fabric and stars: it is off by contraction" in choice.statement
 
 
+@pytest.mark.parametrize(("outside", "serves"), [(1, True), (2, True), (3, False)])
+def test_up_to_a_quarter_of_the_stars_may_lie_outside(outside: int, serves: bool) -> None:
+    sizes = np.repeat(SIZES, 8, axis=0)
+    sizes[:outside, 0] = 15.5
+    choice = universal_choice(design(), sizes)
+    assert (choice.law is not None) == serves
+    assert ("for 3 of 8 stars: arm length over spacing" in choice.statement) != serves
+
+
+@pytest.mark.slow
+def test_a_star_outside_the_universal_law_is_named() -> None:
+    long = {"length_mm": 7.0, "override": [{"site": [0, 0], "length_mm": 14.5}]}
+    warnings = preview(design(stars=long)).summary["warnings"]
+    assert any("star" in line and "length_mm = 14.5 is outside the law's" in line for line in warnings)
+    assert any(line.startswith("the universal law stands in") for line in warnings)
+
+
 def test_an_edit_asks_for_the_same_table() -> None:
     first, second = (universal_choice(design(), sizes).law for sizes in (SIZES, SIZES * [1.2, 1.01, 0.99]))
     assert first is not None and second is not None and first.tables[0] is second.tables[0]
