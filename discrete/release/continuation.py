@@ -18,7 +18,6 @@ from discrete.model.discrete_model import DiscreteModel
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State
 from discrete.release.pin_steps import attach_pins, model_with_pins_until
-from discrete.release.predictor import predict_release
 from discrete.release.release_start import ReleaseStart
 from discrete.release.saddle import leave_saddle_of_model, lowest_mode
 from equilibrium.linear.factor import Factor
@@ -105,17 +104,11 @@ class ReleaseContinuation:
     def _release_fabric(self, model: DiscreteModel, start: ReleaseStart, factor: Factor) -> State:
         model.set_release(start.releases[0])
         state = start.initial_state(model)
-        ends: list[tuple[float, State]] = []
-        # with contact, a prediction may pass through the sheet; drawn patterns, and fabric without bending stiffness,
-        # which has no preferred wrinkles, take no fewer iterations with it
-        stars_that_bend = model.design.rods is None and model.design.fabric.has_bending
-        predicts = stars_that_bend and not model.design.solver.contact
         for release in start.releases:
             model.set_release(release)
-            state = predict_release(model, *ends[-2:]) if predicts and len(ends) > 1 else model.apply_supports(state)
+            state = model.apply_supports(state)
             state = start.restore_branches(model, state)
             state = self._follow_step(model, state, 0, factor, f"{100 * release:.0f} %")
-            ends.append((release, state))
         return state
 
     def _move_pins(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
