@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from asterism.draw.colours import INK, PALE
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.reports.fit_views import colour_limit
-from asterism.reports.views import BLUE
+from asterism.reports.plots import BLUE, png_of
 from equilibrium.arrays import Floats
 
 TARGET_COLOUR = "#c8553d"
@@ -146,10 +145,3 @@ def _outline(axes: Axes, fitted: Fit) -> None:
     assert plan is not None
     axes.plot(*np.vstack([plan.outline, plan.outline[:1]]).T, color="0.3", linewidth=0.8)
     axes.plot(*plan.pin_points.T, "o", color=PALE, markersize=4)
-
-
-def png_of(figure: Figure) -> bytes:
-    """PNG of a figure."""
-    out = BytesIO()
-    figure.savefig(out, format="png")
-    return out.getvalue()

@@ -18,7 +18,7 @@ STYLE = """
 @media screen and (prefers-color-scheme: dark) {
   :root { --ink: #e6e6ea; --paper: #1b1c20; --pale: #a4a6b0; --tile: #282a30; --line: #383a42;
           --good: #7fcf94; --bad: #f0907a; --warning: #3a2e20; }
-  figure img, figure svg { border-radius: 6px; } }
+  figure img { border-radius: 6px; } }
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 1080px;
        margin: 2.5rem auto; padding: 0 1.5rem; }
 h1 { font-size: 1.7rem; margin: 0 0 .2rem; overflow-wrap: anywhere; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
@@ -29,7 +29,7 @@ h1 { font-size: 1.7rem; margin: 0 0 .2rem; overflow-wrap: anywhere; } h2 { font-
 .tile b { display: block; font-size: 1.5rem; font-weight: 600; } .tile span { color: var(--pale); font-size: .85rem; }
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 1rem;
        align-items: end; }
-figure { margin: 0; break-inside: avoid; } figure img, figure svg { width: 100%; height: auto; display: block; }
+figure { margin: 0; break-inside: avoid; } figure img { width: 100%; height: auto; display: block; }
 figcaption { color: var(--pale); font-size: .85rem; margin-top: .3rem; }
 .good { color: var(--good); } .bad { color: var(--bad); }
 .warnings { background: var(--warning); border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem; }
@@ -77,20 +77,14 @@ def warnings_box(title: str, lines: Sequence[str]) -> str:
     return f'<div class="warnings"><b>{escape(title)}</b><ul>{each}</ul></div>' if lines else ""
 
 
-def figures(pictures: Sequence[tuple[bytes | str, str]]) -> str:
-    """Pairs of PNG data or an SVG element, and caption, side by side."""
+def figures(pictures: Sequence[tuple[bytes, str]]) -> str:
+    """Pairs of PNG data and caption, side by side."""
     each = (
-        f"<figure>{_picture_element(picture, caption)}<figcaption>{escape(caption)}</figcaption></figure>"
-        for picture, caption in pictures
+        f'<figure><img alt="{escape(caption, quote=True)}" src="data:image/png;base64,{b64encode(png).decode()}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+        for png, caption in pictures
     )
     return '<div class="row">' + "".join(each) + "</div>"
-
-
-def _picture_element(picture: bytes | str, caption: str) -> str:
-    alt = escape(caption, quote=True)
-    if isinstance(picture, str):
-        return picture.replace("<svg ", f'<svg role="img" aria-label="{alt}" ', 1)
-    return f'<img alt="{alt}" src="data:image/png;base64,{b64encode(picture).decode()}">'
 
 
 def png(image: Floats) -> bytes:

@@ -5,77 +5,56 @@ from __future__ import annotations
 from io import BytesIO
 
 import numpy as np
-from PIL import Image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 
-from asterism.draw.magma import magma, magma_hex
-from asterism.draw.raster import rasterise
-from asterism.draw.svg_chart import SvgAxes, colour_bar, svg_picture
-from asterism.reports.views import BLUE, ORANGE
+from asterism.reports.views import DISTANCE_COLOURS, ORANGE
 from asterism.shape.comparison import Comparison
 from equilibrium.arrays import Floats
 from pattern.geometry.planar import inside
 
+BLUE = "#4f6d92"
 # number of points of a profile
 POINTS_PER_CUT = 241
 # a profile ends at this part of the distance to the outline, so that rounding does not move it outside
 MAX_CUT_SHARE = 0.999
-# px, on the page
-MAP_WIDTH_PX, MAP_HEIGHT_PX, BAR_ROOM_PX = 460.0, 560.0, 90.0
-PROFILE_WIDTH_PX, PROFILE_HEIGHT_PX = 500.0, 420.0
-BAR_STEPS = 64
-# pixels of the map of the distance along the longer side of the print
-MAP_PIXELS = 700
 
 
-def distance_map(comparison: Comparison) -> str:
-    """SVG of the distance over the print, in % of the diameter: cell means as colours, star centres as dots."""
-    layout = comparison.layout
-    low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
-    axes = SvgAxes(low, high, MAP_WIDTH_PX, "x on the print, mm", "y on the print, mm", MAP_HEIGHT_PX)
-    far = max(float(comparison.distance_mm.max()), 1e-12)
-    axes.picture(*_coloured_print(comparison, far))
-    axes.line(layout.outline, "#4d4d4d", 1.0, closed=True)
-    stars = np.clip(comparison.star_distance_mm / far, 0.0, 1.0)
-    axes.dots(layout.centres, [magma_hex(share) for share in stars])
-    stops = [magma_hex(share) for share in np.linspace(0.0, 1.0, BAR_STEPS)]
-    height = 0.7 * axes.height
-    percent = 100.0 * far / comparison.diameter_mm
-    bar = colour_bar(axes.width + 8, 0.12 * axes.height, height, stops, percent, "distance, % of the diameter")
-    return svg_picture(axes.width + BAR_ROOM_PX, axes.height, [axes.group(), bar])
+def distance_map(comparison: Comparison) -> bytes:
+    """PNG of the distance over the print, in % of the diameter: cell means as colours, star centres as dots."""
+    reference, layout = comparison.reference, comparison.layout
+    width, height = np.ptp(layout.outline, axis=0)
+    # the height follows the sheet, so that the colour bar is not much higher than the sheet
+    figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    percent = 100.0 * comparison.distance_mm / comparison.diameter_mm
+    over = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
+    filled = axes.tripcolor(over, percent, shading="gouraud", cmap=DISTANCE_COLOURS, vmin=0)
+    figure.colorbar(filled, label="distance, % of the diameter", shrink=0.85)
+    stars = 100.0 * comparison.star_distance_mm / comparison.diameter_mm
+    x, y = layout.centres.T
+    axes.scatter(x, y, c=stars, cmap=DISTANCE_COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
+    axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
+    axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
+    return png_of(figure)
 
 
-def _coloured_print(comparison: Comparison, far: float) -> tuple[bytes, Floats, Floats]:
-    """PNG of the printed triangles in the colours of the distance up to `far` mm, and its corners in mm."""
-    printed, triangles = comparison.reference.printed, comparison.reference.triangles
-    low, high = printed.min(axis=0), printed.max(axis=0)
-    scale = MAP_PIXELS / float((high - low).max())
-    width, height = np.maximum(np.ceil((high - low) * scale).astype(int), 1)
-    raster = rasterise((printed - low) * scale, np.zeros(len(printed)), triangles, int(height), int(width))
-    a, b, c = raster.affine(comparison.distance_mm[:, None] / far, triangles)[..., 0]
-    x, y = np.arange(width) + 0.5, np.arange(height)[:, None] + 0.5
-    shares = a[raster.face] * x + b[raster.face] * y + c[raster.face]
-    colours = np.rint(255.0 * magma(np.clip(shares, 0.0, 1.0))).astype(np.uint8)
-    opacity = np.where(raster.face >= 0, 255, 0).astype(np.uint8)
-    out = BytesIO()
-    Image.fromarray(np.dstack([colours, opacity])[::-1]).save(out, "PNG")
-    return out.getvalue(), low, low + np.array([width, height]) / scale
-
-
-def profiles(comparison: Comparison) -> str:
-    """SVG of two perpendicular cuts through the middle of the print, each in its own plane."""
-    drawn: list[SvgAxes] = []
-    orange = "#" + "".join(f"{round(255 * channel):02x}" for channel in ORANGE)
-    for name, way in profile_directions(comparison).items():
-        pair = _in_plane(*profile_cut(comparison, way))
-        both = np.concatenate(pair)
-        axes = SvgAxes(both.min(axis=0), both.max(axis=0), PROFILE_WIDTH_PX, "mm", "mm", PROFILE_HEIGHT_PX)
-        for curve, colour in zip(pair, (BLUE, orange), strict=True):
-            axes.line(curve, colour)
-        axes.title(f"{name}; exact blue, preview orange")
-        drawn.append(axes)
-    height = max(axes.height for axes in drawn)
-    groups = [axes.group(n * PROFILE_WIDTH_PX, height - axes.height) for n, axes in enumerate(drawn)]
-    return svg_picture(PROFILE_WIDTH_PX * len(drawn), height, groups)
+def profiles(comparison: Comparison) -> bytes:
+    """PNG of two perpendicular cuts through the middle of the print, each in its own plane."""
+    curves = {name: _in_plane(*profile_cut(comparison, way)) for name, way in profile_directions(comparison).items()}
+    tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
+    # flat cuts have a low picture
+    figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    for axes, (name, pair) in zip(figure.subplots(1, 2), curves.items(), strict=True):
+        for curve, colour, label in zip(pair, (BLUE, ORANGE), ("exact", "preview"), strict=True):
+            axes.plot(*curve.T, color=colour, label=label, linewidth=1.6)
+        axes.set(aspect="equal", title=name, xlabel="mm", ylabel="mm")
+        axes.grid(color="0.92")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), frameon=False, loc="outside upper center", ncols=2)
+    return png_of(figure)
 
 
 def profile_directions(comparison: Comparison) -> dict[str, Floats]:
@@ -126,3 +105,10 @@ def _plane(curve: Floats) -> Floats:
     first = chord / np.linalg.norm(chord)
     second = np.cross(normal, first)
     return np.array([first, second if second[2] >= 0.0 else -second])
+
+
+def png_of(figure: Figure) -> bytes:
+    """PNG of a figure."""
+    out = BytesIO()
+    figure.savefig(out, format="png")
+    return out.getvalue()

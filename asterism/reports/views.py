@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib import colormaps
 
 from asterism.draw.bare_sheet import bare
-from asterism.draw.magma import magma
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.draw.shading import FABRIC_SIDE
 from asterism.shape.comparison import Comparison
 from equilibrium.arrays import Floats
 
-# colours of the exact shape and of the preview
-BLUE = "#4f6d92"
 ORANGE = (0.93, 0.47, 0.16)
 # largest size of a view
 MAX_VIEW_HEIGHT_PX = 440
 MAX_VIEW_WIDTH_PX = 640
+DISTANCE_COLOURS = colormaps["magma_r"]
 
 
 def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
@@ -55,7 +54,7 @@ def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[
 def colours_of(comparison: Comparison) -> Floats:
     """(V, 3) colours of the distance at the vertices of the exact sheet, from zero to its maximum."""
     far = max(float(comparison.distance_mm.max()), 1e-12)
-    return magma(comparison.distance_mm / far)
+    return np.asarray(DISTANCE_COLOURS(comparison.distance_mm / far))[:, :3]
 
 
 def together(one: Scene, other: Scene) -> Scene:

@@ -156,7 +156,7 @@ def test_page_needs_nothing_else(folder):
     assert "&lt;b&gt;&quot;stars&quot;&lt;/b&gt; &amp;" in text
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert not re.search(r"url\(|@import|https?://", text)
-    assert text.count("data:image/png;base64,") == 7 and text.count("<svg ") == 2
+    assert text.count("data:image/png;base64,") == 8
 
 
 def test_page_says_what_counts(found, folder):
