@@ -68,11 +68,15 @@ def left_out_errors(law: UniversalLaw) -> LeftOutErrors:
 def errors_of_cells(percent: Floats, separated: Bools, near: Ints) -> Floats:
     """(N, 3) rms of `STATED_QUANTITIES` over the scale-separated of the cells `near` (N, k), %.
 
+    Infinite where fewer than half of these cells are scale-separated: nothing is known there.
+
     Parameters
     ----------
     percent, separated : of `LeftOutErrors`.
     """
     weight = separated[near][..., None].astype(float)
     squares = weight * percent[near][:, :, [QUANTITY_NAMES.index(name) for name in STATED_QUANTITIES]] ** 2
-    rms: Floats = np.sqrt(squares.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0))
+    count = weight.sum(axis=1)
+    rms: Floats = np.sqrt(squares.sum(axis=1) / np.maximum(count, 1.0))
+    rms[count[:, 0] < near.shape[1] / 2] = np.inf
     return rms

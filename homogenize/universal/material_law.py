@@ -40,7 +40,7 @@ class UniversalLawErrors:
     Attributes
     ----------
     percent : (S, 3) rms of `STATED_QUANTITIES` for each star.
-    covered : (S,) the star is in the range of the universal law.
+    covered : (S,) the star is in the range of the universal law, and the errors there are known.
     outside : why the first star that is not covered is outside; empty if all are.
     """
 
@@ -83,7 +83,13 @@ def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_
     errors = left_out_errors(law)
     near = law.nearest_cells(groups, NEAREST_CELLS)
     percent = errors_of_cells(errors.percent, errors.separated, near)
-    return UniversalLawErrors(percent, covered, "" if covered.all() else _why_outside(groups[~covered][0]))
+    is_known = np.isfinite(percent).all(axis=1)
+    outside = ""
+    if not covered.all():
+        outside = _why_outside(groups[~covered][0])
+    elif not is_known.all():
+        outside = "most of the cells nearest to such stars curl to radii below two thirds of the spacing"
+    return UniversalLawErrors(percent, covered & is_known, outside)
 
 
 def material_law(

@@ -12,7 +12,7 @@ from homogenize.errors import CampaignError, LawError
 from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.groups import GROUP_KEYS, arm_curl
 from homogenize.universal.kriging import Kriging, likely_lengths
-from homogenize.universal.law_errors import left_out_errors
+from homogenize.universal.law_errors import errors_of_cells, left_out_errors
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
 from homogenize.universal.universal_law import UniversalLaw, bare_quantities, from_smooth, to_smooth
@@ -138,3 +138,10 @@ def test_the_file_holds_the_law(law: UniversalLaw, tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-3000])
     with pytest.raises(LawError, match="damaged"):
         load_universal_law(path)
+
+
+def test_errors_are_unknown_among_cells_that_curl_tightly() -> None:
+    percent = np.tile(np.arange(1.0, 5.0)[:, None], len(QUANTITY_NAMES))
+    separated = np.array([True, False, True, False])
+    known, unknown = errors_of_cells(percent, separated, np.array([[0, 1, 2, 3], [0, 1, 3, 3]]))
+    assert known == pytest.approx(np.sqrt(5.0)) and (unknown == np.inf).all()
