@@ -113,7 +113,8 @@ def universal_law_lines(path: Path | None = None) -> list[str]:
         "",
         f"  errors of small values are in % of these: {floors} (without dimension)",
         f"  cells with a natural curvature above {MAX_SEPARATED_CURL:g} over the spacing do not count",
-        f"  the law serves where half of the {NEAREST_CELLS} nearest other cells count, and are off by at most {_SERVING} (rms)",
+        f"  the law serves where half of the {NEAREST_CELLS} nearest other cells count and are off by at most "
+        f"{_SERVING} (rms)",
         "",
         *_by_fabric(law),
         "",
