@@ -37,7 +37,7 @@ def mistake(result: subprocess.CompletedProcess[str]) -> str:
     """The one line of a refused command."""
     assert result.returncode == 2, result.stderr
     assert "Traceback" not in result.stderr
-    lines = result.stderr.strip().splitlines()
+    lines = [line for line in result.stderr.splitlines() if not line.startswith(SIGN_OF_LIFE)]
     assert len(lines) == 1 and lines[0].startswith("asterism: "), result.stderr
     return lines[0]
 
