@@ -279,6 +279,7 @@ def test_an_interrupt_after_the_results_says_that_they_are_there(tmp_path: Path)
     assert (tmp_path / "out" / "summary.json").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no file that is always full")
 def test_what_cannot_be_printed_is_said_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL)

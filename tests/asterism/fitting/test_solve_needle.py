@@ -20,6 +20,7 @@ def canopy() -> Design:
     return Design.from_dict({"stars": {"length_mm": 7.0}, "border": {"rings": 2}, "pins": pins})
 
 
+@pytest.mark.slow
 def test_a_fresh_preview_has_the_point(canopy: Design) -> None:
     lines: list[str] = []
     wanted = np.array([9.0, 0.0, 20.0])

@@ -72,6 +72,7 @@ def test_from_the_refusal_to_the_preview(
     assert load_law(folder / "my sheet-law.npz").made["command"] == "asterism calibrate my sheet.toml"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_another_material_is_part_of_the_command(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -127,6 +127,7 @@ def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
     assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0, 1])
 def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """No edit waits for it; it is found once, when a summary is asked for."""
@@ -232,6 +233,7 @@ def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
 
 
+@pytest.mark.slow
 def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
     """Of new previews, edits and the exact model alike; their shapes can be laid on each other as they are."""
     corners = [{"where": "corners", "scale": 0.74, "slide": "z"}]

@@ -55,6 +55,7 @@ def test_the_paper_s_material_keeps_its_own_law() -> None:
     assert serving_law(design(fabric={"bending": "none"})) is paper_law()
 
 
+@pytest.mark.slow
 def test_edits_of_a_session_go_from_law_to_law() -> None:
     session = Preview(design(fabric={}))
     for sheet in (design(), design(fabric={}), design(stars={"length_mm": 6.5})):

@@ -81,6 +81,7 @@ def test_what_a_law_does_not_know_is_no_change_of_shape(file: Path, tmp_path: Pa
     assert "not reliable: 7 of the stars are outside" in result.out and "--simulate" in result.out
 
 
+@pytest.mark.slow
 def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
     result = run("export", "d.toml", "-o", "out")

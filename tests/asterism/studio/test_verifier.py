@@ -78,6 +78,7 @@ def test_what_cannot_be_verified_is_a_problem(tmp_path: Path, changes: dict[str,
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_verification_can_be_ended_at_any_moment(tmp_path: Path) -> None:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()

@@ -309,6 +309,7 @@ def crossed(points: Array) -> Array:
     return np.column_stack([np.abs(x), y, np.sign(x) * np.sin(0.5 * y)])
 
 
+@pytest.mark.slow
 def test_a_start_that_intersects_itself_is_not_used() -> None:
     sheet = model(ContactModel)
     flat = sheet.flat_state()

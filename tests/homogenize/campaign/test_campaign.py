@@ -58,6 +58,7 @@ def records(once: tuple[Path, list[SampleRecord]]) -> list[SampleRecord]:
     return copy.deepcopy(once[1])
 
 
+@pytest.mark.slow
 def test_the_law_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
     laws = [
         fit_law(material(), run_campaign(material(), tmp_path / str(n), jobs=n, respond=fake.matrix)) for n in (1, 3)

@@ -38,6 +38,7 @@ def test_a_mirrored_scan_is_another_shape() -> None:
     assert np.linalg.det(mirrored.rotation) == pytest.approx(1, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [saddle, dome, tube])
 def test_symmetric_shapes_come_to_lie_on_themselves(place) -> None:
     shape = sheet(place, edge=3.0)

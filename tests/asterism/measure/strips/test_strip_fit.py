@@ -41,6 +41,7 @@ def test_the_papers_strips_give_3200(seed: int) -> None:
     assert 0.44 < fit.ratio["timoshenko"].value / found.value < 0.5
 
 
+@pytest.mark.slow
 def test_intervals_contain_the_true_material_of_the_usual_tables() -> None:
     """Of 12 tables 95 % are 11; fewer than 10 has a chance of 1 in 50. The slow tests count more and other tables."""
     fits = [fit_readings(synthetic_readings(seed, reading_mm=0.3, scatter=0.03)) for seed in range(12)]
@@ -228,6 +229,7 @@ def test_without_peeled_strips_the_thicknesses_tell() -> None:
     assert inside(fit_readings(bare, kappa_bar="zero"))
 
 
+@pytest.mark.slow
 def test_flat_strips_count_with_their_bound() -> None:
     """Thick strips that look flat keep E1/E2 from being too small; taken for straight they would spoil it."""
     plastic = Plastic(modulus_ratio=20000.0, kappa_bar_per_mm=0.0)

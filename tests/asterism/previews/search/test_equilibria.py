@@ -80,6 +80,7 @@ def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
     assert not is_narrow(mean_fields(Preview(gallery.load("dome")).shell))
 
 
+@pytest.mark.slow
 def test_sides_of_free_and_held_states() -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
     found = relax(shell)
