@@ -35,6 +35,7 @@ def dense(m: DiscreteModel, state: State) -> np.ndarray:
     return np.linalg.eigvalsh(keep @ full @ keep + 1e3 * np.abs(full).max() * modes @ modes.T)
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(
     rings=st.integers(0, 1),

@@ -98,6 +98,7 @@ def test_waves_are_orthogonal_over_a_cell(arms: int, kind: str) -> None:
     assert len(waves) == (12 if arms == 3 and kind == "triangular" else {4: 7, 6: 6, 5: 36, 3: 28}[arms])
 
 
+@pytest.mark.slow
 def test_the_relief_of_a_sample_is_near_its_flat_cell_and_its_tubes() -> None:
     found = solve_cell(design(10.0, 0.4), 1.44)
     waves = CorrugationWaves.of(Lattice())

@@ -54,6 +54,7 @@ def test_contact_keeps_it_apart(folder: Path, capsys, monkeypatch) -> None:
     assert contact["pairs"] > 0 and summary["energy_parts_n_mm"]["contact"] > 0.0
 
 
+@pytest.mark.slow
 def test_without_the_package_it_is_one_line(folder: Path) -> None:
     start = [sys.executable, "-c", WITHOUT, "simulate", "d.toml", "--contact"]
     result = subprocess.run(start, cwd=folder, capture_output=True, text=True, timeout=300)

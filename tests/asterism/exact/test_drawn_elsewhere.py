@@ -47,6 +47,7 @@ def here(model: str) -> asterism.Shape:
 
 
 # turned, the lattice's lines are numbered otherwise, and with them what is added to a mesh along the border
+@pytest.mark.slow
 @pytest.mark.parametrize("shift, turn_deg, apart", [((4000.0, -3000.0), 0.0, 1e-5), ((700.0, 200.0), 60.0, 2e-3)])
 @pytest.mark.parametrize("model", MODELS)
 def test_it_takes_the_same_shape(model: str, shift: tuple[float, float], turn_deg: float, apart: float) -> None:

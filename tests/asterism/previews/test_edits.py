@@ -117,6 +117,7 @@ def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
         copied(Preview(edited("star")))
 
 
+@pytest.mark.slow
 def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
     meshed: list[Sheet] = []
     mesh = solve_module.shown_mesh

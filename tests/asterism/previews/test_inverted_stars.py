@@ -23,6 +23,7 @@ def dome(length: float | None, thickness: float = 0.3) -> Design:
     return Design.from_dict(data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "count"), [(0.3, 34), (0.5, 0)])
 def test_long_thin_arms_on_a_flat_sheet_may_be_inverted(thickness: float, count: int) -> None:
     preview = Preview(dome(10.0, thickness), load_law())

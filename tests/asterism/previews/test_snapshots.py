@@ -20,6 +20,7 @@ def edited(name: str, **sections: Any) -> Design:
     return Design.from_dict(data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dome", "tube"])
 @pytest.mark.parametrize(
     "change", [{"stars": {"thickness_mm": 0.42}}, {"border": {"rings": 2}}], ids=["stars", "outline"]

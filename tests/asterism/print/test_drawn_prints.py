@@ -167,6 +167,7 @@ def test_islands_that_may_jump_off_are_named() -> None:
     assert tiny_pieces(one.plan, 3.0) == [{"at_mm": [1.0, 10.0], "arm_mm": 2.0}]
 
 
+@pytest.mark.slow
 def test_the_command_exports_a_drawing_and_says_that_no_preview_is_known(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -98,6 +98,7 @@ def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Ru
     assert not (SHAPE | {"shape.vtu", "rods.vtu"}) & {path.name for path in (tmp_path / "seen").iterdir()}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize("doubt", [{"is_minimum": False}, {"converged": False}])
 def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: Path, tmp_path: Path, run: Run) -> None:

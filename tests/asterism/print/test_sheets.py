@@ -77,6 +77,7 @@ def test_pages_grow_with_the_frame(tmp_path: Path) -> None:
     assert measure.pdf_size_mm(tmp_path / "a.pdf", 0) == pytest.approx((560.0, 387.0), abs=SAME_MM)
 
 
+@pytest.mark.slow
 def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
     pytest.importorskip("resvg_py")
     scale = 254 / 25.4
@@ -253,6 +254,7 @@ write_pdf(Path(sys.argv[1]) / "a.pdf", [drawing])
 """
 
 
+@pytest.mark.slow
 def test_the_same_drawing_is_the_same_file(tmp_path: Path) -> None:
     """In another process too, where the order of sets is another."""
     for seed in ("1", "4"):

@@ -47,6 +47,7 @@ def page(path: Path) -> tuple[str, np.ndarray]:
     return document[0].get_textpage().get_text_range(), np.asarray(image).astype(int)
 
 
+@pytest.mark.slow
 def test_parameters_picture_layout_needles_and_material(design: Path, capsys, monkeypatch) -> None:
     done = command(["report", str(design)], capsys, monkeypatch)
     assert done.status == 0, done.err
@@ -195,6 +196,7 @@ def test_mistakes(words: list[str], problem: str, design: Path, capsys, monkeypa
     assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """And doubts of a preview are on it, as many as there is room for."""

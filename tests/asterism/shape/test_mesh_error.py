@@ -129,6 +129,7 @@ def test_no_error_is_claimed_where_the_mesh_does_not_resolve_the_creases():
     assert mesh_error_in_words(s).startswith("not known, the mesh does not resolve the creases; ")
 
 
+@pytest.mark.slow
 def test_summary_says_which_bending_was_used():
     data = gallery.load("star").to_dict()
     energy = {}

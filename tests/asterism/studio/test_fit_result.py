@@ -62,6 +62,7 @@ def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, stud
     assert isinstance(studio.engine.link.edits[-1], FitTarget)  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_a_target_that_was_moved_meanwhile_stays(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
     shown(page, studio)
     send_roof(client)
@@ -107,6 +108,7 @@ def test_whatever_goes_wrong_with_a_result_is_one_line_of_the_page(
     assert studio.document is not None and studio.document.table == before
 
 
+@pytest.mark.slow
 def test_a_fit_can_be_cancelled_and_may_have_no_answer(client: TestClient, page: Page, studio: Studio) -> None:
     before = shown(page, studio)
     page.send(type="fit", seq=3)

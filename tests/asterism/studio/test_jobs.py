@@ -38,6 +38,7 @@ def test_a_verification_ends_with_both_shapes_and_numbers(page: Page, studio: St
     assert studio.jobs.data() == {}
 
 
+@pytest.mark.slow
 def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio):
     name_it(page, "wait")
     page.send(type="verify")
@@ -61,6 +62,7 @@ def test_a_job_that_ends_without_a_result_is_named(page: Page, studio: Studio):
     assert page.until("state", jobs={})["engine"] == "ready"
 
 
+@pytest.mark.slow
 def test_a_result_that_cannot_be_shown_is_named(page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch):
     def fails(*arguments: object) -> None:
         raise KeyError("exact")

@@ -44,6 +44,7 @@ def preview() -> Preview:
     return Preview(DESIGN, plain_law())
 
 
+@pytest.mark.slow
 @settings(max_examples=5, deadline=None, phases=[Phase.explicit, Phase.generate])
 @given(STROKES)
 def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(

@@ -104,6 +104,7 @@ def test_each_place_of_the_target_has_the_weight_of_the_nearest_place_of_the_she
     assert 0 < (weight == 9.0).sum() < len(weight)
 
 
+@pytest.mark.slow
 def test_the_fit_gets_them_and_its_design_has_its_own(
     client: TestClient, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:

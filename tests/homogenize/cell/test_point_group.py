@@ -135,6 +135,7 @@ def test_a_flat_cell_that_bends_to_a_saddle_gets_the_symmetry_back() -> None:
     assert stiffness[0, 0] == pytest.approx(stiffness[1, 1]) and stiffness[0, 2] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_cell_that_keeps_its_symmetry_keeps_its_digits(monkeypatch: pytest.MonkeyPatch) -> None:
     """The paper's star, three arms on a triangular lattice."""
     star = design(8.0)

@@ -104,6 +104,7 @@ def test_a_drawing_of_another_size(folder: Path, capsys, monkeypatch) -> None:
     assert refused.status == 2 and "in centimetres; correct its width and height" in refused.line
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])
 def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Path, capsys, monkeypatch) -> None:
     corners = silhouette(SHAPE, "above") * scale

@@ -30,6 +30,7 @@ def laid(shape: Shape, ratio: float, part: float = 1.0) -> ScanComparison:
 SLOW = pytest.mark.slow
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("form", "ratio"),
     [

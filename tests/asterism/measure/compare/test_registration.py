@@ -18,6 +18,7 @@ SHAPE = bent_sheet()
 SURFACE = SHAPE.positions, SHAPE.triangles
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "noise", "part"), [(0, 0.0, 1.0), (1, 0.3, 1.0), (2, 0.3, 0.6), (3, 0.1, 0.5)])
 def test_known_motions_are_undone(seed: int, noise: float, part: float) -> None:
     points, of_sheet = scanned(SHAPE, seed, noise, part)

@@ -118,6 +118,7 @@ def test_half_of_the_narrow_intervals_miss_and_good_strips_are_rarely_called_out
         assert fit_readings(synthetic_readings(seed, count=5)).left_out == fit.left_out
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(
     ratio=st.floats(500, 20000),

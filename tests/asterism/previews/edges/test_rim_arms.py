@@ -73,6 +73,7 @@ def test_arms_between_the_lattice_lines_lead_to_other_stars() -> None:
     assert rim_curvature_share(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(AMONG)
 
 
+@pytest.mark.slow
 def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
     design = Design.from_dict(
         {

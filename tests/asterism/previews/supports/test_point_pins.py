@@ -68,6 +68,7 @@ def test_bending_stays_where_the_sheet_may_stretch_as_it_likes() -> None:
     assert np.linalg.eigvalsh(soft).min() > 0.0
 
 
+@pytest.mark.slow
 def test_heights_depend_on_the_exact_models_mesh_and_not_on_the_shells_triangles() -> None:
     heights = {
         (edge, count): float(np.ptp(Preview(pinned(edge), triangles=count).shape().positions[:, 2]))

@@ -151,6 +151,7 @@ def test_refused(sheet, edge):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_any_polygon(data):
