@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.accuracy.designs import EDGE_MM
+from benchmarks.accuracy.printable import printable
 from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
 
 CANOPY_MM = [200.0, 140.0]
 CANOPY_SCALES = (0.6, 0.65, 0.7, 0.75, 0.8, 0.9)
@@ -43,7 +42,8 @@ def other_held(count: int, edge_mm: float = EDGE_MM) -> list[Design]:
 def _drawn(seed: int, edge_mm: float) -> Design:
     """Drawn again until it can be printed and its number of stars is within `STARS_OF_OTHERS`."""
     rng = np.random.default_rng([22, seed])
-    while True:
+
+    def draw() -> dict[str, Any]:
         outline = OUTLINES[seed % len(OUTLINES)](rng)
         data: dict[str, Any] = {
             "name": f"held-{seed:02d}",
@@ -51,13 +51,9 @@ def _drawn(seed: int, edge_mm: float) -> Design:
             "border": {"polygon_mm": np.round(outline, 1).tolist()},
             "mesh": {"edge_mm": edge_mm},
         }
-        data |= drawn_supports(rng, outline, (seed // len(OUTLINES) + seed) % 5)
-        try:
-            design = Design.from_dict(data)
-            if STARS_OF_OTHERS[0] <= len(layout(design).centres) <= STARS_OF_OTHERS[1]:
-                return design
-        except DesignError:
-            continue
+        return data | drawn_supports(rng, outline, (seed // len(OUTLINES) + seed) % 5)
+
+    return printable(draw, STARS_OF_OTHERS)
 
 
 def _circle(rng: np.random.Generator) -> np.ndarray:

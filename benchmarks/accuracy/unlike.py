@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.accuracy.designs import EDGE_MM, STARS
+from benchmarks.accuracy.printable import printable
 from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
 
 
 def unlike(count: int, edge_mm: float = EDGE_MM) -> list[Design]:
@@ -23,30 +22,27 @@ def unlike(count: int, edge_mm: float = EDGE_MM) -> list[Design]:
 
 def _drawn(seed: int, edge_mm: float) -> Design:
     rng = np.random.default_rng([21, seed])
-    while True:
-        border = _border(rng)
-        sides = 6 if "rings" in border else 4 if "rectangle_mm" in border else len(border["polygon_mm"])
-        stars = {
-            "length_mm": _field(rng, 4.0, 11.0),
-            "thickness_mm": _field(rng, 0.25, 0.55),
-            "width_mm": round(float(rng.uniform(0.9, 1.5)), 2),
-        }
-        if rng.random() < 0.2:
-            stars["override"] = [{"star": int(star), "remove": True} for star in rng.choice(6, 2, replace=False)]
-        data = {
-            "name": f"unlike-{seed:02d}",
-            "fabric": {"stretch": float(rng.choice([1.35, 1.75]))},
-            "stars": stars,
-            "border": border,
-            "pins": _pins(rng, sides),
-            "mesh": {"edge_mm": edge_mm},
-        }
-        try:
-            design = Design.from_dict(data)
-            if STARS[0] <= len(layout(design).centres) <= STARS[1]:
-                return design
-        except DesignError:
-            continue
+    return printable(lambda: _draw(rng, f"unlike-{seed:02d}", edge_mm), STARS)
+
+
+def _draw(rng: np.random.Generator, name: str, edge_mm: float) -> dict[str, Any]:
+    border = _border(rng)
+    sides = 6 if "rings" in border else 4 if "rectangle_mm" in border else len(border["polygon_mm"])
+    stars = {
+        "length_mm": _field(rng, 4.0, 11.0),
+        "thickness_mm": _field(rng, 0.25, 0.55),
+        "width_mm": round(float(rng.uniform(0.9, 1.5)), 2),
+    }
+    if rng.random() < 0.2:
+        stars["override"] = [{"star": int(star), "remove": True} for star in rng.choice(6, 2, replace=False)]
+    return {
+        "name": name,
+        "fabric": {"stretch": float(rng.choice([1.35, 1.75]))},
+        "stars": stars,
+        "border": border,
+        "pins": _pins(rng, sides),
+        "mesh": {"edge_mm": edge_mm},
+    }
 
 
 def _border(rng: np.random.Generator) -> dict[str, Any]:

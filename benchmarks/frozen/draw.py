@@ -19,10 +19,10 @@ import numpy as np
 
 from benchmarks.accuracy.designs import EDGE_MM, size_field
 from benchmarks.accuracy.held_designs import OUTLINES, drawn_supports
+from benchmarks.accuracy.printable import printable
 from benchmarks.report import RESULTS, markdown, write_report
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
-from pattern.design.errors import DesignError
 from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.geometry.planar import polygon_area
 from pattern.layout.build import layout
@@ -90,14 +90,8 @@ def drawn_designs() -> dict[str, list[tuple[str, Design]]]:
 def drawn(kind: str, number: int) -> Design:
     """Drawn again until it can be printed and its number of stars is within `STARS`."""
     rng = np.random.default_rng([SEED, KINDS.index(kind), number])
-    while True:
-        data = {"name": f"frozen-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}} | DRAWN[kind](rng, number)
-        try:
-            design = Design.from_dict(data)
-            if STARS[0] <= len(layout(design).centres) <= STARS[1]:
-                return design
-        except DesignError:
-            continue
+    named = {"name": f"frozen-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}}
+    return printable(lambda: named | DRAWN[kind](rng, number), STARS)
 
 
 def _free(rng: np.random.Generator, number: int) -> Data:
