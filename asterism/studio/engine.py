@@ -275,10 +275,11 @@ class Engine:
         if key == self._limits:
             return
         ranges, statement = {}, None
+        self._limits = None
         try:
             law = serving_law(design)
             ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement
+            self._limits = key
         except (ForeignLaw, BlankSheetError):
-            pass  # the preview says so
-        self._limits = key
+            pass  # the preview says so, and a law may serve other stars
         self._send(Limits(self._bounds.seq, ranges, law_of(design).stretches, statement))

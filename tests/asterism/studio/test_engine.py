@@ -119,6 +119,17 @@ def test_the_universal_law_stands_in_at_another_stretch(engine: EnginePipe) -> N
     assert frame.is_minimum and rise == pytest.approx(own.height_mm, rel=0.1)
 
 
+@pytest.mark.slow
+def test_limits_come_when_other_stars_have_a_law(engine: EnginePipe) -> None:
+    stretched = {"fabric": {"stretch": 1.5}}
+    engine.send(Edit(1, table(**stretched, stars={"length_mm": 13.8})))
+    assert "the universal law does not serve" in engine.problem(1).text
+    engine.send(Edit(2, table(**stretched)))
+    engine.frame(2)
+    first, last = [answer for answer in engine.answers if isinstance(answer, Limits)]
+    assert first.law == {} and last.statement is not None and last.law["length_mm"][1] > 5.0
+
+
 @pytest.mark.parametrize(
     ("changes", "kind", "field"),
     [
