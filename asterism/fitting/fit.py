@@ -183,10 +183,9 @@ def fit(
     of_preview = distance(shape)
     of_result = of_preview if verification is None else distance(result)
     record = _record(of_preview, shape)
-    if by_preview is not None:
-        loss = of_preview.mean_percent - by_preview.mean_percent
-        if unrounded is not None:
-            loss = of_result.mean_percent - unrounded.mean_percent
+    loss = None if by_preview is None else of_preview.mean_percent - by_preview.mean_percent
+    if loss is not None and unrounded is not None:
+        loss = of_result.mean_percent - unrounded.mean_percent
     summary: dict[str, Any] = {
         "model": "fit",
         "target": target.name,
@@ -207,7 +206,7 @@ def fit(
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
         "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
         "within_percent": within_percent,
-        "rounding_loss_percent": None if by_preview is None else loss,
+        "rounding_loss_percent": loss,
         "steps": [vars(step) for step in search.steps],
         "corrections": [vars(step) for step in of_exact.done],
         "restarts": search.restarts,

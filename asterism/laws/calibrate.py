@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import platform
 import time
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import TextIO
@@ -60,20 +61,10 @@ def calibrate(
     """
     if not material.fabric.has_bending:
         raise DesignError("fabric.bending", WITHOUT_BENDING, material.fabric.bending)
-    check_writable(output.parent, output.name)
-    folder = samples_folder(output)
-    check_folder(folder)
     versions = package_versions()
     start = time.perf_counter()
-    try:
-        with ProgressLine(stream) as watch:
-            records = run_campaign(material, folder, jobs, dask, watch.report)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
-    finally:
-        # a folder with finished cells is not empty, and stays
-        with suppress(OSError):
-            folder.rmdir()
+    with solving_cells(output, stream) as (folder, report):
+        records = run_campaign(material, folder, jobs, dask, report)
     made = {
         "command": command,
         "code": code_version(),
@@ -85,6 +76,28 @@ def calibrate(
     law = fit_law(material, records, made)
     write_file(output, law_bytes(law))
     return law
+
+
+@contextmanager
+def solving_cells(output: Path, stream: TextIO | None) -> Iterator[tuple[Path, Callable[[CampaignProgress], None]]]:
+    """The folder of the cells of a law and a listener of their progress; without finished cells the folder goes again.
+
+    Raises
+    ------
+    OutputError
+        The law or the folder cannot be written; the first is known before the block.
+    """
+    check_writable(output.parent, output.name)
+    folder = samples_folder(output)
+    check_folder(folder)
+    try:
+        with ProgressLine(stream) as watch:
+            yield folder, watch.report
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
+    finally:
+        with suppress(OSError):  # a folder with finished cells is not empty, and stays
+            folder.rmdir()
 
 
 def package_versions() -> dict[str, str]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TextIO
 
-from asterism.laws.calibrate import ProgressLine, samples_folder
-from asterism.results.files import OutputError, write_file
-from asterism.results.output_check import check_folder, check_writable
+from asterism.laws.calibrate import samples_folder, solving_cells
+from asterism.results.files import write_file
 from homogenize.campaign.edge_campaign import with_edges
 from homogenize.law.law import Law
 from homogenize.law.law_file import law_bytes, load_law
@@ -42,17 +40,8 @@ def add_edges(
         As of `with_edges`.
     """
     law = load_law(path)
-    check_writable(output.parent, output.name)
-    folder = samples_folder(output)
-    check_folder(folder)
-    try:
-        with ProgressLine(stream) as watch:
-            new = with_edges(law, folder, jobs, dask, watch.report, edges_mm, stretch, lengths_mm, thicknesses_mm)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
-    finally:
-        with suppress(OSError):  # a folder with finished cells is not empty, and stays
-            folder.rmdir()
+    with solving_cells(output, stream) as (folder, report):
+        new = with_edges(law, folder, jobs, dask, report, edges_mm, stretch, lengths_mm, thicknesses_mm)
     write_file(output, law_bytes(new))
     return new
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import os
 import platform
 from collections import Counter
-from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import TextIO
 
 import numpy as np
 
-from asterism.laws.calibrate import ProgressLine, package_versions, samples_folder
+from asterism.laws.calibrate import package_versions, solving_cells
 from asterism.process.count_line import without_numbers
-from asterism.results.files import OutputError, write_file
-from asterism.results.output_check import check_folder, check_writable
+from asterism.results.files import write_file
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from homogenize.universal.groups import GROUPS
 from homogenize.universal.law_errors import (
@@ -66,23 +64,14 @@ def make_universal_law(
     OutputError
         The file or the folder cannot be written.
     """
-    check_writable(output.parent, output.name)
-    folder = samples_folder(output)
-    check_folder(folder)
     begun = None if start is None else load_universal_law(start)
     made = {
         "command": "asterism law universal",
         "versions": package_versions(),
         "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
     }
-    try:
-        with ProgressLine(stream) as watch:
-            law = run_universal_campaign(plan, folder, begun, jobs, dask, made, watch.report, solve)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
-    finally:
-        with suppress(OSError):  # a folder with finished cells is not empty, and stays
-            folder.rmdir()
+    with solving_cells(output, stream) as (folder, report):
+        law = run_universal_campaign(plan, folder, begun, jobs, dask, made, report, solve)
     write_file(output, universal_law_bytes(law))
     return law
 

@@ -23,3 +23,9 @@ class MeshLimitRecord(Record):
         """The row in the table on the terminal."""
         radius = "" if self.roll_radius_mm is None else f", radius {self.roll_radius_mm:.1f} mm"
         return f"height {self.height_mm:.1f} mm{radius}; {self.distance_percent:.2f} % of the diameter away"
+
+
+def limit_in_words(record: Record) -> str | None:
+    """The row of a record that may have the key `mesh_limit`; None without a limit."""
+    limit: MeshLimitRecord | None = getattr(record, "mesh_limit", None)
+    return None if limit is None else limit.in_words()

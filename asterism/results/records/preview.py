@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from asterism.results.record import ABSENT, Record, key
-from asterism.results.records.mesh_limit import MeshLimitRecord
+from asterism.results.records.mesh_limit import MeshLimitRecord, limit_in_words
 from asterism.results.records.shape import ShapeRecord
 from asterism.results.words import distance_error
 
@@ -73,11 +73,6 @@ def _law(record: PreviewRecord) -> str:
     law = record.law
     edges = f"edges of {law.edge_mm:g} mm" if law.edge_mm else "limit of an infinitely fine mesh"
     return f"{law.material}, stretch {law.stretch:g}, {edges}"
-
-
-def _limit(record: PreviewRecord) -> str | None:
-    limit = record.get("mesh_limit")
-    return limit and record.mesh_limit.in_words()  # type: ignore[union-attr]
 
 
 def _expected_distance(record: PreviewRecord) -> str:
@@ -153,7 +148,7 @@ class PreviewRecord(ShapeRecord):
         "The shape on an infinitely fine mesh, if it was asked for (`--edge`); null if the law has no limit for the "
         "stars.",
         label="infinitely fine mesh",
-        show=_limit,
+        show=limit_in_words,
         default=ABSENT,
     )
     expected_rms_percent: float | None = key(

@@ -6,7 +6,7 @@ from typing import Any
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
-from asterism.results.records.mesh_limit import MeshLimitRecord
+from asterism.results.records.mesh_limit import MeshLimitRecord, limit_in_words
 from asterism.results.records.preview import PreviewRecord
 from asterism.results.words import distance_error, height_error, times
 
@@ -32,11 +32,6 @@ def _mesh_error(record: VerificationRecord) -> str:
     if record.get("mesh_error_from") == FROM_LAW:
         return f"about {record.mesh_error_percent:.1f} % of the diameter, by previews on this mesh and in the limit"
     return mesh_error_in_words(record.exact)
-
-
-def _limit(record: VerificationRecord) -> str | None:
-    limit = record.get("mesh_limit")
-    return limit and record.mesh_limit.in_words()  # type: ignore[union-attr]
 
 
 def _exact_model(record: VerificationRecord) -> str:
@@ -212,7 +207,7 @@ class VerificationRecord(DifferenceRecord):
         "The preview on an infinitely fine mesh; null if the law has no limit for the stars, or if the preview was "
         "made on other meshes than the exact shape.",
         label="infinitely fine mesh",
-        show=_limit,
+        show=limit_in_words,
         default=ABSENT,
     )
     mesh_change_percent: float | None = key(
