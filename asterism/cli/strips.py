@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import output_option
+from asterism.cli.common.options import nonempty_path, output_option
 from asterism.cli.common.run import Run, command
 
 app = typer.Typer(help="Measure plastic and fabric with printed strips.", invoke_without_command=True)
@@ -195,21 +195,46 @@ def weigh(
 @command
 def overhang(
     run: Run,
-    lengths: Annotated[list[float], typer.Argument(metavar="MM...", help="Overhangs at the slope of 41.5 degrees.")],
-    mass: Annotated[float, typer.Option(help="Mass in grams of a square metre of the released fabric.")],
+    lengths: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[MM...|TABLE]", help="Overhangs at the slope of 41.5 degrees, or their table (.csv)."),
+    ] = None,
+    mass: Annotated[float | None, typer.Option(help="Mass in grams of a square metre of the released fabric.")] = None,
     confidence: Annotated[float, typer.Option(help="Confidence level of the interval, 0.5 to 0.999.")] = 0.95,
+    form: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the table to fill in, and a page to print, into this directory.", parser=nonempty_path
+        ),
+    ] = None,
 ) -> None:
     """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
+    from asterism.cli.common.mistake import Mistake
     from asterism.measure.overhang import bending_stiffness
+    from asterism.measure.overhang_form import write_overhang_form
+    from asterism.measure.overhang_table import read_overhangs
     from pattern.design.errors import DesignError
 
+    if form is not None:
+        if lengths or mass is not None:
+            raise Mistake("--form: writes an empty table; give no overhangs and no --mass")
+        table, page = write_overhang_form(form)
+        filled = quote(str(form / table))
+        run.lines([f"{form}: {table}, {page}; measure, fill in the table, then  asterism strips overhang {filled}"])
+        return
+    if not lengths:
+        raise Mistake("MM: give overhangs in mm or their table; --form overhangs writes an empty table")
+    if mass is None:
+        raise Mistake("--mass: is missing; give the grams of a square metre of the released fabric")
+    is_table = len(lengths) == 1 and lengths[0].lower().endswith(".csv")
+    values = read_overhangs(Path(lengths[0])) if is_table else [_overhang(text) for text in lengths]
     try:
-        stiffness = bending_stiffness(lengths, mass, confidence)
+        stiffness = bending_stiffness(values, mass, confidence)
     except DesignError as error:
         typed = {"mass_g_m2": "--mass", "confidence": "--confidence"}.get(error.field)
         raise error if typed is None else DesignError(typed, error.allowed, error.value) from None
-    interval = ", one reading only"
-    if len(lengths) > 1:
+    interval = f", one {'strip' if is_table else 'reading'} only"
+    if len(values) > 1:
         interval = f" ({stiffness.low_n_mm:.3g} to {stiffness.high_n_mm:.3g} at {100.0 * confidence:g} %)"
     run.table(
         {
@@ -218,3 +243,12 @@ def overhang(
         }
     )
     run.lines([f'in [fabric]: bending = "consistent", bending_stiffness_n_mm = {stiffness.n_mm:.3g}, modulus_mpa'])
+
+
+def _overhang(text: str) -> float:
+    from asterism.cli.common.mistake import Mistake
+
+    try:
+        return float(text)
+    except ValueError:
+        raise Mistake(f"MM: must be overhangs in mm, or one table (.csv), not {text!r}") from None

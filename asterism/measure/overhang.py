@@ -10,6 +10,9 @@ import numpy as np
 from pattern.design.design import GRAVITY_M_S2
 from pattern.design.errors import DesignError
 
+# slope of the test
+SLOPE_DEG = 41.5
+OVERHANG_RANGE_MM = (10.0, 500.0)
 # A strip of this length over its bending length hangs so far that the line from the edge to its tip falls by 41.5
 # degrees, the slope of the test. The length of a heavy elastic strip over `(D/w)^(1/3)` is 2.0003 there (tests).
 LENGTH_AT_SLOPE = 2.0
@@ -67,8 +70,9 @@ def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float, confidenc
     if len(lengths) == 0:
         raise DesignError("overhangs_mm", "must hold at least one overhang")
     for number, length in enumerate(lengths, 1):
-        if not 10.0 <= length <= 500.0:
-            raise DesignError(f"overhangs_mm, reading {number}", "must be from 10 to 500 mm", float(length))
+        low, high = OVERHANG_RANGE_MM
+        if not low <= length <= high:
+            raise DesignError(f"overhangs_mm, reading {number}", f"must be from {low:g} to {high:g} mm", float(length))
     weight = 1e-9 * mass_g_m2 * GRAVITY_M_S2
     logs = np.log(lengths / LENGTH_AT_SLOPE)
     mean, half = float(logs.mean()), np.nan

@@ -7,12 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from asterism.measure.overhang import LENGTH_AT_SLOPE, bending_stiffness
+from asterism.measure.overhang import LENGTH_AT_SLOPE, SLOPE_DEG, bending_stiffness
 from pattern.design.design import GRAVITY_M_S2
 from pattern.design.errors import DesignError
 from tests.asterism.commands import command
-
-SLOPE_DEG = 41.5
 
 
 def fall_deg(load: float) -> float:
