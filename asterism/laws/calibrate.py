@@ -20,7 +20,6 @@ from equilibrium.compiled import HAVE_NUMBA
 from homogenize.campaign.campaign import CampaignProgress, run_campaign
 from homogenize.campaign.code_version import code_version
 from homogenize.campaign.fit_law import fit_law
-from homogenize.law.axes import sizes_text
 from homogenize.law.law import WITHOUT_BENDING, Law
 from homogenize.law.law_file import law_bytes
 from homogenize.law.material import Material
@@ -116,7 +115,7 @@ class ProgressLine(CountLine):
         """Show the progress, at the beginning and after each cell."""
         record = progress.last
         if record is not None and record.failed is not None:
-            self.failed(f"stretch {record.task.stretch:g}, {sizes_text(record.task.sizes)}", record.failed)
+            self.failed(record.label, record.failed)
         self.show(progress.done, progress.total, progress.failed, progress.seconds_left)
 
 

@@ -6,17 +6,17 @@ never uses samples of another material or of other code.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from homogenize.campaign.code_version import code_version
 from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
+from homogenize.campaign.solve_missing import solve_missing
 from homogenize.cell.sample import solve_cell
+from homogenize.law.axes import sizes_text
 from homogenize.law.material import Material
 from homogenize.law.plan import CellTask
 from pattern.design.design import Design
@@ -44,6 +44,21 @@ class SampleRecord:
     crashed: bool
     seconds: float
 
+    @property
+    def label(self) -> str:
+        """The cell, for messages."""
+        return f"stretch {self.task.stretch:g}, {sizes_text(self.task.sizes)}"
+
+
+class FinishedCell(Protocol):
+    """A record of any campaign: `label` names the cell, `failed` is the reason if it has no answer."""
+
+    @property
+    def label(self) -> str: ...
+
+    @property
+    def failed(self) -> str | None: ...
+
 
 @dataclass(frozen=True)
 class CampaignProgress:
@@ -60,7 +75,7 @@ class CampaignProgress:
     total: int
     failed: int
     seconds_left: float | None
-    last: SampleRecord | None
+    last: FinishedCell | None
 
 
 def run_campaign(
@@ -103,20 +118,14 @@ def run_campaign(
     missing = _longest_first([task for task in tasks if task not in records])
     send_report = report or (lambda progress: None)
     begin = _progress(records, tasks, None, None)
-    start, before = time.perf_counter(), len(records)
-    if not missing:
-        send_report(begin)
-        return [records[task] for task in tasks]
-    processes = min(jobs, len(missing))
-    workers: AbstractContextManager[SubmitAll] = local_workers(processes) if dask is None else dask_workers(dask)
-    with workers as submit_all:
-        send_report(begin)
-        arguments = [(respond, material.design(task), edge, code_version()) for task in missing]
-        for number, outcome in submit_all(_solve_one, arguments):
+    cells = [
+        (_inputs(material, task, respond), (respond, material.design(task), edge, code_version())) for task in missing
+    ]
+    with closing(solve_missing(kept, _solve_one, cells, jobs, dask, lambda: send_report(begin))) as solved:
+        for number, outcome, left in solved:
             task = missing[number]
-            records[task] = _record(task, kept.write(_inputs(material, task, respond), outcome))
-            pace = (time.perf_counter() - start) / (len(records) - before)
-            send_report(_progress(records, tasks, pace * (len(tasks) - len(records)), records[task]))
+            records[task] = _record(task, outcome)
+            send_report(_progress(records, tasks, left, records[task]))
     return [records[task] for task in tasks]
 
 

@@ -70,7 +70,7 @@ def _nodes(axis: Axis, sizes: Floats, spacing: float) -> list[float]:
     """Increasing nodes of an axis that enclose these sizes (S,) of the stars."""
     low, high = axis.limits
     if axis.node_ratio is not None:
-        return _geometric_nodes(np.clip(sizes, low, high), axis.node_ratio)
+        return geometric_nodes(np.clip(sizes, low, high), axis.node_ratio)
     return _length_nodes(np.clip(sizes, low, spacing), spacing)
 
 
@@ -83,8 +83,14 @@ def _length_nodes(lengths: Floats, spacing: float) -> list[float]:
     return sorted({low, *(round(n * step, 4) for n in steps), min(high, spacing)})
 
 
-def _geometric_nodes(sizes: Floats, max_ratio: float) -> list[float]:
-    """From the smallest to the largest in equal ratios, each at most `max_ratio`."""
+def geometric_nodes(sizes: Floats, max_ratio: float) -> list[float]:
+    """From the smallest to the largest of sizes (S,) in equal ratios, each at most `max_ratio`.
+
+    Examples
+    --------
+    >>> geometric_nodes(np.array([0.3, 0.45, 0.38]), 1.3)
+    [0.3, 0.3674, 0.45]
+    """
     low, high = _ends(sizes)
     steps = math.ceil(math.log(high / low) / math.log(max_ratio) - 1e-9) or 1
     return sorted({low, *(round(low * (high / low) ** (n / steps), 4) for n in range(1, steps)), high})

@@ -12,7 +12,7 @@ import numpy as np
 
 from equilibrium.arrays import Floats
 
-SlopeRule = Literal["monotone", "smooth"]
+SlopeRule = Literal["monotone", "smooth", "spline"]
 # relative weights of both sides below this are rounding errors: the values around the node lie on a line
 MIN_RELATIVE_WEIGHT = 1e-9
 
@@ -27,7 +27,9 @@ def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Fl
     axis : the axis along which the nodes lie.
     rule : "monotone" takes the slopes of Fritsch and Butland (1984) with the ends of Moler (Numerical Computing with
         MATLAB, 2004, section 3.6): the cubics between the nodes are monotone where the values are. "smooth" takes
-        those of the modified Akima spline (Akima 1970; Moler and Ionita 2019).
+        those of the modified Akima spline (Akima 1970; Moler and Ionita 2019). "spline" takes those of the cubic spline
+        without knots next to the ends (de Boor, A practical guide to splines, 1978, chapter IV), which are linear in
+        the values; three nodes have a parabola.
 
     Returns
     -------
@@ -47,6 +49,8 @@ def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Fl
         slopes = _monotone(steps, secants)
     elif len(secants) == 2:  # the parabola through the three nodes
         slopes = np.asarray(np.gradient(values, nodes, axis=0, edge_order=2))
+    elif rule == "spline":
+        slopes = _spline(np.diff(nodes), secants)
     else:
         slopes = _smooth(secants)
     return np.moveaxis(slopes, 0, axis)
@@ -83,3 +87,23 @@ def _smooth(secants: Floats) -> Floats:
     known = total > MIN_RELATIVE_WEIGHT * total.max()
     share = np.where(known, after, 0.0) / np.where(known, total, 1.0)
     return np.where(known, m[1:-2] + share * (m[2:-1] - m[1:-2]), (m[3:] + m[:-3]) / 2)
+
+
+def _spline(steps: Floats, secants: Floats) -> Floats:
+    """Slopes that make the second derivative continuous, and the third one at the nodes next to the ends."""
+    count = len(steps) + 1
+    matrix = np.zeros((count, count))
+    flat = secants.reshape(len(secants), -1)
+    right = np.empty((count, flat.shape[1]))
+    for node in range(1, count - 1):
+        before, after = steps[node - 1], steps[node]
+        matrix[node, node - 1 : node + 2] = after, 2.0 * (before + after), before
+        right[node] = 3.0 * (after * flat[node - 1] + before * flat[node])
+    for end, (step, next_step), (secant, next_secant), places in (
+        (0, steps[:2], flat[:2], (0, 1)),
+        (count - 1, steps[:-3:-1], flat[:-3:-1], (count - 1, count - 2)),
+    ):
+        both = step + next_step
+        matrix[end, list(places)] = next_step, both
+        right[end] = ((step + 2.0 * both) * next_step * secant + step**2 * next_secant) / both
+    return np.asarray(np.linalg.solve(matrix, right)).reshape(count, *secants.shape[1:])

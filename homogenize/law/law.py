@@ -6,7 +6,6 @@ stretch.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,13 +21,18 @@ from homogenize.law.cell_stability_table import CellStabilityTable
 from homogenize.law.law_table import QUANTITIES, LawTable, LawValues
 from homogenize.law.material import Material
 from homogenize.law.mesh_edges import EdgeTables, table_at_edge, whole_edge
+from homogenize.law.same_material import (
+    FREE_KEYS,
+    LATTICE_TOLERANCE,
+    MATERIAL_TOLERANCE,
+    check_bending,
+    check_same,
+    same_sites,
+    same_values,
+)
 from pattern.design.design import Design
 from pattern.design.lattice import Lattice
 
-# relative difference between numbers of a design and of the law: rounding of the machine
-LATTICE_TOLERANCE = 1e-6
-# the same for a measured material, whose numbers people copy from a printed text; the law is less accurate than this
-MATERIAL_TOLERANCE = 2e-3
 # without bending, bare fabric has no stiffness or no equilibrium, and the natural curvature of the paper's star jumps
 # between 0.027 and 0.079 per mm for mesh edges from 3.5 to 0.8 mm
 WITHOUT_BENDING = (
@@ -103,7 +107,7 @@ class Law:
         if asked not in self._at_edges:
             tables = []
             for table in self.tables:
-                others = [(e.edge_mm, o) for e in self.edges for o in e.tables if _same(o.stretch, table.stretch)]
+                others = [(e.edge_mm, o) for e in self.edges for o in e.tables if same_values(o.stretch, table.stretch)]
                 if others:
                     tables.append(table_at_edge(table, own, others, asked))
             self._at_edges[asked] = replace(self, tables=tuple(tables), edges=(), asked_edge_mm=edge_mm)
@@ -144,7 +148,7 @@ class Law:
             The law has no table for this stretch.
         """
         for table in self.tables:
-            if _same(table.stretch, stretch):
+            if same_values(table.stretch, stretch):
                 return table
         problem = f"fabric.stretch = {stretch:g}: the law was made for {_list(self.stretches)}"
         raise ForeignLaw(problem, field="fabric.stretch")
@@ -188,30 +192,15 @@ class Law:
         if not design.fabric.has_bending:
             raise LawError(f"fabric.bending = {design.fabric.bending}: {WITHOUT_BENDING}", field="fabric.bending")
         sx, sy = design.fabric.stretch_xy
-        if not _same(sx, sy):
+        if not same_values(sx, sy):
             raise LawError(f"fabric.stretch = {[sx, sy]}: {WITH_TWO_STRETCHES}", field="fabric.stretch")
-        free = {
-            "fabric": {"stretch", "modulus_mpa", "density_kg_m3", "bending_stiffness_n_mm"},
-            "plastic": {"density_kg_m3"},
-        }
-        for section in ("fabric", "plastic", "lattice"):
+        for section, free in FREE_KEYS.items():
             ours, theirs = (getattr(thing, section).model_dump(mode="json") for thing in (self.material, design))
-            if section == "lattice":
-                ours, theirs = (_lattice(thing.lattice, thing_data) for thing, thing_data in
-                                ((self.material, ours), (design, theirs)))  # fmt: skip
-                if _same_sites(self.material.lattice, design.lattice):
-                    ours |= {key: theirs[key] for key in ("kind", "spacing_mm", "vectors_mm")}
-            for key in ours:
-                part = LATTICE_TOLERANCE if section == "lattice" else MATERIAL_TOLERANCE
-                if key not in free.get(section, ()) and not _same(ours[key], theirs[key], part):
-                    other = "lattice" if section == "lattice" else "material"
-                    field = f"{section}.{key}"
-                    problem = f"{field} = {theirs[key]}: the law is for another {other}, of {ours[key]}"
-                    raise ForeignLaw(problem, field=field)
-        known, asked = self.material.fabric.bending_thickness_mm, design.fabric.bending_thickness_mm
-        if not _same(known, asked, MATERIAL_TOLERANCE):
-            problem = f"the fabric bends like a plate {asked:.3g} mm thick: the law is for another, of {known:.3g} mm"
-            raise ForeignLaw(problem, field="fabric.bending_stiffness_n_mm")
+            check_same(section, ours, theirs, MATERIAL_TOLERANCE, free)
+        check_same(
+            "lattice", _lattice(self.material.lattice, design.lattice), _lattice(design.lattice), LATTICE_TOLERANCE
+        )
+        check_bending(self.material.fabric.bending_thickness_mm, design.fabric.bending_thickness_mm)
         return self.at(sx)
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
@@ -260,37 +249,21 @@ class Law:
         )
 
 
-def _lattice(lattice: Lattice, data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a lattice that shape its cells.
+def _lattice(lattice: Lattice, like: Lattice | None = None) -> dict[str, Any]:
+    """The data of a lattice that shape its cells, or those of another one (`like`) where its sites are the same.
 
     The origin is left out, and the orientation is reduced by the symmetry of star and lattice. A lattice repeats after
     half a turn: stars that are turned by it make the same sheet.
     """
     turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms / (1 + lattice.arms % 2)) - 1e-7
+    sites = (like if like is not None and same_sites(lattice, like) else lattice).model_dump(mode="json")
     return {
-        "arms": data["arms"],
-        "kind": data["kind"],
-        "spacing_mm": data["spacing_mm"],
-        "vectors_mm": data["vectors_mm"],
+        "arms": lattice.arms,
+        "kind": sites["kind"],
+        "spacing_mm": sites["spacing_mm"],
+        "vectors_mm": sites["vectors_mm"],
         "orientation_deg": round(turn, 6),
     }
-
-
-def _same_sites(one: Lattice, other: Lattice) -> bool:
-    """Whether two lattices have the same sites, up to their origins and bases."""
-    steps = one.vectors @ np.linalg.inv(other.vectors)
-    return bool(np.abs(steps - np.rint(steps)).max() < 1e-6 and round(abs(np.linalg.det(steps))) == 1)
-
-
-def _same(a: Any, b: Any, part: float = LATTICE_TOLERANCE) -> bool:
-    """Whether numbers, also in lists and tables, differ by no more than this part of them."""
-    if isinstance(a, int | float) and isinstance(b, int | float):
-        return math.isclose(a, b, rel_tol=part, abs_tol=1e-12)
-    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
-        return len(a) == len(b) and all(_same(one, other, part) for one, other in zip(a, b, strict=True))
-    if isinstance(a, dict) and isinstance(b, dict):
-        return a.keys() == b.keys() and all(_same(a[key], b[key], part) for key in a)
-    return bool(a == b)
 
 
 def _list(values: Sequence[float]) -> str:

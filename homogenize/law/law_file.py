@@ -46,6 +46,8 @@ DAMAGED_FILE_ERRORS = (
 )
 _REMEDY = "make it again: asterism calibrate"
 _TEXTS = ("material", "residuals", "made")
+# an array that only the files of other laws have
+KIND = "kind"
 # begins the names of arrays from cells of other mesh edges
 _EDGES = "edge "
 # names of a table's arrays; the last one is left out for threefold symmetry
@@ -138,6 +140,8 @@ def load_law(path: str | Path | None = None) -> Law:
     try:
         check_regular(path)
         with np.load(path, allow_pickle=False) as archive:
+            if KIND in archive:
+                raise LawError(f"{path}: is the law of a motif, not of stars")
             if "format" not in archive:
                 raise LawError(f"{path}: is not a law")
             if (version := int(archive["format"])) != LAW_FORMAT:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from equilibrium.arrays import Floats
 from homogenize.campaign.campaign import CampaignProgress
 from homogenize.campaign.code_version import code_version
 from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
+from homogenize.campaign.solve_missing import solve_missing
 from homogenize.cell.sample import solve_cell
 from homogenize.cell.tube_directions import THREEFOLD_ANGLES_RAD
 from homogenize.universal.cell_rows import cell_row, row_problem
@@ -69,17 +68,14 @@ def solve_cells(
         if key not in outcomes and (outcome := kept.read(_inputs(key, solve))) is not None:
             outcomes[key] = outcome
     missing = list(dict.fromkeys(key for key in keys if key not in outcomes))
-    send, start, before = report or (lambda progress: None), time.perf_counter(), len(keys) - len(missing)
-    send(_progress(before, len(keys), keys, outcomes, None))
-    if missing:
-        workers: AbstractContextManager[SubmitAll]
-        workers = local_workers(min(jobs, len(missing))) if dask is None else dask_workers(dask)
-        with workers as submit_all:
-            tasks = [(solve, list(key), code_version()) for key in missing]
-            for count, (number, outcome) in enumerate(submit_all(_solve_kept, tasks), 1):
-                outcomes[missing[number]] = kept.write(_inputs(missing[number], solve), outcome)
-                left = (time.perf_counter() - start) / count * (len(missing) - count)
-                send(_progress(before + count, len(keys), keys, outcomes, left))
+    send = report or (lambda progress: None)
+    before = len(keys) - len(missing)
+    begin = _progress(before, len(keys), keys, outcomes, None)
+    cells = [(_inputs(key, solve), (solve, list(key), code_version())) for key in missing]
+    with closing(solve_missing(kept, _solve_kept, cells, jobs, dask, lambda: send(begin))) as solved:
+        for count, (number, outcome, left) in enumerate(solved, 1):
+            outcomes[missing[number]] = outcome
+            send(_progress(before + count, len(keys), keys, outcomes, left))
     return _cells(groups, [outcomes[key] for key in keys])
 
 

@@ -40,7 +40,7 @@ def design(**more: Any) -> Design:
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("homogenize.universal.solve_cells.local_workers", same_process.workers)
+        monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", same_process.workers)
         cells = solve_cells(spread_groups(80), tmp_path_factory.mktemp("cells"), solve=answers.solve)
     return universal_law(cells, 80)
 

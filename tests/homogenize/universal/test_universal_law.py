@@ -25,13 +25,13 @@ PLAN = UniversalPlan(spread=70, rounds=1, refined=10)
 
 @pytest.fixture(autouse=True)
 def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("homogenize.universal.solve_cells.local_workers", same_process.workers)
+    monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", same_process.workers)
 
 
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("homogenize.universal.solve_cells.local_workers", same_process.workers)
+        monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", same_process.workers)
         return run_universal_campaign(PLAN, tmp_path_factory.mktemp("campaign"), solve=answers.solve)
 
 

@@ -1,0 +1,57 @@
+"""The responses of the cell of a motif as plain data, and as the tensors of its sheet."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from homogenize.cell.effective_stiffness import EffectiveStiffness
+from homogenize.cell.larger_cell import CellComparison
+from homogenize.cell.motif_responses import MotifResponses, RolledDirection
+from homogenize.cell.tube_bending import bending_of_tubes
+from homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
+
+
+def responses_to_data(responses: MotifResponses) -> dict[str, Any]:
+    """Plain data for JSON; the inverse of `responses_from_data`."""
+    return {name: _plain(value) for name, value in asdict(responses).items()}
+
+
+def responses_from_data(data: dict[str, Any]) -> MotifResponses:
+    """Responses from plain data."""
+    linear, comparison = data["linear"], data["comparison"]
+    stretches = {name: np.array(comparison[name]) for name in ("stretches", "larger_stretches")}
+    return MotifResponses(
+        np.array(data["deformation"]),
+        EffectiveStiffness(np.array(linear["stiffness"]), np.array(linear["moment"])),
+        np.array(data["rods"]),
+        tuple(RolledDirection(**each) for each in data["directions"]),
+        tuple((float(angle), str(reason)) for angle, reason in data["failed"]),
+        CellComparison(**(comparison | stretches)),
+        data["spacing_mm"],
+        data["vertices"],
+    )
+
+
+def motif_tensors(responses: MotifResponses) -> SheetTensors:
+    """The tensors (n = 1) of a sheet: metric and membrane of the flat cell, and the bending of its natural tubes."""
+    stiffness = np.zeros((6, 6))
+    membrane = responses.linear.stiffness[:3, :3]
+    stiffness[:3, :3] = 0.5 * (membrane + membrane.T)
+    stiffness[3:, 3:], moment = bending_of_tubes(responses)
+    metric = responses.deformation @ responses.deformation
+    # plastic outside: edges go down
+    curvature = -np.linalg.solve(stiffness[3:, 3:], moment) / TO_VOIGT
+    return SheetTensors(np.array([[metric[0, 0], metric[1, 1], metric[0, 1]]]), stiffness[None], curvature[None])
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value

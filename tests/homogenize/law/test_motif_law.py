@@ -1,0 +1,194 @@
+"""The law of a motif: nodes, derivatives, range, files, refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from homogenize.campaign.fit_motif_law import fit_motif_law
+from homogenize.campaign.motif_campaign import run_motif_campaign
+from homogenize.campaign.motif_design_plan import plan_for_motif
+from homogenize.campaign.motif_sample import motif_tensors
+from homogenize.errors import CampaignError, ForeignLaw, LawError
+from homogenize.law.any_law import load_any_law
+from homogenize.law.law_file import PAPER_LAW, load_law
+from homogenize.law.motif_law import MotifLaw, MotifValues
+from homogenize.law.motif_law_file import load_motif_law, motif_law_bytes, motif_law_digest
+from pattern.design.design import Design
+from tests.homogenize import same_process
+from tests.homogenize.motif_laws import made_up
+from tests.homogenize.motifs import grid
+
+THICKNESS = {"profile": "radial", "from": 0.4, "to": 0.6, "over_mm": 30.0}
+WIDTH = {"profile": "linear", "from": 0.8, "to": 1.6, "start_mm": [-30.0, 0.0], "end_mm": [30.0, 0.0]}
+
+
+def design(thickness: Any = 0.4, width: Any = 1.2, own: dict[str, Any] | None = None, **more: Any) -> Design:
+    """A square grid of rods; `own` are keys of its second line."""
+    motif, lattice = grid()
+    motif[1] |= own or {}
+    rods = {"motif": motif, "thickness_mm": thickness, "width_mm": width} | more.pop("rods", {})
+    return Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}} | more)
+
+
+def law_of(sheet: Design, folder: Path, monkeypatch: pytest.MonkeyPatch) -> MotifLaw:
+    same_process.use(monkeypatch)
+    plan = plan_for_motif(sheet)
+    return fit_motif_law(plan, run_motif_campaign(plan, folder, respond=made_up))
+
+
+@pytest.fixture
+def law(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MotifLaw:
+    return law_of(design(THICKNESS, WIDTH), tmp_path / "samples", monkeypatch)
+
+
+def parts(values: MotifValues) -> list[np.ndarray]:
+    return [values.metric, values.stiffness, values.curvature]
+
+
+def slopes(values: MotifValues) -> list[np.ndarray]:
+    return [values.slopes.metric, values.slopes.stiffness, values.slopes.curvature]
+
+
+def test_nodes_have_the_tensors_of_their_cells(law: MotifLaw) -> None:
+    sheet = design(THICKNESS, WIDTH)
+    for task in law.plan.tasks():
+        cell = motif_tensors(made_up(law.plan.cell_design(task.sizes), law.edge_mm))
+        values = law.evaluate(sheet, *task.sizes)
+        assert values.inside.all()
+        tolerance = 2e-3 if task.held_out else 1e-10
+        for ours, known in zip(parts(values), (cell.metric, cell.stiffness, cell.curvature), strict=True):
+            np.testing.assert_allclose(ours, known, rtol=tolerance, atol=tolerance * np.abs(known).max())
+
+
+def test_errors_are_those_of_the_held_out_cells(law: MotifLaw) -> None:
+    stated = law.residuals["held_out"]
+    assert stated["count"] == 4
+    assert all(0.0 < stated["errors"][name]["largest_percent"] < 0.2 for name in ("membrane", "bending", "curvature"))
+
+
+def test_slopes_are_derivatives(law: MotifLaw) -> None:
+    sheet, step = design(THICKNESS, WIDTH), 1e-6
+    sizes = np.array([[0.43, 1.13], [0.5, 0.93], [0.57, 1.5]])
+    here = slopes(law.evaluate(sheet, *sizes.T))
+    for axis in range(2):
+        ahead, behind = (parts(law.evaluate(sheet, *(sizes + side * step * np.eye(2)[axis]).T)) for side in (1, -1))
+        for a, b, slope in zip(ahead, behind, here, strict=True):
+            np.testing.assert_allclose(slope[:, axis], (a - b) / (2 * step), rtol=1e-5, atol=1e-6 * np.abs(slope).max())
+
+
+def test_stiffnesses_are_positive_definite_between_cells(law: MotifLaw) -> None:
+    thickness, width = (each.ravel() for each in np.meshgrid(np.linspace(0.4, 0.6, 41), np.linspace(0.8, 1.6, 31)))
+    values = law.evaluate(design(THICKNESS, WIDTH), thickness, width)
+    assert values.inside.all() and (np.linalg.eigvalsh(values.stiffness) > 0.0).all()
+
+
+def test_places_have_the_sizes_of_the_design(law: MotifLaw) -> None:
+    sheet = design(THICKNESS, WIDTH)
+    points = np.array([[0.0, 0.0], [20.0, -11.0]])
+    radius = np.linalg.norm(points, axis=1)
+    expected = law.evaluate(sheet, 0.4 + 0.2 * radius / 30.0, 0.8 + 0.8 * (points[:, 0] + 30.0) / 60.0)
+    for ours, known in zip(parts(law.evaluate_at(sheet, points)), parts(expected), strict=True):
+        np.testing.assert_allclose(ours, known, rtol=1e-9)
+
+
+def test_outside_the_range_the_nearest_sizes_count(law: MotifLaw) -> None:
+    values = law.evaluate(design(THICKNESS, WIDTH), [0.3, 0.4], [1.2, 1.2])
+    assert values.inside.tolist() == [False, True]
+    assert values.outside == ("rods.thickness_mm = 0.3: is outside the law's 0.4 to 0.6",)
+    np.testing.assert_allclose(values.stiffness[0], values.stiffness[1])
+    assert not values.slopes.stiffness[0, 0].any() and values.slopes.stiffness[0, 1].any()
+
+
+def test_cells_without_a_law_cut_the_range(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet = design(THICKNESS | {"from": 0.3})
+    law = law_of(sheet, tmp_path, monkeypatch)
+    values = law.evaluate(sheet, [0.31, 0.4], 1.2)
+    assert values.inside.tolist() == [False, True]
+    assert "2 x 2 cells relax to" in values.outside[0]
+    law.check(sheet)
+    with pytest.raises(LawError, match="the motif has no law of one cell"):
+        law.check(design(0.31))
+    with pytest.raises(CampaignError, match=r"thickness 0.3 mm, width 1.2 mm: the motif has no law of one cell"):
+        law_of(design(0.3), tmp_path, monkeypatch)
+
+
+def test_files_give_the_same_law(law: MotifLaw, tmp_path: Path) -> None:
+    content = motif_law_bytes(law)
+    (tmp_path / "law.npz").write_bytes(content)
+    again = load_any_law(tmp_path / "law.npz")
+    assert isinstance(again, MotifLaw)
+    assert motif_law_bytes(again) == content and motif_law_digest(again) == motif_law_digest(law)
+    sheet = design(THICKNESS, WIDTH)
+    for ours, known in zip(*(parts(each.evaluate(sheet, 0.47, 1.1)) for each in (again, law)), strict=True):
+        np.testing.assert_array_equal(ours, known)
+
+
+def test_each_kind_of_law_is_refused_for_the_other(law: MotifLaw, tmp_path: Path) -> None:
+    (tmp_path / "law.npz").write_bytes(motif_law_bytes(law))
+    with pytest.raises(LawError, match=r"law\.npz: is the law of a motif, not of stars"):
+        load_law(tmp_path / "law.npz")
+    with pytest.raises(LawError, match="is the law of stars, not of a motif"):
+        load_motif_law(PAPER_LAW)
+    (tmp_path / "half.npz").write_bytes(motif_law_bytes(law)[:5000])
+    with pytest.raises(LawError, match="is not a law, or damaged"):
+        load_any_law(tmp_path / "half.npz")
+    with pytest.raises(ForeignLaw, match="stars: the law is for a motif of rods"):
+        law.check(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"fabric": {"stretch": 1.4}}, "fabric.stretch = 1.4: the law was made for 1.35"),
+        ({"fabric": {"stretch": [1.35, 1.2]}}, r"fabric.stretch = \[1.35, 1.2\]"),
+        ({"fabric": {"thickness_mm": 0.7}}, "fabric.thickness_mm = 0.7: the law is for another material, of 0.8"),
+        ({"plastic": {"modulus_ratio": 3000.0}}, "plastic.modulus_ratio"),
+        ({"lattice": {"kind": "square", "spacing_mm": 11.0}}, "lattice: the law is for another lattice"),
+        ({"rods": {"motif": grid()[0][:1]}}, "rods.motif: the law is for 2 lines, not 1"),
+        ({"rods": {"join_mm": 0.2}}, "rods.join_mm = 0.2: the law is for 0.1"),
+        ({"own": {"thickness_mm": 0.5}}, r"rods.motif\[0\].thickness_mm: the law is for lines with the same"),
+        ({"own": {"kappa_bar_per_mm": 0.01}}, r"rods.motif\[1\]: the law is for another line"),
+        ({"fabric": {"bending": "none"}}, "fabric.bending"),
+        ({"rods": {"draw": [{"line_mm": [(-20, 3), (20, 3)]}]}}, "rods.draw: must be left out"),
+    ],
+)
+def test_other_designs_are_refused(law: MotifLaw, change: dict[str, Any], message: str) -> None:
+    with pytest.raises(LawError, match=message):
+        law.check(design(**change))
+
+
+def test_stiffness_follows_the_modulus(law: MotifLaw) -> None:
+    soft, stiff = (design(fabric={"modulus_mpa": modulus}) for modulus in (7.1875, 14.375))
+    ours, known = (law.evaluate(each, 0.45, 1.2) for each in (stiff, soft))
+    np.testing.assert_allclose(ours.stiffness, 2.0 * known.stiffness)
+    np.testing.assert_allclose(ours.slopes.stiffness, 2.0 * known.slopes.stiffness)
+    np.testing.assert_array_equal(ours.curvature, known.curvature)
+
+
+def test_lines_with_sizes_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A number stays as it is; a field is an axis of its own."""
+    fixed = design(THICKNESS, own={"thickness_mm": 0.8})
+    law = law_of(fixed, tmp_path, monkeypatch)
+    assert [(size.key, size.lines) for size in law.plan.sizes] == [("thickness_mm", (0,)), ("width_mm", (0, 1))]
+    law.check(fixed)
+    with pytest.raises(ForeignLaw, match=r"rods.motif\[1\].thickness_mm = 0.7: the law is for 0.8"):
+        law.check(design(THICKNESS, own={"thickness_mm": 0.7}))
+    two = design(THICKNESS, own={"thickness_mm": THICKNESS | {"to": 0.5}})
+    law = law_of(two, tmp_path, monkeypatch)
+    assert [size.lines for size in law.plan.sizes] == [(0,), (1,), (0, 1)]
+    assert law.evaluate_at(two, np.zeros((1, 2))).inside.all()
+    with pytest.raises(LawError, match="several thicknesses or widths: evaluate_at"):
+        law.evaluate(two, 0.4, 1.2)
+
+
+def test_rounded_sizes_are_those_that_are_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rounding = {"first_layer_mm": 0.2, "layer_mm": 0.1, "line_mm": 0.4}
+    sheet = design(THICKNESS, 1.1, rods={"rounding": rounding})
+    law = law_of(sheet, tmp_path, monkeypatch)
+    thickness, width = law.plan.sizes
+    assert (thickness.nodes[0], thickness.nodes[-1], width.nodes) == (0.4, 0.6, (1.2,))
+    np.testing.assert_allclose(law.plan.sizes_at(sheet, np.array([[10.0, 0.0]])), [[0.5, 1.2]])

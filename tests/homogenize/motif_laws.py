@@ -1,0 +1,35 @@
+"""Laws of motifs whose cells are made up, with answers that are smooth functions of the sizes of the rods."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from homogenize.cell.effective_stiffness import EffectiveStiffness
+from homogenize.cell.larger_cell import CellComparison
+from homogenize.cell.motif_responses import MotifResponses, RolledDirection
+from homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from pattern.design.design import Design
+
+# mm, of lines below which four cells relax to less energy than one
+LEAST_THICKNESS = 0.34
+
+
+def made_up(design: Design, edge_mm: float) -> MotifResponses:
+    """In place of `motif_responses`: a net of rods with the thickness and width of its first line."""
+    assert design.rods is not None
+    line = design.rods.motif[0]
+    thickness, width = float(line.thickness_mm), float(line.width_mm)  # type: ignore[arg-type]
+    stiffness = np.zeros((6, 6))
+    stiffness[:3, :3] = 900.0 * thickness * width * np.array([[1.0, 0.1, 0.05], [0.1, 0.6, 0.0], [0.05, 0.0, 0.2]])
+    stretch = 1.0 - 0.02 / (thickness * width)
+    deformation = np.array([[stretch, 0.01 * width], [0.01 * width, 0.9 * stretch]])
+    bending = 150.0 * width * thickness**3
+    tubes = tuple(
+        RolledDirection(angle, 0.003 / thickness**2 * (1.0 + 0.3 * np.cos(2.0 * angle)), 0.99, 0.95, bending)
+        for angle in ALL_ANGLES_RAD
+    )
+    rods = bending * np.array([[1.0, 0.1, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, 0.45]])
+    larger = 1.0 if thickness >= LEAST_THICKNESS else 0.9
+    comparison = CellComparison(1.0, larger, np.array([0.9, 0.95]), np.array([0.7, 0.8]))
+    linear = EffectiveStiffness(stiffness, np.array([0.1, 0.1, 0.0]))
+    return MotifResponses(deformation, linear, rods, tubes, (), comparison, 10.0, 40)
