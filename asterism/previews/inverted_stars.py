@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.previews.state import PreviewState
+from asterism.previews.state import StarState
 from asterism.previews.surface.smooth_surface import smooth_surface
 from equilibrium.arrays import Ints
 
 
-def stars_that_may_be_inverted(state: PreviewState) -> Ints:
+def stars_that_may_be_inverted(state: StarState) -> Ints:
     """Numbers of the stars that may be inverted; none on a sheet without supports, which curls."""
     layout, values = state.layout, state.values
     long = values.sizes[:, 0] >= state.model.inverted_min_arm * layout.spacing_mm

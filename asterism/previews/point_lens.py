@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from asterism.previews.state import PreviewState
-from asterism.previews.surface.surface import Lens, Places
+from asterism.previews.kinds import kind_of
+from asterism.previews.state import AnyPreviewState
+from asterism.previews.surface.places import Places, SheetLens
 from equilibrium.arrays import Floats
 
 
@@ -31,10 +32,10 @@ class PointLens:
         These are no points, or one is off the sheet.
     """
 
-    def __init__(self, state: Callable[[], PreviewState], points: Floats) -> None:
+    def __init__(self, state: Callable[[], AnyPreviewState], points: Floats) -> None:
         self.points = checked_points(points)
         self._state = state
-        self._lens = Lens(state().sheet, state().law.waves, self.points)
+        self._lens = self._new_lens(state())
 
     def __call__(self, x: Floats | None = None) -> Places:
         """The points in space, at positions `x` of a stage or else in the state that the preview shows.
@@ -49,8 +50,11 @@ class PointLens:
         if state.sheet.space is self._lens.sheet.space:
             self._lens = self._lens.renewed(state.sheet)
         else:
-            self._lens = Lens(state.sheet, state.law.waves, self.points)
+            self._lens = self._new_lens(state)
         return self._lens(x, state.values)
+
+    def _new_lens(self, state: AnyPreviewState) -> SheetLens:
+        return kind_of(state.design).lens(state, self.points)
 
 
 def checked_points(points: Floats) -> Floats:
@@ -61,7 +65,7 @@ def checked_points(points: Floats) -> Floats:
     return points
 
 
-def checked_positions(x: Floats | None, state: PreviewState) -> Floats:
+def checked_positions(x: Floats | None, state: AnyPreviewState) -> Floats:
     """(N, 3) positions of the shell's dofs; by default those that the state shows."""
     x = state.x if x is None else np.asarray(x, dtype=float)
     if x.shape != state.x.shape:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from asterism.previews.fields.star_values import StarValues
+from typing import Any
+
+from asterism.previews.kinds import kind_of
 from asterism.previews.point_lens import PointLens, checked_points, checked_positions
-from asterism.previews.sheet import Sheet
-from asterism.previews.state import PreviewState
-from asterism.previews.surface.surface import Lens, Places
+from asterism.previews.state import AnyPreviewState
+from asterism.previews.surface.places import Places
 from asterism.previews.uncertainty.other_forms import OtherForm, forms_met
 from equilibrium.arrays import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.sides import Side
 from fem.shell.shell import Shell
-from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.layout.symmetries import Symmetry
 
@@ -25,7 +25,7 @@ class PreviewReadings:
     state : all results, as one frozen value; an edit replaces it as a whole.
     """
 
-    state: PreviewState
+    state: AnyPreviewState
 
     @property
     def design(self) -> Design:
@@ -33,8 +33,8 @@ class PreviewReadings:
         return self.state.design
 
     @property
-    def law(self) -> Law:
-        """The law of the material."""
+    def law(self) -> Any:
+        """The law of the material, a `Law`; for a motif its `MotifLaw`."""
         return self.state.law
 
     @property
@@ -43,13 +43,13 @@ class PreviewReadings:
         return self.state.side
 
     @property
-    def sheet(self) -> Sheet:
-        """The printed sheet and its mesh."""
+    def sheet(self) -> Any:
+        """The printed sheet and its mesh: a `PrintSheet`, for stars a `Sheet`."""
         return self.state.sheet
 
     @property
-    def values(self) -> StarValues:
-        """The law at the stars of the design."""
+    def values(self) -> Any:
+        """The law at the stars of the design, `StarValues`; for a motif `MotifFieldValues`."""
         return self.state.values
 
     @property
@@ -89,7 +89,7 @@ class PreviewReadings:
         """
         state = self.state
         points, x = checked_points(points), checked_positions(x, state)
-        return Lens(state.sheet, state.law.waves, points)(x, state.values)
+        return kind_of(state.design).lens(state, points)(x, state.values)
 
     def lens(self, points: Floats) -> PointLens:
         """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.

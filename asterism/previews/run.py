@@ -12,7 +12,6 @@ from asterism.shape.shape import Shape
 from fem.search.sides import Side
 from homogenize.law.law import Law
 from pattern.design.design import Design
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
 
@@ -48,6 +47,5 @@ def preview(
         As for `Preview`, which keeps its state for edits.
     """
     begin = time.perf_counter()
-    plan = plan if plan is not None else layout(design)
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
     return replace(shape, summary=shape.summary | {"wall_s": time.perf_counter() - begin})

@@ -8,35 +8,17 @@ from typing import NoReturn
 
 import numpy as np
 
-from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.designed_states import DesignedStates
+from asterism.previews.kinds import kind_of
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.readings import PreviewReadings
-from asterism.previews.serving_law import serving_law
-from asterism.previews.sheet import Sheet, sheet_of
 from asterism.previews.snapshot import Snapshot
-from asterism.previews.solve import (
-    at_form,
-    carried,
-    followed,
-    respond,
-    restarted,
-    state_from_guesses,
-    state_without_search,
-    with_near_zero_modes,
-    with_shown_sheet,
-    with_stars,
-)
+from asterism.previews.solve import at_form, followed, respond, restarted, with_near_zero_modes
 from asterism.previews.stage import Stage
-from asterism.previews.state import PreviewState
-from asterism.previews.summary import summary
-from asterism.previews.surface.surface import shape_of
-from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.previews.uncertainty.other_forms import forms_met
-from asterism.previews.watch import Watch
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
 from equilibrium.threads import one_blas_thread
 from fem.search.mean_fields import mean_fields
 from fem.search.sides import Side, check_side, side_of
@@ -44,14 +26,8 @@ from homogenize.law.law import Law
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 from pattern.design.section import is_whole
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
-from pattern.layout.weight_support import check_weight_is_supported
 
-# from this number of triangles on, a message announces a long computation: some sheets take hundreds of iterations
-PATIENCE_TRIANGLES = 300
-# largest number of triangles that the caller may give, which limits the memory
-MAX_ASKED_TRIANGLES = 10_000
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
@@ -110,53 +86,9 @@ class Preview(PreviewReadings):
         max_seconds: float | None = None,
     ) -> None:
         check_side(side)
-        if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= MAX_ASKED_TRIANGLES):
-            raise ValueError(
-                f"triangles = {triangles!r}: must be a whole number, at least 1 and at most {MAX_ASKED_TRIANGLES}"
-            )
-        if law is not None:
-            check_type(law, Law, "load_law reads one from a file")
-        self._given_law = law
-        self._say = say or ignore_line
-        self._triangles = triangles
-        self._watch = Watch(check, max_seconds)
+        self._states = DesignedStates(law, triangles, say, check, max_seconds)
         self._edits = 0
-        self._clock = Clock()
-        plan = plan if plan is not None else self._clock("layout", layout, design)
-        law = self._law_for(design, plan)
-        check_weight_is_supported(design, plan)
-        values: StarValues = self._clock("law", star_values, design, plan, law, model)
-        self.state = self._new_state(design, plan, values, law, side, model)
-
-    def _law_for(self, design: Design, plan: Layout) -> Law:
-        """The given law, or the one that serves for a design."""
-        if self._given_law is not None:
-            return self._given_law
-        law: Law = self._clock("law", serving_law, design, plan)
-        return law
-
-    def _new_state(
-        self, design: Design, plan: Layout, values: StarValues, law: Law, side: Side, model: PreviewModel
-    ) -> PreviewState:
-        """The state of a design on a new sheet."""
-        sheet: Sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, model)
-        count = sheet.space.mesh.nelements
-        patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
-        stars = len(plan.centres)
-        self._say(f"{stars} star{'s' if stars > 1 else ''} on {count} triangles{patience}")
-        return state_from_guesses(sheet, law, values, side, self._clock, self._watch)
-
-    def _printed_state(self, design: Design, plan: Layout, values: StarValues, law: Law) -> PreviewState:
-        """The state of a design on a new sheet, before a search."""
-        state = self.state
-        sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, state.model)
-        return self._clock("shell", state_without_search, sheet, law, values, state.side, state.watch)
-
-    def _kept_form(self, design: Design, plan: Layout, values: StarValues, law: Law) -> PreviewState | None:
-        """The state of a design on a new sheet, started from the old shape; None if that is impossible."""
-        new = self._printed_state(design, plan, values, law)
-        x = self._clock("shell", carried, self.state, new)
-        return None if x is None else at_form(new, x, self._clock)
+        self.state = self._states.new(self._states.evaluated(design, model, plan), side, model)
 
     def edit(self, design: Design, keep_form: bool = False) -> Iterator[Stage]:
         """Change the design in two stages: first the linear response, then the equilibrium.
@@ -204,21 +136,16 @@ class Preview(PreviewReadings):
         return self.shape()
 
     def _stages(self, design: Design, keep_form: bool) -> Iterator[Stage]:
-        before = self.state
+        before, states = self.state, self._states
         with one_blas_thread():
-            self._watch.begin()
-            self._clock = Clock()
-            plan = self._clock("layout", layout, design)
-            check_weight_is_supported(design, plan)
+            states.begin()
             state, response = self.state, None
-            law = self._law_for(design, plan)
-            values = self._clock("law", star_values, design, plan, law, state.model)
-            if state.sheet.is_same_print(design, plan):
-                state = self._clock("fields", with_stars, replace(state, law=law), design, plan, values)
-                state, response = respond(state, self._clock)
+            new = states.evaluated(design, state.model, known=state.law)
+            if new.is_same_print(state):
+                state, response = respond(states.on_same_print(new, state), states.clock)
             else:
-                kept = self._kept_form(design, plan, values, law) if keep_form else None
-                state = kept or self._new_state(design, plan, values, law, state.side, state.model)
+                kept = states.kept_form(new, state) if keep_form else None
+                state = kept or states.new(new, state.side, state.model)
             self.state = state
             self._edits += 1
             number = self._edits
@@ -227,13 +154,13 @@ class Preview(PreviewReadings):
             if self._edits != number:
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
             with one_blas_thread():
-                self._watch.begin()
+                states.watch.begin()
                 # the search overwrites the factor: if it is interrupted, the state must record that
                 self.state = replace(self.state, is_factor_resting=False)
                 try:
-                    self.state = followed(self.state, response, self._clock)
+                    self.state = followed(self.state, response, states.clock)
                 except BaseException:
-                    if self._watch.has_stopped:
+                    if states.watch.has_stopped:
                         self.state = replace(before, is_factor_resting=False)
                     raise
         yield Stage("equilibrium", self.state.x.copy())
@@ -244,13 +171,12 @@ class Preview(PreviewReadings):
 
         If the search finds no form on the other side, the preview keeps its state.
         """
-        self._watch.begin()
-        self._clock = Clock()
+        self._states.begin()
         self._edits += 1
         state = self.state
         side = side_of(state.shell, state.equilibrium.x)
         side = mean_fields(state.shell).side if side == "auto" else side
-        flipped = restarted(state, self._clock, OTHER_SIDE[side])
+        flipped = restarted(state, self._states.clock, OTHER_SIDE[side])
         if side_of(flipped.shell, flipped.equilibrium.x) != flipped.side:
             return side
         self.state = flipped
@@ -259,10 +185,9 @@ class Preview(PreviewReadings):
     @one_blas_thread()
     def search_again(self) -> Stage:
         """Search for the equilibrium from initial guesses, as a new preview does; raises the errors of `edit`."""
-        self._watch.begin()
-        self._clock = Clock()
+        self._states.begin()
         self._edits += 1
-        self.state = restarted(self.state, self._clock)
+        self.state = restarted(self.state, self._states.clock)
         return Stage("equilibrium", self.state.x.copy())
 
     def snapshot(self) -> Snapshot:
@@ -271,7 +196,7 @@ class Preview(PreviewReadings):
         After the first stage of an edit, this is the design of the edit with the equilibrium before the edit.
         """
         state = self.state
-        return Snapshot(state.design, state.side, self._triangles, state.resting.x, state.resting.energy)
+        return Snapshot(state.design, state.side, self._states.triangles, state.resting.x, state.resting.energy)
 
     def restore(self, snapshot: Snapshot) -> Stage:
         """Return to a snapshot of this preview, or of another one with the same law and model.
@@ -304,25 +229,19 @@ class Preview(PreviewReadings):
     @one_blas_thread()
     def _at_form(self, design: Design, x: Floats) -> Stage:
         """The equilibrium of a design near degrees of freedom x (N, 3) of the shell."""
-        self._watch.begin()
-        self._clock = Clock()
+        self._states.begin()
         self._edits += 1
-        plan = self._clock("layout", layout, design)
-        check_weight_is_supported(design, plan)
-        state = self.state
-        law = self._law_for(design, plan)
-        values = self._clock("law", star_values, design, plan, law, state.model)
-        if state.sheet.is_same_print(design, plan):
-            state = self._clock("fields", with_stars, replace(state, law=law), design, plan, values)
-        else:
-            state = self._printed_state(design, plan, values, law)
+        states = self._states
+        new = states.evaluated(design, self.state.model, known=self.state.law)
+        same = new.is_same_print(self.state)
+        state = states.on_same_print(new, self.state) if same else states.printed(new, self.state)
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
             raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
         if state.factor is self.state.factor:
             self.state = replace(self.state, is_factor_resting=False)  # the search overwrites the factor
-        self.state = at_form(state, x, self._clock)
+        self.state = at_form(state, x, self._states.clock)
         return Stage("equilibrium", self.state.x.copy())
 
     def __reduce__(self) -> NoReturn:
@@ -332,19 +251,19 @@ class Preview(PreviewReadings):
     @property
     def seconds(self) -> dict[str, float]:
         """Wall time (s) by part, since the last start, edit or flip."""
-        return dict(self._clock.seconds)
+        return dict(self._states.clock.seconds)
 
     @one_blas_thread()
     def shape(self) -> Shape:
-        """The shape with the bumps of the stars and its summary, as for files and pictures."""
-        self.state = with_near_zero_modes(self.state, self._clock)
-        self.state = with_shown_sheet(self.state, self._clock)
+        """The shape, with the bumps of the stars, and its summary, as for files and pictures."""
+        states, kind = self._states, kind_of(self.state.design)
+        self.state = with_near_zero_modes(self.state, states.clock)
+        self.state = kind.with_shown_sheet(self.state, states.clock)
         state, shown = self.state, self.state.shown
         assert shown is not None
-        places = self._clock("shown", shown.lens, state.x, state.values)
-        shape: Shape = self._clock("shown", shape_of, state.sheet, shown.mesh, places)
+        places = states.clock("shown", shown.lens, state.x, state.values)
+        shape: Shape = states.clock("shown", kind.shape, state.sheet, shown.mesh, places)
         up = np.eye(3)[2]
         if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]
-        estimate = estimate_error(state, shape, up, self._clock)
-        return replace(shape, summary=summary(state, shape, shown.mesh, estimate, self.seconds))
+        return replace(shape, summary=kind.summary(state, shape, shown.mesh, up, states.clock, self.seconds))

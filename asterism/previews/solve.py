@@ -7,16 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from asterism.previews.fields.star_values import StarValues
 from asterism.previews.search.apply_supports import apply_supports
 from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
-from asterism.previews.sheet import Sheet
 from asterism.previews.shown_response import ShownResponse
-from asterism.previews.state import PreviewState
-from asterism.previews.surface.surface import Lens, ShownSheet, shown_mesh
+from asterism.previews.state import AnyPreviewState, LawT, PreviewState, SheetT, ValuesT
 from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from equilibrium.linear.watched_factor import WatchedFactor
@@ -24,14 +22,9 @@ from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
 from fem.search.relax import factorise, follow, softest_shell_modes
 from fem.search.sides import Side
-from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
-# star sizes that differ by at most this part are equal
-EQUAL_SIZES = 0.01
-# if a larger share of the stars is not scale-separated, caps are among the initial guesses
-MAX_TIGHT_SHARE = 0.4
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"
 # name of the start of an equilibrium that was chosen from other forms, or restored
@@ -39,8 +32,8 @@ FORM_START = "form"
 
 
 def state_from_guesses(
-    sheet: Sheet, law: Law, values: StarValues, side: Side, clock: Clock, watch: Callable[[], None]
-) -> PreviewState:
+    sheet: SheetT, law: LawT, values: ValuesT, side: Side, clock: Clock, watch: Callable[[], None]
+) -> PreviewState[SheetT, LawT, ValuesT]:
     """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
 
     `watch` is called at least once in each Newton iteration, here and in later searches from this state.
@@ -53,15 +46,13 @@ def state_from_guesses(
         The rest metric is not positive definite.
     """
     fields = clock("fields", sheet.fields, values)
-    has_tight_curls = len(values.not_scale_separated) > MAX_TIGHT_SHARE * len(values.sizes)
-    has_equal_stars = bool((np.ptp(values.sizes, axis=0) <= EQUAL_SIZES * values.sizes.max(axis=0)).all())
     was_free = True
     for step in sheet.layout.pin_steps:
         shell = clock("shell", sheet.shell, fields, step)
         factor = WatchedFactor(shell.factor(), watch)
         if step == 0:
             symmetries = clock("symmetries", getattr, sheet, "symmetries") if shell.is_free else []
-            traits = SheetTraits(has_equal_stars, has_tight_curls, [symmetry.turn for symmetry in symmetries])
+            traits = SheetTraits(values.is_uniform, values.has_tight_curls, [each.turn for each in symmetries])
             equilibrium: ShellEquilibrium = clock(
                 "equilibrium", find_equilibrium, shell, factor, side, traits, sheet.model
             )
@@ -73,8 +64,8 @@ def state_from_guesses(
 
 
 def state_without_search(
-    sheet: Sheet, law: Law, values: StarValues, side: Side, watch: Callable[[], None]
-) -> PreviewState:
+    sheet: SheetT, law: LawT, values: ValuesT, side: Side, watch: Callable[[], None]
+) -> PreviewState[SheetT, LawT, ValuesT]:
     """The state of a sheet with all of its supports, at the printed sheet in place of an equilibrium.
 
     Raises
@@ -89,20 +80,20 @@ def state_without_search(
     return PreviewState(sheet, law, side, values, shell, printed, printed, factor, watch, is_factor_resting=False)
 
 
-def carried(state: PreviewState, new: PreviewState) -> Floats | None:
+def carried(state: AnyPreviewState, new: AnyPreviewState) -> Floats | None:
     """(N, 3) positions of the dofs of another sheet where the resting equilibrium of a state takes its points.
 
     None if the other sheet reaches far beyond that one.
     """
     space, x = state.sheet.space, state.resting.x
     try:
-        return new.sheet.space.interpolate(lambda points: space.locate(points).jets(x))
+        return np.asarray(new.sheet.space.interpolate(lambda points: space.locate(points).jets(x)))
     except ValueError:
         return None
 
 
-def with_stars(state: PreviewState, design: Design, layout: Layout, values: StarValues) -> PreviewState:
-    """The state with other stars, and pins at other places in space, on the same print.
+def with_pattern(state: AnyPreviewState, design: Design, layout: Layout, values: Any) -> AnyPreviewState:
+    """The state with another pattern, and pins at other places in space, on the same print.
 
     Its equilibrium is still that of the old ones.
 
@@ -113,18 +104,18 @@ def with_stars(state: PreviewState, design: Design, layout: Layout, values: Star
     LawError
         The rest metric is not positive definite.
     """
-    sheet = state.sheet.with_stars(design, layout)
+    sheet = state.sheet.with_pattern(design, layout)
     fields = sheet.fields(values)
     shell = state.shell.with_fields(fields, sheet.loads() if design.gravity.on else None)
     if not state.sheet.has_pins_of(layout):
         shell = shell.with_target(sheet.support_target())
     shown = None
-    if state.shown is not None and state.sheet.has_arms_of(layout) and design.mesh == state.design.mesh:
+    if state.shown is not None and state.sheet.has_rods_of(layout) and design.mesh == state.design.mesh:
         shown = replace(state.shown, lens=state.shown.lens.renewed(sheet))
     return replace(state, sheet=sheet, values=values, shell=shell, shown=shown)
 
 
-def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response | None]:
+def respond(state: AnyPreviewState, clock: Clock) -> tuple[AnyPreviewState, Response | None]:
     """The state after the linear response of its resting equilibrium to a change, and that response.
 
     The response is None if the factor had lost the resting equilibrium, and that is unstable after the change: the
@@ -140,7 +131,7 @@ def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response |
     return replace(state, result=shown), response
 
 
-def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewState:
+def followed(state: AnyPreviewState, response: Response, clock: Clock) -> AnyPreviewState:
     """The state at the equilibrium that the linear response leads to, or from guesses if that is no minimum."""
     start = response.x, state.factor, EDIT_START, response.strains
     equilibrium: ShellEquilibrium = clock("equilibrium", follow, state.shell, *start)
@@ -150,13 +141,13 @@ def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewSt
     return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
-def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
+def restarted(state: AnyPreviewState, clock: Clock, side: Side | None = None) -> AnyPreviewState:
     """The state of the same design from guesses, on another side if one is given."""
     new = state_from_guesses(state.sheet, state.law, state.values, side or state.side, clock, state.watch)
     return replace(new, shown=state.shown)
 
 
-def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
+def at_form(state: AnyPreviewState, x: Floats, clock: Clock) -> AnyPreviewState:
     """The state at the equilibrium near positions x (N, 3) of the shell's dofs, with the trials of the last one.
 
     The state is that from guesses if x leads to no minimum.
@@ -171,7 +162,7 @@ def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
     return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
-def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
+def with_near_zero_modes(state: AnyPreviewState, clock: Clock) -> AnyPreviewState:
     """The state whose equilibrium has its softest modes, if it is a minimum; edits do not wait for them."""
     shown = state.equilibrium
     if not shown.is_minimum:
@@ -182,12 +173,3 @@ def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
         stiffness, _ = clock("soft modes", softest_shell_modes, state.shell, shown.x, state.factor)
         state = replace(state, result=replace(shown, soft_modes=stiffness))
     return state
-
-
-def with_shown_sheet(state: PreviewState, clock: Clock) -> PreviewState:
-    """The state with triangles to show."""
-    if state.shown is not None:
-        return state
-    mesh = clock("shown", shown_mesh, state.sheet)
-    lens = clock("shown", Lens, state.sheet, state.law.waves, mesh.points)
-    return replace(state, shown=ShownSheet(mesh, lens))

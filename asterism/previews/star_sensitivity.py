@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.state import PreviewState
+from asterism.previews.state import StarState
 from equilibrium.arrays import Floats
 from fem.search.relax import factorise
 from fem.search.sensitivity import stress_responses, stress_under
@@ -30,7 +30,7 @@ SIZE_STEPS = (0.005, 5e-4, 5e-4)
 SizeName = Literal["length_mm", "thickness_mm", "width_mm"]
 
 
-def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
+def star_sensitivity(state: StarState, size: SizeName) -> Floats:
     """(N, 3, S) change of the shell's degrees of freedom per mm of one size of each star, to first order.
 
     Sizes at the upper end of the law's range are changed downwards.
@@ -65,7 +65,7 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
     return result
 
 
-def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Floats]:
+def _changed_values(state: StarState, size: SizeName) -> tuple[StarValues, Floats]:
     """The law at the stars with one size of all of them changed, and these changes (S,) in mm.
 
     Lengths are changed with the rounding of the design in place, thicknesses and widths from their rounded values.
@@ -85,7 +85,7 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
     return star_values(changed, layout(changed), state.law, state.model), steps
 
 
-def _colours(state: PreviewState) -> list[np.ndarray]:
+def _colours(state: StarState) -> list[np.ndarray]:
     """Numbers of the stars that are changed together."""
     colours = (state.layout.sites % COLOUR_STEPS) @ np.array([COLOUR_STEPS, 1])
     return [np.flatnonzero(colours == colour) for colour in np.unique(colours)]

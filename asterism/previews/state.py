@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PreviewModel
+from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.sheet import Sheet
 from asterism.previews.shown_response import ShownResponse
-from asterism.previews.surface.surface import ShownSheet
+from asterism.previews.surface.places import ShownSheet
 from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
 from fem.search.evidence import ShellEquilibrium
@@ -26,16 +28,33 @@ from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry
 
 
+class SearchTraits(Protocol):
+    """What the values of a law say about the search."""
+
+    @property
+    def has_tight_curls(self) -> bool:
+        """Whether much of the sheet is not scale-separated, so that caps are among the initial guesses."""
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether the pattern has one size everywhere."""
+
+
+SheetT = TypeVar("SheetT", bound=PrintSheet)
+LawT = TypeVar("LawT")
+ValuesT = TypeVar("ValuesT", bound=SearchTraits)
+
+
 @dataclass(frozen=True, eq=False)
-class PreviewState:
-    """A design, its shell, and the shell's state.
+class PreviewState(Generic[SheetT, LawT, ValuesT]):
+    """A design, its shell, and the shell's state, for any kind of pattern.
 
     Attributes
     ----------
     sheet : the print, its mesh and its model.
     law : of the design's material.
     side : to which the edges were asked to go.
-    values : the law at the stars.
+    values : the law at the stars, or at the places of a motif's sheet.
     shell : with the supports of all steps.
     result : what is shown: an equilibrium or, after the first stage of an edit, the linear response.
     resting : the last equilibrium, from which edits go on.
@@ -45,10 +64,10 @@ class PreviewState:
     shown : triangles to show and how to place them; None until a shape is asked for.
     """
 
-    sheet: Sheet
-    law: Law
+    sheet: SheetT
+    law: LawT
     side: Side
-    values: StarValues
+    values: ValuesT
     shell: Shell
     result: ShellEquilibrium | ShownResponse
     resting: ShellEquilibrium
@@ -91,3 +110,7 @@ class PreviewState:
     def is_supported(self) -> bool:
         """Whether supports act along the print; a sheet that slides on all of its supports counts as free."""
         return self.layout.is_supported_in_plane
+
+
+StarState: TypeAlias = PreviewState[Sheet, Law, StarValues]
+AnyPreviewState: TypeAlias = PreviewState[Any, Any, Any]

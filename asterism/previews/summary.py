@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.previews.overstretched_stars import overstretched_stars
-from asterism.previews.state import PreviewState
+from asterism.previews.state import StarState
 from asterism.previews.uncertainty.distance_error import probability_lower
 from asterism.previews.uncertainty.estimate import ErrorEstimate
 from asterism.previews.warnings import preview_warnings
@@ -24,7 +24,7 @@ EQUAL_AXES_DEG = 2.0
 
 
 def summary(
-    state: PreviewState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
+    state: StarState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
 ) -> PreviewRecord:
     """The record of a preview. Keys that it shares with the record of an exact shape have the same meaning.
 
@@ -104,7 +104,7 @@ def summary(
     return PreviewRecord.from_json(numbers)
 
 
-def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[float]:
+def equivalent_axes_deg(state: StarState, axis_deg: float | None) -> list[float]:
     """The axes (0 to 180 deg) to which the symmetries of the design map the roll axis; empty if it is None."""
     if axis_deg is None:
         return []

@@ -11,7 +11,7 @@ from asterism.previews.inverted_stars import stars_that_may_be_inverted
 from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
-from asterism.previews.state import PreviewState
+from asterism.previews.state import StarState
 from asterism.previews.uncertainty.estimate import ErrorEstimate
 from asterism.results.placed_warning import PlacedWarning
 from asterism.results.words import star_numbers
@@ -32,7 +32,7 @@ MAX_BUCKLED_GAP = 0.5
 
 
 def preview_warnings(
-    state: PreviewState,
+    state: StarState,
     estimate: ErrorEstimate,
     axis_deg: float | None,
     crossings: int,
@@ -57,7 +57,7 @@ def preview_warnings(
     ]
 
 
-def _about_stars(state: PreviewState) -> Iterator[str]:
+def _about_stars(state: StarState) -> Iterator[str]:
     """Stars that the law does not describe, and the law's own errors."""
     values, count = state.values, len(state.layout.centres)
     if len(values.outside) > 1:
@@ -90,7 +90,7 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
         )
 
 
-def _about_bonds(state: PreviewState) -> Iterator[str]:
+def _about_bonds(state: StarState) -> Iterator[str]:
     """Arms of different stars that are bonded where they meet, which the cells of the law are not."""
     graph, number = state.layout.graph, state.layout.star_number
     if not graph.joints:
@@ -104,7 +104,7 @@ def _about_bonds(state: PreviewState) -> Iterator[str]:
     )
 
 
-def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:
+def _about_supports(state: StarState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:
     """Pins that fix too little or stretch the sheet flat, inverted stars, and a requested side that was not reached."""
     layout, ratio = state.layout, estimate.size_ratio
     yield from pin_warnings(layout, state.design.gravity.on)
@@ -129,7 +129,7 @@ def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: flo
         yield f"the edges go {side}: the preview reached no equilibrium with edges {state.side}, as requested"
 
 
-def _about_the_form(state: PreviewState, estimate: ErrorEstimate) -> Iterator[str]:
+def _about_the_form(state: StarState, estimate: ErrorEstimate) -> Iterator[str]:
     """Other forms that the sheet may have, and results that are not a stable equilibrium."""
     shown, two_modes = state.equilibrium, estimate.has_two_near_zero_modes
     is_edit = shown.guess == EDIT_START
@@ -164,7 +164,7 @@ def _about_lengths(overstretched: Sequence[int], count: int) -> Iterator[str]:
         )
 
 
-def _about_the_shape(state: PreviewState, axis_deg: float | None, crossings: int) -> Iterator[str]:
+def _about_the_shape(state: StarState, axis_deg: float | None, crossings: int) -> Iterator[str]:
     """A sheet that passes through itself, and a roll whose axis is nearly arbitrary."""
     if crossings:
         yield f"{passing(crossings)}; the exact model can prevent that (solver.contact, --contact)"

@@ -17,6 +17,11 @@ from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
+# star sizes that differ by at most this part are equal
+EQUAL_SIZES = 0.01
+# if a larger share of the stars is not scale-separated, caps are among the initial guesses
+MAX_TIGHT_SHARE = 0.4
+
 
 @dataclass(frozen=True)
 class StarValues:
@@ -54,6 +59,16 @@ class StarValues:
     bump_curvature: Floats
     tube_curvature: Floats
     anisotropy: Floats
+
+    @property
+    def has_tight_curls(self) -> bool:
+        """Whether so many stars are not scale-separated that caps are among the initial guesses."""
+        return len(self.not_scale_separated) > MAX_TIGHT_SHARE * len(self.sizes)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether all stars have one size."""
+        return bool((np.ptp(self.sizes, axis=0) <= EQUAL_SIZES * self.sizes.max(axis=0)).all())
 
 
 def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = PREVIEW_MODEL) -> StarValues:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from asterism.previews.edges.free_rim import beyond_stars
 from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.sheet import Sheet
-from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surface
+from asterism.previews.surface.places import Places
+from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
 from equilibrium.arrays import Floats
@@ -23,30 +24,6 @@ from pattern.mesh.meshing import mesh_layout
 
 # largest edge of the triangles of a preview's shape, over the spacing of the stars
 MAX_SHOWN_EDGE = 1 / 6
-
-
-@dataclass(frozen=True)
-class Places:
-    """Positions of n printed points in space.
-
-    Attributes
-    ----------
-    surface : the smooth surface of the shell.
-    bumps : (n, 3) mm, vectors from there to the sheet with its bumps.
-    """
-
-    surface: SmoothSurface
-    bumps: Floats
-
-    @property
-    def smooth(self) -> Floats:
-        """(n, 3) mm, positions on the smooth surface."""
-        return self.surface.places
-
-    @property
-    def bumpy(self) -> Floats:
-        """(n, 3) mm, positions with bumps."""
-        return self.smooth + self.bumps
 
 
 class Lens:
@@ -95,7 +72,7 @@ class Lens:
             lens._follow_stars(sheet)
             return lens
         lens.sheet = sheet
-        if self.sheet.has_arms_of(sheet.layout):
+        if self.sheet.has_rods_of(sheet.layout):
             lens._arms = sheet.arms
         else:
             lens._arms, lens._arm_shares = sheet.arms, arm_shares(sheet.arms, self.points, self._arm_shares)
@@ -116,14 +93,6 @@ class Lens:
         if self._held:
             heights *= flattening(values, weights, smooth.area, self._model)
         return Places(smooth, smooth.moved(self._arm_shares.along @ out) + heights[:, None] * smooth.normals)
-
-
-@dataclass(frozen=True)
-class ShownSheet:
-    """The triangles of a preview's shape, and the lens that computes the positions of their vertices."""
-
-    mesh: Mesh
-    lens: Lens
 
 
 def shown_mesh(sheet: Sheet) -> Mesh:

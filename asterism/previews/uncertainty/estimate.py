@@ -8,7 +8,7 @@ import numpy as np
 
 from asterism.previews.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
-from asterism.previews.state import PreviewState
+from asterism.previews.state import StarState
 from asterism.previews.uncertainty.distance_error import buckling_weight, distance_error_percent
 from asterism.previews.uncertainty.height_error import HeightDoubts, height_doubts, height_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
@@ -60,7 +60,7 @@ class ErrorEstimate:
     height_doubts: HeightDoubts | None
 
 
-def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:
+def estimate_error(state: StarState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:
     """The estimated error of a state with its near-zero modes.
 
     Parameters
@@ -105,7 +105,7 @@ def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) 
     )
 
 
-def _is_within_experience(state: PreviewState) -> bool:
+def _is_within_experience(state: StarState) -> bool:
     """Whether the estimate holds: it comes from three-armed stars within their law, and holds for stable cells."""
     inverted = int(np.count_nonzero(state.layout.star_branch < 0))
     foreign = max(len(state.values.outside), len(state.values.strongly_anisotropic), inverted)

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.state import PreviewState
+from asterism.previews.state import AnyPreviewState
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from fem.search.compliance import compliance
@@ -66,7 +66,7 @@ def height_error_percent(doubts: HeightDoubts, model: PreviewModel = PREVIEW_MOD
     return 100.0 * math.hypot(*contributions) / doubts.height
 
 
-def height_doubts(state: PreviewState, shape: Shape, up: Floats) -> HeightDoubts:
+def height_doubts(state: AnyPreviewState, shape: Shape, up: Floats) -> HeightDoubts:
     """Of a state at its equilibrium; the factor holds the exact Hessian there.
 
     Parameters

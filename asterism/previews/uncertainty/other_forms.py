@@ -1,7 +1,7 @@
 """Other forms of a sheet: minima that the search met besides the one that is shown.
 
 Two minima are one form if a motion that the supports leave free and a symmetry of the design bring their star centres
-together.
+together, or the sites of the lattice of a motif.
 """
 
 from __future__ import annotations
@@ -9,17 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from asterism.previews.state import PreviewState
+import numpy as np
+
+from asterism.previews.state import AnyPreviewState
 from asterism.shape.diameter import diameter
 from equilibrium.arrays import Floats
 from fem.search.evidence import Trial
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.support_samples import support_samples
-from pattern.layout.symmetric_distance import symmetric_distances
+from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 
-# sheets with fewer stars have no list of other forms, because their star centres cannot distinguish them
+# sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
 MIN_STARS = 3
-# two minima have the same form if the rms distance of their star centres, in % of the diameter, is at most this
+# two minima have the same form if the rms distance of these points, in % of the diameter, is at most this
 EQUAL_FORM_PERCENT = 2.0
 
 
@@ -42,31 +44,41 @@ class OtherForm:
     distance_percent: float
 
 
-def other_forms(state: PreviewState, diameter_mm: float) -> list[OtherForm]:
+def other_forms(state: AnyPreviewState, diameter_mm: float) -> list[OtherForm]:
     """The lowest one first; each is a different form from the one shown and from those before it."""
     return [form for form, _ in other_minima(state, diameter_mm)]
 
 
-def other_minima(state: PreviewState, diameter_mm: float) -> list[tuple[OtherForm, Trial]]:
+def other_minima(state: AnyPreviewState, diameter_mm: float) -> list[tuple[OtherForm, Trial]]:
     """The forms of `other_forms`, each with the trial that found it."""
     shown, layout = state.equilibrium, state.layout
     minima = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
-    if len(minima) < 2 or len(layout.centres) < MIN_STARS:
+    if len(minima) < 2 or len(layout.sample_points) < MIN_STARS:
         return []
-    stars = state.sheet.space.locate(layout.centres).value
-    known, forms = [(stars @ shown.x, _free(state, shown.x))], list[tuple[OtherForm, Trial]]()
+    known, forms = [(shown.x, _free(state, shown.x))], list[tuple[OtherForm, Trial]]()
     for trial in minima:
-        centres = stars @ trial.x
-        distances = [symmetric_distances(form, centres, state.symmetries, free).min() for form, free in known]
-        apart = [100.0 * distance / diameter_mm for distance in distances]
+        apart = [100.0 * _distance(state, form, trial.x, free) / diameter_mm for form, free in known]
         if min(apart) > EQUAL_FORM_PERCENT:
             gap = (trial.energy - shown.energy) / shown.absolute_energy
             forms.append((OtherForm(trial.name, trial.energy, gap, float(apart[0])), trial))
-            known.append((centres, _free(state, trial.x)))
+            known.append((trial.x, _free(state, trial.x)))
     return forms
 
 
-def _free(state: PreviewState, x: Floats) -> FreeMotions:
+def _distance(state: AnyPreviewState, first: Floats, second: Floats, free: FreeMotions) -> float:
+    """mm, rms distance of two minima (N, 3) by their dofs, after the nearest symmetry and free motion."""
+    points, space = state.layout.sample_points, state.sheet.space
+    at = space.locate(points).value
+    if state.layout.has_stars:
+        return float(symmetric_distances(at @ first, at @ second, state.symmetries, free).min())
+
+    def second_at(places: Floats) -> Floats:
+        return np.asarray(space.locate(places).value @ second)
+
+    return float(distances_of_images(points, at @ first, second_at, state.symmetries, free).min())
+
+
+def _free(state: AnyPreviewState, x: Floats) -> FreeMotions:
     """The rigid motions that the supports leave to a minimum."""
     supports = support_samples(state.layout)
     if len(supports.printed) == 0:
@@ -75,7 +87,7 @@ def _free(state: PreviewState, x: Floats) -> FreeMotions:
     return free_motions(supports, positions, state.design.gravity.pull)
 
 
-def forms_met(state: PreviewState) -> list[tuple[OtherForm, Trial]]:
+def forms_met(state: AnyPreviewState) -> list[tuple[OtherForm, Trial]]:
     """`other_minima` of the last equilibrium, by the diameter of the smooth sheet."""
     resting = state.resting
     return other_minima(replace(state, result=resting), diameter(state.shell.node_positions(resting.x)))

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from asterism.previews.state import PreviewState
+from asterism.previews.state import StarState
 from equilibrium.arrays import Floats
 from fem.search.linear_response import rms_response
 
@@ -25,7 +25,7 @@ EQUAL_SIZE = 1e-9
 TRIED_ERROR = 1e-3
 
 
-def strain_sensitivity(state: PreviewState) -> float:
+def strain_sensitivity(state: StarState) -> float:
     """mm, rms over the sheet, per unit of e; the root of the sum of squares over length, thickness and width.
 
     The factor holds the Hessian at the equilibrium. Sheets of equal stars have none.
@@ -36,7 +36,7 @@ def strain_sensitivity(state: PreviewState) -> float:
     return math.hypot(*(_response(state, sizes[:, size] / mean[size] - 1.0) for size in unequal))
 
 
-def _response(state: PreviewState, errors: Floats) -> float:
+def _response(state: StarState, errors: Floats) -> float:
     """mm, rms per unit of e, for relative errors e * errors (S,) of the contractions."""
     factors = np.append(1.0 + TRIED_ERROR * errors, 1.0)
     value = state.values.value

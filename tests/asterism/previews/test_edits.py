@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import asterism.previews.solve as solve_module
+import asterism.previews.star_kind as star_kind_module
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Sheet
 from pattern import gallery
@@ -120,8 +121,8 @@ def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
 @pytest.mark.slow
 def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
     meshed: list[Sheet] = []
-    mesh = solve_module.shown_mesh
-    monkeypatch.setattr(solve_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
+    mesh = star_kind_module.shown_mesh
+    monkeypatch.setattr(star_kind_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
     preview = Preview(edited("dome"))
     preview.shape()
     for change, count in (

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-import asterism.previews.session as session
+import asterism.previews.star_kind as star_kind
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.session import Preview
@@ -67,7 +67,7 @@ def test_an_edit_keeps_the_model() -> None:
 def test_a_preview_lays_out_its_design_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """And not at all if it is given the layout; an edit once more."""
     count = []
-    monkeypatch.setattr(session, "layout", lambda design: count.append(design) or layout(design))
+    monkeypatch.setattr(star_kind, "layout", lambda design: count.append(design) or layout(design))
     dome = gallery.load("dome")
     preview = Preview(dome, plain_law())
     preview.shape()

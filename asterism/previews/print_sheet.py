@@ -1,0 +1,170 @@
+"""The printed sheet of a design as supports and search need it, for any kind of pattern: outline, mesh, supports.
+
+Kinds of patterns differ in their fields and their weight, which subclasses give.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from skfem import MeshTri
+
+from asterism.previews.model import PreviewModel
+from asterism.previews.supports.conditions import conditions
+from asterism.previews.supports.point_pins import softness
+from equilibrium.arrays import Floats
+from fem.elements.argyris import Argyris
+from fem.elements.tabulation import Tabulation
+from fem.shell.fields import Fields
+from fem.shell.shell import QUADRATURE_ORDER, Shell
+from fem.supports.conditions import ConditionError, impose_conditions
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.geometry.planar import polygon_area
+from pattern.layout.layout import Layout
+from pattern.layout.symmetries import Symmetry, symmetries
+from pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
+
+# edge length of the shell's mesh, in spacings of the lattice
+EDGE_SPACINGS = 1.3
+MIN_TRIANGLES = 24
+# most triangles of the shell's mesh, unless the caller gives a number
+MAX_TRIANGLES = 600
+
+
+@dataclass(frozen=True, eq=False)
+class PrintSheet(ABC):
+    """A printed sheet with its mesh and finite elements.
+
+    Attributes
+    ----------
+    design, layout, model : of the print, and the constants of the preview.
+    mesh : coarse triangles of the shell.
+    space : C1 quintic elements on these triangles.
+    table : shape functions at the quadrature points.
+    """
+
+    design: Design
+    layout: Layout
+    model: PreviewModel
+    mesh: SheetMesh
+    space: Argyris
+    table: Tabulation
+
+    @abstractmethod
+    def fields(self, values: Any) -> Fields:
+        """Rest metric, rest curvature and stiffness at the quadrature points, from the values of the law."""
+
+    @abstractmethod
+    def loads(self) -> Floats:
+        """(N, 3) N, the weight of fabric and plastic."""
+
+    @abstractmethod
+    def with_pattern(self, design: Design, layout: Layout) -> Self:
+        """The same sheet with the pattern of another design and its layout; `is_same_print` must hold."""
+
+    @abstractmethod
+    def has_rods_of(self, layout: Layout) -> bool:
+        """Whether another layout of this sheet has its rods at the same positions; thickness and width may differ."""
+
+    def is_same_print(self, design: Design, layout: Layout) -> bool:
+        """Whether a design differs from this one only in its pattern, its material and the positions of its pins in
+        space.
+
+        Outline, lattice, gravity and supported points are the same.
+        """
+        return (
+            np.array_equal(layout.outline, self.layout.outline)
+            and len(layout.pins) == len(self.layout.pins)
+            # a pin beside a rod is moved onto the rod, so that it depends on the pattern
+            and all(new.holds_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
+            and design.lattice == self.design.lattice
+            and design.gravity == self.design.gravity
+        )
+
+    def has_pins_of(self, layout: Layout) -> bool:
+        """Whether another layout of this print has its pins at the same positions in space."""
+        return all(new.stands_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
+
+    @property
+    def outline(self) -> Floats:
+        """(R, 2) mm, corners of the outline of the mesh."""
+        return np.asarray(self.mesh.points[self.mesh.rim[:, 0]])
+
+    @cached_property
+    def symmetries(self) -> list[Symmetry]:
+        """Motions of the print that map the design to itself."""
+        return symmetries(self.design, self.layout)
+
+    @cached_property
+    def pin_softness(self) -> Floats | None:
+        """(T, Q) softness around supported points; None if the sheet has none."""
+        pins = self.layout.in_plane_pin_points
+        pulls = self.layout.is_supported_in_plane and len(pins) > 0
+        return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm, self.model) if pulls else None
+
+    def shell(self, fields: Fields, step: int) -> Shell:
+        """The shell with the supports up to a step.
+
+        Raises
+        ------
+        DesignError
+            The supports contradict each other.
+        """
+        # a sheet without supports would fall: gravity acts only from the step of the first supports on
+        is_carried = self.layout.is_supported(step)
+        loads = self.loads() if self.design.gravity.on and is_carried else None
+        try:
+            return Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
+        except ConditionError as error:
+            raise DesignError("pins", f"cannot all hold: {error}") from None
+
+    def support_target(self) -> Floats:
+        """(3N,) mm, target of all supports, for `Shell.with_target`.
+
+        Raises
+        ------
+        DesignError
+            The supports contradict each other.
+        """
+        held = conditions(self.layout, self.mesh, self.space.mesh, self.layout.pin_steps[-1])
+        try:
+            return impose_conditions(self.space, held).target
+        except ConditionError as error:
+            raise DesignError("pins", f"cannot all hold: {error}") from None
+
+
+def elements_of(layout: Layout, usual: float, triangles: int | None) -> tuple[SheetMesh, Argyris, Tabulation]:
+    """Mesh, elements and shape functions of the sheet of a layout.
+
+    Parameters
+    ----------
+    usual : number of triangles if `triangles` is None.
+
+    Raises
+    ------
+    DesignError
+        The sheet has holes.
+    MeshError
+        The outline cannot be meshed.
+    """
+    if layout.holes:
+        raise DesignError("border.holes", "must be empty for a preview; asterism simulate computes sheets with holes")
+    edge = float(np.sqrt(polygon_area(layout.outline) / (triangles or usual) / equilateral_area(1.0)))
+    mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups)
+    space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
+    return mesh, space, space.tabulate(QUADRATURE_ORDER)
+
+
+def usual_triangles(layout: Layout, edge_mm: float, fewest: int = MIN_TRIANGLES, most: int = MAX_TRIANGLES) -> float:
+    """Number of triangles with edges of about a length in mm, within limits."""
+    return float(np.clip(polygon_area(layout.outline) / equilateral_area(edge_mm), fewest, most))
+
+
+def equilateral_area(edge: float) -> float:
+    """mm^2, area of an equilateral triangle."""
+    return float(np.sqrt(3.0) / 4.0 * edge**2)
