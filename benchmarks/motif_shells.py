@@ -18,9 +18,10 @@ from fem.search.relax import relax
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
+from homogenize.campaign.motif_sample import motif_tensors
 from homogenize.cell.motif_responses import MotifResponses, motif_responses
 from homogenize.cell.rod_bending import GAUSSIAN
-from homogenize.cell.tube_bending import bending_of_tubes
+from homogenize.law.tensor_forms import TO_VOIGT
 from pattern.design.design import Design
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.print_layout import print_layout
@@ -154,15 +155,12 @@ def motif_fields(responses: MotifResponses, modulus: float = 0.0) -> Fields:
     ----------
     modulus : N mm, of the energy `modulus det K`.
     """
-    stiffness = np.zeros((6, 6))
-    stiffness[:3, :3] = 0.5 * (responses.linear.stiffness[:3, :3] + responses.linear.stiffness[:3, :3].T)
-    of_tubes, moment = bending_of_tubes(responses)
-    stiffness[3:, 3:] = of_tubes + modulus * GAUSSIAN
-    metric = responses.deformation @ responses.deformation
-    natural = np.linalg.solve(stiffness[3:, 3:], moment)
-    # plastic outside: edges go down
-    curvature = -natural * [1.0, 1.0, 0.5]
-    return Fields(Density(stiffness), (metric[0, 0], metric[1, 1], metric[0, 1]), curvature)
+    tensors = motif_tensors(responses)
+    metric, stiffness = tensors.metric[0], tensors.stiffness[0]
+    moment = stiffness[3:, 3:] @ (tensors.curvature[0] * TO_VOIGT)
+    stiffness[3:, 3:] += modulus * GAUSSIAN
+    curvature = np.linalg.solve(stiffness[3:, 3:], moment) / TO_VOIGT
+    return Fields(Density(stiffness), (metric[0], metric[1], metric[2]), curvature)
 
 
 def _distance(places: np.ndarray, exact: np.ndarray, parity: float) -> tuple[float, float]:

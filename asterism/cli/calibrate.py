@@ -1,4 +1,4 @@
-"""`asterism calibrate`: the law of a material, or of a design's own stars."""
+"""`asterism calibrate`: the law of a material, or of a design's own stars or motif."""
 
 from __future__ import annotations
 
@@ -27,16 +27,18 @@ def calibrate(
     jobs: Processes = None,
     dask: DaskAddress = None,
 ) -> None:
-    """Compute the law of a material from many unit cells, or of the stars of one design from a few.
+    """Compute the law of a material from many unit cells, or of the stars or the motif of one design from a few.
 
     The command continues an interrupted run: finished cells stay beside the law, in LAW.samples. The exit status is 1
-    if too many cells have no equilibrium.
+    if too many cells have no equilibrium, or no cell of a motif stands for its sheet.
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
     from asterism.laws import calibrate as calibration
-    from asterism.laws.design_law import is_design, law_output_path, material_from_file
+    from asterism.laws.calibrate_motif import calibrate_motif, motif_calibration_lines, plan_from_file
+    from asterism.laws.design_law import is_design, law_output_path
     from homogenize.campaign.workers import default_jobs
+    from homogenize.law.motif_plan import MotifPlan
     from pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
@@ -44,11 +46,17 @@ def calibrate(
         raise Mistake(f"--output: {str(path)!r} must end with .npz")
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
-    chosen = material_from_file(file, material, run.warn)
+    chosen = plan_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     try:
-        law = calibration.calibrate(chosen, path, jobs or default_jobs(), dask, line, run.hand_over())
+        workers = jobs or default_jobs()
+        if isinstance(chosen, MotifPlan):
+            law = calibrate_motif(chosen, path, workers, dask, line, run.hand_over())
+            lines = motif_calibration_lines(law, path)
+        else:
+            star_law = calibration.calibrate(chosen, path, workers, dask, line, run.hand_over())
+            lines = calibration.calibration_lines(star_law, path)
     except KeyboardInterrupt:
         folder = calibration.samples_folder(path)
         if not folder.exists():
@@ -56,7 +64,7 @@ def calibrate(
         stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
     except DesignError as error:
         raise error.within(material or file or "") from None
-    run.lines(calibration.calibration_lines(law, path))
+    run.lines(lines)
     if is_design(file):
         other = f" --material {quote(str(material))}" if material else ""
         run.lines([f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}"])

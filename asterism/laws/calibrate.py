@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from asterism.laws.law_text import law_lines
 from asterism.process.count_line import CountLine
@@ -60,18 +60,10 @@ def calibrate(
     """
     if not material.fabric.has_bending:
         raise DesignError("fabric.bending", WITHOUT_BENDING, material.fabric.bending)
-    versions = package_versions()
     start = time.perf_counter()
     with solving_cells(output, stream) as (folder, report):
         records = run_campaign(material, folder, jobs, dask, report)
-    made = {
-        "command": command,
-        "code": code_version(),
-        "versions": versions,
-        "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
-        "cell_seconds": sum(record.seconds for record in records),
-        "wall_seconds_of_last_run": time.perf_counter() - start,
-    }
+    made = origin(command, start, sum(record.seconds for record in records))
     law = fit_law(material, records, made)
     write_file(output, law_bytes(law))
     return law
@@ -99,6 +91,24 @@ def solving_cells(output: Path, stream: TextIO | None) -> Iterator[tuple[Path, C
             folder.rmdir()
 
 
+def origin(command: str, start: float, cell_seconds: float) -> dict[str, Any]:
+    """What made a law, for its file.
+
+    Parameters
+    ----------
+    start : time of `time.perf_counter` when the campaign began.
+    cell_seconds : sum of the wall times of its cells.
+    """
+    return {
+        "command": command,
+        "code": code_version(),
+        "versions": package_versions(),
+        "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
+        "cell_seconds": cell_seconds,
+        "wall_seconds_of_last_run": time.perf_counter() - start,
+    }
+
+
 def package_versions() -> dict[str, str]:
     """Versions of the packages that compute the cells."""
     packages = ["numpy", "scipy", *(["numba"] if HAVE_NUMBA else [])]
@@ -121,4 +131,9 @@ class ProgressLine(CountLine):
 
 def calibration_lines(law: Law, output: Path) -> list[str]:
     """Lines that the command prints at its end."""
-    return [*law_lines(law), f"{output}: the law; its cells stay in {samples_folder(output)}"]
+    return [*law_lines(law), law_written(output)]
+
+
+def law_written(output: Path) -> str:
+    """The line that names the file of a new law."""
+    return f"{output}: the law; its cells stay in {samples_folder(output)}"

@@ -40,8 +40,8 @@ def design_law_path(design: Path, other: Path | None = None) -> Path:
 
 
 def is_design(file: Path | None) -> bool:
-    """Whether a file holds a design, whose stars give the plan, and not a material with its plan."""
-    return file is not None and bool({"stars", "border"} & read_table(file).keys())
+    """Whether a file holds a design, whose pattern gives the plan, and not a material with its plan."""
+    return file is not None and bool({"stars", "rods", "border"} & read_table(file).keys())
 
 
 def material_from_file(file: Path | None, other: Path | None = None, note: Note | None = None) -> Material:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
-from asterism.laws.calibrate import samples_folder, solving_cells
+from asterism.laws.calibrate import law_written, solving_cells
 from asterism.results.files import write_file
 from homogenize.campaign.edge_campaign import with_edges
 from homogenize.law.law import Law
@@ -54,4 +54,4 @@ def edge_lines(law: Law, output: Path) -> list[str]:
         for each in law.edges
         for table in each.tables
     ]
-    return [*lines, f"{output}: the law; its cells stay in {samples_folder(output)}"]
+    return [*lines, law_written(output)]

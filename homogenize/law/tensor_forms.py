@@ -1,7 +1,7 @@
 """The tensors of a sheet in the forms that a law of a motif interpolates, and back, with derivatives.
 
 Metric and stiffnesses are symmetric and positive definite. Their matrix logarithms are interpolated ("log-Euclidean",
-Arsigny, Fillard, Pennec and Ayache 2006), so that they stay positive definite between the cells. Stiffnesses are
+Arsigny, Fillard, Pennec and Ayache 2007), so that they stay positive definite between the cells. Stiffnesses are
 written in an orthonormal basis of symmetric matrices (Kelvin, Mandel) first: a turn of the axes is then an orthogonal
 matrix, and the interpolation does not depend on the axes. Instead of the rest curvature its moment is interpolated:
 that of a rod with the width w on fabric of the thickness h2 is nearly `w (h1 + h2)` in the thickness h1, while the rest

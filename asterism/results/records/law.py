@@ -65,9 +65,9 @@ def _material(record: LawRecord) -> str:
     )
 
 
-def _made(record: LawRecord) -> str:
-    versions = record.made.get("versions", {})
-    return f"{record.made.get('command', '-')} (asterism {versions.get('asterism', '-')})"
+def made_by(made: CampaignRecord) -> str:
+    """The command and the version that made a law."""
+    return f"{made.get('command', '-')} (asterism {made.get('versions', {}).get('asterism', '-')})"
 
 
 def _cells(record: LawRecord) -> str:
@@ -84,7 +84,7 @@ class LawRecord(Record):
         "Fabric, plastic, lattice and plan of the cells, as in a material file.", label="material", show=_material
     )
     digest: str = key("Hash of the law's content.")
-    made: CampaignRecord = key("How the law was made.", label="made by", show=_made)
+    made: CampaignRecord = key("How the law was made.", label="made by", show=lambda record: made_by(record.made))
     residuals: dict[str, dict[str, LawErrorsRecord]] = key(
         "Errors by stretch, such as `1.35`, then by kind of test: `held_out`, `leave_one_out`."
     )

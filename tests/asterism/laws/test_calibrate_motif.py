@@ -1,0 +1,188 @@
+"""`asterism calibrate` for a motif: the law of one design, shown, named by designs, continued, refused."""
+
+from __future__ import annotations
+
+import functools
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.laws import calibrate_motif as module
+from asterism.laws.motif_design_law import motif_law_for_design
+from homogenize.errors import CampaignError, LawError
+from homogenize.law.motif_law_file import load_motif_law
+from pattern.layout.load_design import load_design
+from tests.asterism.commands import Outcome, command
+from tests.homogenize import same_process
+from tests.homogenize.motif_laws import made_up
+
+SIZES = "thickness_mm = {thickness}\nwidth_mm = 1.2\n"
+LINES = "[[rods.motif]]\nline_mm = [[0, 0], [5, 0]]\n"
+REST = '[lattice]\nkind = "square"\nspacing_mm = 5\n[border]\nrectangle_mm = [40, 40]\n[mesh]\nedge_mm = 2.5\n'
+VARIED = '{ profile = "radial", from = 0.4, to = 0.45, over_mm = 20 }'
+
+
+def design(thickness: str = "0.4", more: str = "") -> str:
+    return "[rods]\n" + SIZES.format(thickness=thickness) + LINES + REST + more
+
+
+BESIDE_STARS = design(more="[stars]\nlength_mm = 1\n").replace("[[0, 0], [5, 0]]", "[[0, 2.5], [5, 2.5]]")
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a design, and cells that take no time."""
+    monkeypatch.chdir(tmp_path)
+    same_process.use(monkeypatch)
+    monkeypatch.setattr(module, "calibrate_motif", functools.partial(module.calibrate_motif, respond=made_up))
+    (tmp_path / "net.toml").write_text(design(VARIED))
+    return tmp_path
+
+
+def run(words: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Outcome:
+    return command(words, capsys, monkeypatch)
+
+
+def test_a_design_gets_its_law(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    lines = done.out.splitlines()
+    assert lines[1] == "  motif       1 line; thickness 0.4 to 0.45 mm, width 1.2 mm"
+    assert lines[-2:] == [
+        "net-law.npz: the law; its cells stay in net-law.samples",
+        "now run  asterism preview net.toml --law net-law.npz",
+    ]
+    law = load_motif_law(place / "net-law.npz")
+    assert law.made["command"] == "asterism calibrate net.toml" and law.edge_mm == 2.5
+    assert len(list((place / "net-law.samples").glob("*.json"))) == 7
+    again = run(["calibrate", "net.toml", "--jobs", "1", "-o", "net-law.npz"], capsys, monkeypatch)
+    assert again.status == 0 and again.err.splitlines() == ["  7 of 7 cells"]
+
+
+def test_show_prints_range_values_and_errors(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
+    shown = run(["law", "show", "net-law.npz"], capsys, monkeypatch)
+    assert shown.status == 0, shown.err
+    assert "held out, 4 cells" in shown.out and "    curvature " in shown.out
+    assert shown.out.splitlines()[-1] == "net-law: cells.csv, summary.json"
+    summary = json.loads((place / "net-law" / "summary.json").read_text())
+    assert summary["cells"] == 7 and summary["held_out"]["count"] == 4 and summary["cells_without_law"] == []
+    assert len((place / "net-law" / "cells.csv").read_text().splitlines()) == 8
+
+
+def test_parts_of_the_range_without_a_law_are_named(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (place / "thin.toml").write_text(design(VARIED.replace("0.4,", "0.33,")))
+    done = run(["calibrate", "thin.toml", "--jobs", "1"], capsys, monkeypatch)
+    assert done.status == 0
+    assert "  no answer: thickness 0.33 mm: the motif has no law of one cell: 2 x 2 cells relax to" in done.err
+    assert "0.33       1.2   no law" in done.out and "cells without a law" in done.out
+
+
+def test_a_motif_that_does_not_repeat_cell_by_cell_is_status_one(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (place / "thin.toml").write_text(design("0.3"))
+    ended = run(["calibrate", "thin.toml", "--jobs", "1"], capsys, monkeypatch)
+    assert ended.status == 1
+    assert ended.err.splitlines()[-1].startswith(
+        "asterism: thickness 0.3 mm, width 1.2 mm: the motif has no law of one cell: 2 x 2 cells relax to"
+    )
+    assert not list(place.glob("*.npz")) and len(list((place / "thin-law.samples").glob("*.json"))) == 1
+
+
+def test_designs_name_their_law(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
+    (place / "named.toml").write_text(design("0.42", '[material]\nlaw = "net-law.npz"\n'))
+    sheet = load_design(place / "named.toml")
+    law = motif_law_for_design(sheet)
+    assert law.evaluate_at(sheet, np.zeros((1, 2))).inside.all()
+    (place / "other.toml").write_text(design("0.42", "[fabric]\nstretch = 1.5\n"))
+    with pytest.raises(LawError) as refused:
+        motif_law_for_design(load_design(place / "other.toml"), place / "net-law.npz", Path("other.toml"))
+    assert str(refused.value) == (
+        f"other.toml: fabric.stretch = 1.5: the law was made for 1.35 ({place / 'net-law.npz'}); "
+        "asterism calibrate other.toml makes its law, for --law other-law.npz"
+    )
+
+
+def test_a_law_of_the_other_kind_is_refused_in_one_line(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
+    (place / "stars.toml").write_text("[stars]\nlength_mm = 8\n[border]\nrings = 1\n")
+    refused = run(["preview", "stars.toml", "--law", "net-law.npz"], capsys, monkeypatch)
+    assert refused.status == 2 and refused.line == "asterism: net-law.npz: is the law of a motif, not of stars"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (design(more="[fabric]\nbending = 'none'\n"), "d.toml: fabric.bending: has no law: bare fabric without"),
+        (design(more="[[rods.draw]]\nline_mm = [[-9, 2], [9, 2]]\n"), "d.toml: rods.draw: must be left out: a law is"),
+        (design().replace("rods.motif", "rods.draw"), "d.toml: rods.motif: is missing: lines that do not repeat"),
+        (BESIDE_STARS, "d.toml: stars: must be left out: a law is for a motif alone"),
+    ],
+)
+def test_designs_without_a_law_are_refused(
+    text: str, message: str, place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (place / "d.toml").write_text(text)
+    refused = run(["calibrate", "d.toml"], capsys, monkeypatch)
+    assert refused.status == 2 and refused.line.startswith(f"asterism: {message}")
+    assert not list(place.glob("*.npz")) and not list(place.glob("*.samples"))
+
+
+def test_without_a_file_the_cells_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from homogenize.campaign import motif_law_of_cells
+
+    same_process.use(monkeypatch)
+    calls: list[Any] = []
+
+    def campaign(*arguments: Any) -> Any:
+        calls.append(arguments)
+        return module.run_motif_campaign(*arguments, respond=made_up)
+
+    monkeypatch.setattr(motif_law_of_cells, "run_motif_campaign", campaign)
+    monkeypatch.setattr(motif_law_of_cells, "_kept", {})
+    (tmp_path / "net.toml").write_text(design())
+    sheet = load_design(tmp_path / "net.toml")
+    progress: list[int] = []
+    law = motif_law_for_design(sheet, report=lambda each: progress.append(each.done))
+    assert progress == [0, 1] and law is motif_law_for_design(sheet) and len(calls) == 1
+    (tmp_path / "thin.toml").write_text(design("0.3"))
+    with pytest.raises(CampaignError, match="the motif has no law of one cell"):
+        motif_law_for_design(load_design(tmp_path / "thin.toml"))
+
+
+@pytest.mark.slow
+def test_an_interrupted_run_keeps_its_cells(tmp_path: Path) -> None:
+    """Ctrl-C while real cells are solved: whole files, no workers left, and the same command continues."""
+    (tmp_path / "net.toml").write_text(design(VARIED))
+    words = [sys.executable, "-m", "asterism", "calibrate", "net.toml", "--jobs", "1"]
+    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    samples, deadline = tmp_path / "net-law.samples", time.monotonic() + 120
+    while not list(samples.glob("*.json")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    error = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert "interrupted; finished cells are in net-law.samples, and the same command continues from there" in error
+    kept = len(list(samples.glob("*.json")))
+    assert kept >= 1
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and f"  {kept} of 7 cells" in done.stderr.splitlines()[0]

@@ -1,0 +1,78 @@
+"""Stored forms of tensors: the way back, derivatives, and turns of the axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from equilibrium.arrays import Floats
+from homogenize.law.motif_errors import tensor_errors
+from homogenize.law.motif_table import MotifTable
+from homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors, tensors_of_stored
+
+
+def random_tensors(count: int, seed: int = 3) -> SheetTensors:
+    rng = np.random.default_rng(seed)
+
+    def positive(k: int) -> Floats:
+        root = rng.normal(size=(count, k, k))
+        return np.asarray(root @ np.swapaxes(root, 1, 2) + 0.1 * np.eye(k))
+
+    metric, stiffness = positive(2), np.zeros((count, 6, 6))
+    stiffness[:, :3, :3], stiffness[:, 3:, 3:] = 100.0 * positive(3), 5.0 * positive(3)
+    return SheetTensors(
+        np.stack([metric[:, 0, 0], metric[:, 1, 1], metric[:, 0, 1]], axis=-1),
+        stiffness,
+        0.02 * rng.normal(size=(count, 3)),
+    )
+
+
+def turned(tensors: SheetTensors, angle: float) -> SheetTensors:
+    """The tensors of the same sheet after a turn by an angle (rad)."""
+    c, s = np.cos(angle), np.sin(angle)
+    plain = np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
+    strain = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    both = np.kron(np.eye(2), strain)
+    return SheetTensors(tensors.metric @ plain.T, both.T @ tensors.stiffness @ both, tensors.curvature @ plain.T)
+
+
+def difference(one: SheetTensors, other: SheetTensors) -> float:
+    pairs = ((one.metric, other.metric), (one.stiffness, other.stiffness), (one.curvature, other.curvature))
+    return max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs)
+
+
+def test_there_and_back() -> None:
+    tensors = random_tensors(20)
+    assert difference(tensors_of_stored(stored_tensors(tensors), np.empty((20, 0, STORED_SIZE)))[0], tensors) < 1e-11
+
+
+def test_slopes_are_derivatives_also_of_equal_eigenvalues() -> None:
+    tensors = random_tensors(6)
+    tensors.metric[0] = [0.8, 0.8, 0.0]
+    tensors.stiffness[1, :3, :3] = np.diag([7.0, 7.0, 3.5])
+    stored, rng, step = stored_tensors(tensors), np.random.default_rng(1), 1e-6
+    slopes = rng.normal(size=(6, 2, STORED_SIZE))
+    given = tensors_of_stored(stored, slopes)[1]
+    for axis in range(2):
+        ahead, behind = (tensors_of_stored(stored + side * step * slopes[:, axis], slopes)[0] for side in (1, -1))
+        for name in ("metric", "stiffness", "curvature"):
+            slope = (getattr(ahead, name) - getattr(behind, name)) / (2 * step)
+            ours = getattr(given, name)[:, axis]
+            np.testing.assert_allclose(ours, slope, rtol=1e-6, atol=1e-7 * np.abs(slope).max())
+
+
+def test_the_table_of_a_turned_motif_is_the_turned_table() -> None:
+    nodes = (np.array([0.3, 0.35, 0.45, 0.6]), np.array([0.8, 1.2, 1.6]))
+    cells, angle = random_tensors(12), 0.7
+    sizes = np.column_stack([np.linspace(0.31, 0.59, 9), np.linspace(1.5, 0.9, 9)])
+    solved = np.ones((4, 3), dtype=bool)
+
+    def at(tensors: SheetTensors) -> SheetTensors:
+        return MotifTable(nodes, stored_tensors(tensors).reshape(4, 3, -1), solved)(sizes)[0]
+
+    plain, other = at(cells), at(turned(cells, angle))
+    assert difference(other, turned(plain, angle)) < 1e-10
+    # and the errors do not depend on the axes
+    elsewhere = random_tensors(9, seed=8)
+    np.testing.assert_allclose(
+        tensor_errors(turned(plain, angle), turned(elsewhere, angle)), tensor_errors(plain, elsewhere), rtol=1e-8
+    )
