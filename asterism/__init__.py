@@ -50,6 +50,8 @@ if TYPE_CHECKING:
     from homogenize.law.law import Law
     from homogenize.law.law_file import load_law
     from homogenize.law.material import load_material
+    from homogenize.law.motif_law import MotifLaw
+    from homogenize.law.motif_law_file import load_motif_law
     from pattern.design.design import Design, save_design
     from pattern.gallery import load as new
     from pattern.layout.load_design import load_design
@@ -60,6 +62,7 @@ _HOMES = {
     "Error": ("equilibrium.errors", "Error"),
     "Fit": ("asterism.fitting.result", "Fit"),
     "Law": ("homogenize.law.law", "Law"),
+    "MotifLaw": ("homogenize.law.motif_law", "MotifLaw"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
     "Sweep": ("asterism.sweeps.sweep", "Sweep"),
@@ -74,6 +77,7 @@ _HOMES = {
     "load_design": ("pattern.layout.load_design", "load_design"),
     "load_law": ("homogenize.law.law_file", "load_law"),
     "load_material": ("homogenize.law.material", "load_material"),
+    "load_motif_law": ("homogenize.law.motif_law_file", "load_motif_law"),
     "load_target": ("asterism.fitting.load_target", "load_target"),
     "new": ("pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
@@ -100,6 +104,7 @@ __all__ = [
     "Error",
     "Fit",
     "Law",
+    "MotifLaw",
     "Preview",
     "Shape",
     "Sweep",
@@ -115,6 +120,7 @@ __all__ = [
     "load_design",
     "load_law",
     "load_material",
+    "load_motif_law",
     "load_target",
     "new",
     "new_strips",

@@ -16,6 +16,7 @@ from homogenize.cell.motif_responses import motif_responses
 from homogenize.cell.natural_curvature import trace_tubes
 from homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from homogenize.cell.unit_cell import UnitCell
+from homogenize.errors import ForeignLaw
 from homogenize.law.motif_errors import tensor_errors
 from homogenize.law.motif_law import MotifLaw
 from homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
@@ -24,7 +25,7 @@ from tests.homogenize import same_process
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.law.test_tensor_forms import turned
 from tests.homogenize.motif_laws import made_up
-from tests.homogenize.motifs import Pattern, diamonds, motif_design, parallel, stars
+from tests.homogenize.motifs import Pattern, diamonds, grid, motif_design, parallel, stars
 
 THICKNESS = {"profile": "radial", "from": 0.5, "to": 0.4, "over_mm": 30.0}
 
@@ -88,6 +89,18 @@ def test_the_law_of_a_turned_drawing_is_turned(tmp_path: Path, monkeypatch: pyte
         for number, each in enumerate(designs)
     )
     assert (tensor_errors(other, turned(plain, angle))[0] < [0.05, 1.0, 1.0, 1.0]).all()
+
+
+@pytest.mark.slow
+def test_unequal_stretch_has_a_law(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the stretches of x and y exchanged, a square grid has the law turned by 90 degrees, up to its mesh."""
+    designs = [motif_design(grid(), 0.5, fabric={"stretch": pair}) for pair in ([1.35, 1.15], [1.15, 1.35])]
+    laws = [law_of(each, tmp_path / str(number), monkeypatch) for number, each in enumerate(designs)]
+    plain, other = (tensors_at(law, each, np.zeros((1, 2))) for law, each in zip(laws, designs, strict=True))
+    assert (tensor_errors(other, turned(plain, np.pi / 2))[0] < [0.01, 0.1, 1.5, 1.0]).all()
+    assert abs(plain.curvature[0, 0]) > 1.2 * abs(plain.curvature[0, 1])
+    with pytest.raises(ForeignLaw, match=r"fabric.stretch = \[1.15, 1.35\]: the law was made for \[1.35, 1.15\]"):
+        laws[0].check(designs[1])
 
 
 @pytest.mark.slow
