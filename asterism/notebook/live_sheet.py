@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asterism.notebook.shape_frame import shape_messages
 from asterism.notebook.sliders import SliderBoard
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
@@ -14,6 +13,7 @@ from asterism.studio import frames
 from asterism.studio.engine_problem import engine_problem
 from asterism.studio.messages import Frame
 from asterism.studio.packing import frame_parts, mesh_bytes
+from asterism.studio.shape_frame import shape_messages
 from asterism.studio.sheet_view import SheetView
 from equilibrium.arrays import Floats
 from pattern.design.design import Design

@@ -17,8 +17,8 @@ from asterism.studio.thumbnails import Thumbnails
 from asterism.studio.watcher import file_text
 from pattern.design.design import Design
 from pattern.design.files import read_table, table_text
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.print_layout import print_layout
 
 # Texts that are kept of files that were read or written, besides the first one.
 MAX_TEXTS = 20
@@ -131,9 +131,9 @@ class Document:
         Raises
         ------
         DesignError
-            The stars do not fit the sheet, or the outline cannot be cut.
+            The stars or rods do not fit the sheet, or the outline cannot be cut.
         """
-        self.layout = layout(self.design())
+        self.layout = print_layout(self.design())
         self._is_checked = True
         self.thumbnails.add(self.revision, self.layout)
         return self.layout

@@ -25,14 +25,14 @@ from asterism.previews.watch import SearchLimitError
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import Busy, Edit, FitTarget, Flip, Limits, Parts, ShowForm, StudioProblem
-from asterism.studio.rest_summary import blank_summary, rest_summary
+from asterism.studio.messages import NO_PREVIEW, Busy, Edit, FitTarget, Flip, Limits, Parts, ShowForm, StudioProblem
+from asterism.studio.rest_summary import blank_summary, printed_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
 from equilibrium.arrays import Floats
 from equilibrium.errors import Error
-from homogenize.errors import ForeignLaw
+from homogenize.errors import ForeignLaw, LawError
 from pattern.design.design import Design
-from pattern.design.errors import BlankSheetError
+from pattern.design.errors import BlankSheetError, DesignError
 from pattern.layout.painted_stars import with_painted_stars
 
 REST_S = 0.3  # without a message, after which the fine frame follows
@@ -134,11 +134,15 @@ class Engine:
         if edit.is_dragging and self._preview is not None:
             self._bounds.longest_s = MAX_DRAGGED_SEARCH_S
         design = self._parsed(edit, parsed)
-        self._send_limits(design)
         try:
+            self._send_limits(design)
             self._show_design(design, edit)
         except BlankSheetError:
             self._show_blank(design)
+        except (DesignError, LawError) as error:
+            if design.rods is None or self._preview is not None:
+                raise
+            self._show_printed(design, error)
 
     def _show_design(self, design: Design, edit: Edit) -> None:
         if edit.is_opened or self._preview is None:
@@ -166,7 +170,7 @@ class Engine:
             assert edit.design is not None
             parsed = Design.from_dict(edit.design, edit.folder)
         self._design = parsed
-        if edit.sites is None and edit.removed is None:
+        if parsed.stars is None or (edit.sites is None and edit.removed is None):
             return parsed
         sites = np.empty((0, 2)) if edit.sites is None else edit.sites
         sizes = np.full((len(sites), 3), np.nan) if edit.sizes_mm is None else edit.sizes_mm
@@ -249,6 +253,14 @@ class Engine:
         self._is_resting = True
         self._frames.send_blank(design, self._bounds.seq)
         self._send(blank_summary(self._bounds.seq))
+
+    def _show_printed(self, design: Design, reason: Exception) -> None:
+        """Send the flat sheet of a pattern that has no preview, and why it has none."""
+        self._is_resting = True
+        seq = self._bounds.seq
+        self._frames.send_printed(design, seq)
+        self._send(printed_summary(seq))
+        self._send(StudioProblem(seq, NO_PREVIEW, " ".join(str(reason).split())))
 
     def _show_at_rest(self) -> None:
         preview, known = self._preview, self._known

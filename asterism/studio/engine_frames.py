@@ -8,11 +8,13 @@ from typing import Any
 
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
+from asterism.studio.flat_sheet import blank_messages, printed_messages
 from asterism.studio.messages import Frame, Parts, StudioProblem
-from asterism.studio.sheet_view import SheetView, blank_messages
+from asterism.studio.sheet_view import SheetView
 from asterism.studio.target_distance import TargetComparison
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
+from pattern.layout.print_layout import print_layout
 
 EQUILIBRIUM = "equilibrium"
 
@@ -58,6 +60,12 @@ class EngineFrames:
         """Send the flat sheet of a design without stars."""
         self._meshes += 1
         for message in blank_messages(design, self._meshes, seq):
+            self._send(message)
+
+    def send_printed(self, design: Design, seq: int) -> None:
+        """Send the flat, printed sheet of a pattern without a preview."""
+        self._meshes += 1
+        for message in printed_messages(design, print_layout(design), self._meshes, seq):
             self._send(message)
 
     def send_again(self, parts: Parts, preview: Preview | None, is_dragging: bool) -> None:

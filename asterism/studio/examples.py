@@ -61,13 +61,13 @@ def design_files(folder: Path) -> list[str]:
 
 
 def _is_design(file: Path) -> bool:
-    """Whether a file looks like a design: it has the two tables that every design has."""
+    """Whether a file looks like a design: it has a border, and stars or rods."""
     try:
         with file.open("rb") as stream:
             text = stream.read(200_000)
     except OSError:
         return False
-    return b"[stars]" in text and b"[border]" in text
+    return b"[border]" in text and any(part in text for part in (b"[stars]", b"[rods]", b"[[rods."))
 
 
 def free_name(folder: Path, stem: str) -> Path:

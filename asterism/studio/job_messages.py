@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from asterism.studio.messages import ShownMesh
+from asterism.studio.messages import Frame, ShapeSummary, ShownMesh
 from equilibrium.arrays import Array
 
 
@@ -30,6 +30,18 @@ class Verified:
     exact: Array
     preview: Array
     distance: Array
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Computed:
+    """The end of an exact computation of a pattern without a preview: its shape takes the place of the preview's."""
+
+    job: int
+    summary: dict[str, Any]
+    mesh: ShownMesh
+    frame: Frame
+    shown: ShapeSummary
     files: tuple[str, ...]
 
 

@@ -9,7 +9,7 @@ from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
-from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
+from asterism.studio.job_messages import Computed, Fitted, JobProgress, Verified, Written
 from asterism.studio.jobs import Jobs, RunningJob
 from asterism.studio.messages import StudioProblem
 from asterism.studio.page_data import engine_problem_data, failure_data
@@ -138,6 +138,11 @@ class JobRequests:
                 studio.shown.show_verified(message, job.revision, studio.tabs)
                 files = [Path(name) for name in message.files]
                 self._finish(job, message.summary, files, ())
+            case Computed():
+                studio.shown.add_mesh(message.mesh)
+                studio.shown.add_frame(message.frame, job.revision, studio.tabs)
+                studio.shown.add_summary(message.shown, job.revision)
+                self._finish(job, message.summary, [Path(name) for name in message.files], ())
             case Fitted():
                 studio.fits.take(message)
             case Written():

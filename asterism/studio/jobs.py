@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from asterism.studio.child import Child, StartedProcess
-from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
+from asterism.studio.job_messages import Computed, Fitted, JobProgress, Verified, Written
 from asterism.studio.messages import StudioProblem
 
 NICENESS = 10
@@ -34,8 +34,8 @@ class Jobs:
 
     Parameters
     ----------
-    tell : called with the job and each of its messages. The last one is `Verified`, `Fitted`, `Written` or
-        `StudioProblem`.
+    tell : called with the job and each of its messages. The last one is `Verified`, `Computed`, `Fitted`,
+        `Written` or `StudioProblem`.
     """
 
     def __init__(self, tell: Callable[[RunningJob, Any], None]) -> None:
@@ -66,7 +66,7 @@ class Jobs:
             return
         if isinstance(message, JobProgress):
             job.progress = message
-        elif isinstance(message, StudioProblem | Verified | Fitted | Written):
+        elif isinstance(message, StudioProblem | Verified | Computed | Fitted | Written):
             self.running = None
         self._tell(job, message)
 

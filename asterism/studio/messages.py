@@ -264,6 +264,8 @@ class ShapeSummary:
 
 # kinds of problems that do not concern the shown shape
 ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
+# kind of the problem of a pattern that the exact model alone can compute
+NO_PREVIEW = "no preview"
 
 
 @dataclass(frozen=True)
@@ -273,7 +275,7 @@ class StudioProblem:
     Attributes
     ----------
     kind : `design`, `law`, `mesh`, `no minimum`, `too long`, `cancelled`, `no other side`, `search ended`,
-        `output`.
+        `no preview`, `output`.
     field, value, allowed : of a mistake in the design; empty otherwise.
     text : one line.
     """

@@ -19,7 +19,7 @@ SIZE_DIGITS = 4
 def entries_by_site(table: Mapping[str, Any], layout: Layout) -> dict[Site, dict[str, Any]]:
     """The entries of `stars.override` by lattice site; entries by star number or place become entries by site."""
     entries: dict[Site, dict[str, Any]] = {}
-    for entry in table["stars"].get("override", ()):
+    for entry in table.get("stars", {}).get("override", ()):
         rest = {key: value for key, value in entry.items() if key not in ("site", "star", "at_mm")}
         if "site" in entry:
             site = tuple(entry["site"])
@@ -84,7 +84,7 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
     (n, 2) and their sizes (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
     """
     base, sites, sizes, gone = [], [], [], []
-    for entry in table["stars"].get("override", ()):
+    for entry in table.get("stars", {}).get("override", ()):
         if "site" not in entry or "branch" in entry:
             base.append(entry)
         elif entry.get("remove"):
@@ -92,12 +92,12 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
         else:
             sites.append(entry["site"])
             sizes.append([entry.get(key, np.nan) for key in SIZE_KEYS])
-    stars = {key: value for key, value in table["stars"].items() if key != "override"} | (
-        {"override": base} if base else {}
-    )
     rest = {key: value for key, value in table.items() if key != "fit"}  # no matter of the shape
+    if "stars" in table:
+        stars = {key: value for key, value in table["stars"].items() if key != "override"}
+        rest["stars"] = stars | ({"override": base} if base else {})
     return (
-        {**rest, "stars": stars},
+        rest,
         np.asarray(sites, dtype=np.int64).reshape(-1, 2),
         np.asarray(sizes, dtype=float).reshape(-1, 3),
         np.asarray(gone, dtype=np.int64).reshape(-1, 2),

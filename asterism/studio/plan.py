@@ -1,4 +1,4 @@
-"""The plan of a sheet as plain data for the page: lattice, stars, outline and supports in printed millimetres."""
+"""The plan of a sheet as plain data for the page: lattice, stars, rods, outline and supports in printed millimetres."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
     Returns
     -------
     outline_mm, spacing_mm, lattice, sites (in the order of the stars' numbers: site, at_mm, sizes_mm, arms, removed,
-    painted, weight), pins (one entry a table of the design), ignored_sites.
+    painted, weight), rods (without the arms of stars), holes_mm, pins (one entry a table of the design), ignored_sites.
     """
     places = layout.lattice.place(layout.sheet_sites)
     arms: list[list[Any]] = [[] for _ in layout.sheet_sites]
@@ -52,6 +52,11 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
         "spacing_mm": layout.spacing_mm,
         "lattice": {"vectors_mm": _plain(layout.lattice_vectors), "origin_mm": _plain(layout.lattice_origin)},
         "sites": sites,
+        "rods": [
+            {"points_mm": _plain(rod.points), "thickness_mm": _plain(rod.thickness), "width_mm": _plain(rod.width)}
+            for rod in layout.drawn_rods
+        ],
+        "holes_mm": [_plain(ring) for ring in layout.holes],
         "pins": [
             {
                 "points_mm": _plain(pins.points),

@@ -49,6 +49,17 @@ def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
     return ShapeSummary(seq, numbers, tuple(notices), tuple(forms))
 
 
+def exact_summary(shape: Shape) -> ShapeSummary:
+    """The same of an exact shape of a pattern without a preview."""
+    numbers = {key: shape.summary.get(key) for key in SUMMARY_KEYS}
+    return ShapeSummary(0, numbers, tuple(Notice(str(line)) for line in shape.summary["warnings"]))
+
+
+def printed_summary(seq: int) -> ShapeSummary:
+    """The same of a flat sheet as it is printed: nothing is known of its shape."""
+    return ShapeSummary(seq, dict.fromkeys(SUMMARY_KEYS))
+
+
 def blank_summary(seq: int) -> ShapeSummary:
     """The same of a sheet without stars."""
     numbers = {**dict.fromkeys(SUMMARY_KEYS), "height_mm": 0.0, "is_minimum": True, "stars": 0}

@@ -1,4 +1,4 @@
-"""What the page draws on a shown mesh: ribbons along the arms, and needles below the supported points."""
+"""What the page draws on a shown mesh: ribbons along arms and rods, and needles below the supported points."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.studio.ribbon_stations import STATIONS, ribbon_stations
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.point_location import TriangleFinder, clipped
 from pattern.layout.layout import Layout
 
-STATIONS = 5  # along the ribbon of an arm
 NEEDLE_SPACING = 1.0  # of the needles along supported edges, over that of the stars
 STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
 
 
 class SheetMarks:
-    """Arms and needles of a sheet on a mesh. Places on the mesh are kept until the arms or the needles change.
+    """Ribbons and needles of a sheet on a mesh. Places on the mesh are kept until ribbons or needles change.
 
     Parameters
     ----------
@@ -27,26 +27,28 @@ class SheetMarks:
 
     def __init__(self, printed: Floats, triangles: Ints) -> None:
         self.printed, self.triangles = printed, triangles
-        self._arms_of: Layout | None = None
+        self._ribbons_of: Layout | None = None
+        self._ribbon_points = np.empty((0, STATIONS, 2))
         self._station_triangles: Ints = np.empty(0, dtype=np.int64)
         self._needle_points = np.empty((0, 2))
 
     def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
-        """(A, K, 2, 3) left and right upper edges of the arms, and (A, K, 3) normals."""
-        if self._arms_of is None or not _has_same_arms(layout, self._arms_of):
-            share = np.linspace(0.0, 1.0, STATIONS)[:, None]
-            start = layout.centres[layout.arm_star][:, None]
-            points = start + share * (layout.arm_tip[:, None] - start)
-            known = self._station_triangles if len(self._station_triangles) == STATIONS * len(points) else None
-            self._stations, self._station_triangles = self._interpolation(points.reshape(-1, 2), known)
-            self._arms_of = layout
-        shape = len(layout.arm_star), STATIONS, 3
+        """(A, K, 2, 3) left and right upper edges of the ribbons, and (A, K, 3) normals."""
+        if layout is not self._ribbons_of:
+            self._ribbons = ribbon_stations(layout)
+            self._ribbons_of = layout
+        ribbons = self._ribbons
+        if not np.array_equal(ribbons.points, self._ribbon_points) or not len(ribbons.points):
+            points = ribbons.points.reshape(-1, 2)
+            known = self._station_triangles if len(self._station_triangles) == len(points) else None
+            self._stations, self._station_triangles = self._interpolation(points, known)
+            self._ribbon_points = ribbons.points
+        shape = *ribbons.width.shape, 3
         middle = (self._stations @ positions).reshape(shape)
         normal = _unit((self._stations @ normals).reshape(shape))
         across = _unit(np.cross(normal, np.gradient(middle, axis=1)))
-        width, thickness = (_along(ends) for ends in (layout.arm_width, layout.arm_thickness))
-        top = middle + thickness * normal
-        return np.stack([top + 0.5 * width * across, top - 0.5 * width * across], axis=2), normal
+        top, half = middle + ribbons.thickness[..., None] * normal, 0.5 * ribbons.width[..., None] * across
+        return np.stack([top + half, top - half], axis=2), normal
 
     def needles(self, layout: Layout, positions: Floats) -> Floats:
         """(N, 2, 3) foot on the ground and tip in the sheet; along supported edges one in each spacing."""
@@ -86,13 +88,3 @@ class SheetMarks:
 def _unit(vectors: Floats) -> Floats:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray(vectors / np.where(length == 0.0, 1.0, length))
-
-
-def _along(ends: Floats) -> Floats:
-    """(A, K, 1) values at the stations of arms with values (A, 2) at both ends."""
-    share = np.linspace(0.0, 1.0, STATIONS)
-    return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))[..., None]
-
-
-def _has_same_arms(first: Layout, second: Layout) -> bool:
-    return np.array_equal(first.arm_tip, second.arm_tip) and np.array_equal(first.centres, second.centres)

@@ -7,14 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from asterism.previews.session import Preview
-from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh, SmoothPart
-from asterism.studio.sheet_marks import STATIONS, SheetMarks
+from asterism.studio.ribbon_stations import ribbon_stations
+from asterism.studio.sheet_marks import SheetMarks
+from asterism.studio.shown_mesh import mesh_message
 from equilibrium.arrays import Floats, Ints
-from pattern.design.design import Design
 from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
-from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_areas
+from pattern.geometry.planar import polygon_area, triangle_areas
 from pattern.layout.layout import Layout
 from pattern.mesh.meshing import mesh_layout
 
@@ -37,7 +37,7 @@ class SheetView:
 
     def __init__(self, preview: Preview, is_fine: bool) -> None:
         self._number, self._is_fine = 0, is_fine
-        self._arm_site = np.empty(0, dtype=np.int64)
+        self._arm_site: Ints = np.empty(0, dtype=np.int64)
         layout, design = preview.sheet.layout, preview.design
         spacings = FINE_EDGE_SPACINGS if is_fine else COARSE_EDGE_SPACINGS
         shortest = float(np.sqrt(abs(polygon_area(layout.outline)) / (np.sqrt(0.75) * MAX_VERTICES_SHOWN)))
@@ -65,12 +65,12 @@ class SheetView:
         return True
 
     def has_arms_of(self, layout: Layout) -> bool:
-        """Whether the mesh was numbered for a layout with arms at the same sites."""
-        return self._number > 0 and np.array_equal(layout.star_number[layout.arm_star], self._arm_site)
+        """Whether the mesh was numbered for a layout with ribbons of the same stars, and as many along drawn rods."""
+        return self._number > 0 and np.array_equal(ribbon_stations(layout).site, self._arm_site)
 
     def numbered(self, number: int, layout: Layout) -> ShownMesh:
         """The message with the mesh, under a new number."""
-        self._number, self._arm_site = number, layout.star_number[layout.arm_star]
+        self._number, self._arm_site = number, ribbon_stations(layout).site
         return mesh_message(number, self.printed, self.triangles, self._arm_site, self._is_fine)
 
     def stand_up(self, preview: Preview, x: Floats | None = None) -> None:
@@ -131,56 +131,3 @@ class SheetView:
             self.triangles, np.repeat(triangle_areas(self.printed, self.triangles), 3), len(self.printed)
         )
         return np.asarray(areas / areas.sum())
-
-
-def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, is_fine: bool) -> ShownMesh:
-    """The message with a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
-    return ShownMesh(
-        mesh=number,
-        printed=printed.astype(np.float32),
-        triangles=triangles.astype(np.uint32),
-        outline=outline_of(triangles).astype(np.uint32),
-        arm_site=arm_site.astype(np.uint32),
-        is_fine=is_fine,
-    )
-
-
-def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
-    """The flat sheet of a design without stars: its mesh under a number, and its frame."""
-    shape = blank_sheet(design)
-    count, small = len(shape.printed), np.float32
-    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64), is_fine=True)
-    frame = Frame(
-        seq=seq,
-        mesh=number,
-        stage="equilibrium",
-        positions=shape.positions.astype(small),
-        normals=np.tile(np.array([0.0, 0.0, 1.0], dtype=small), (count, 1)),
-        curvature=np.zeros(count, dtype=small),
-        strain=np.zeros(count, dtype=small),
-        arms=np.empty((0, STATIONS, 2, 3), dtype=small),
-        arm_normals=np.empty((0, STATIONS, 3), dtype=small),
-        needles=np.empty((0, 2, 3), dtype=small),
-        is_minimum=True,
-    )
-    return mesh, frame
-
-
-def outline_of(triangles: Ints) -> Ints:
-    """(R,) vertices around a sheet of triangles (T, 3), counterclockwise.
-
-    Examples
-    --------
-    >>> outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
-    [0, 1, 2, 3]
-    """
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
-    size = int(edges.max()) + 1
-    there: Ints = edges[:, 0] * size + edges[:, 1]
-    back: Ints = edges[:, 1] * size + edges[:, 0]
-    rim = edges[~is_in_sorted(there, np.sort(back))]
-    following = dict(rim.tolist())
-    ring = [min(following)]
-    while (after := following[ring[-1]]) != ring[0] and len(ring) < len(following):
-        ring.append(after)
-    return np.array(ring)

@@ -1,4 +1,7 @@
-"""A verification in a process of its own; to cancel it, the server ends the process."""
+"""A verification in a process of its own; to cancel it, the server ends the process.
+
+A pattern without a preview has nothing to verify: the process computes its exact shape.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +12,21 @@ from typing import Any
 
 import numpy as np
 
+from asterism.exact.simulation import exact_shape
 from asterism.reports.verification_files import write_verification
+from asterism.reports.write_results import write_results
 from asterism.results.output_check import check_writable
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.job_messages import JobProgress, Verified
-from asterism.studio.sheet_view import mesh_message
+from asterism.studio.job_messages import Computed, JobProgress, Verified
+from asterism.studio.rest_summary import exact_summary
+from asterism.studio.shape_frame import shape_messages
+from asterism.studio.shown_mesh import mesh_message
+from asterism.verification.progress import ExactProgress
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification
+from homogenize.errors import LawError
 from pattern.design.design import Design
+from pattern.design.errors import DesignError
 
 PROGRESS_EVERY_S = 0.1  # at most, within a stage
 
@@ -43,11 +53,12 @@ def run_verification(connection: Connection, job: int, table: dict[str, Any], fo
 
     Parameters
     ----------
-    connection : the process's end of a pipe; it gets `JobProgress` and at the end `Verified` or `StudioProblem`.
+    connection : the process's end of a pipe; it gets `JobProgress` and at the end `Verified`, `Computed` or
+        `StudioProblem`.
     job : number of the job.
     table : of the design file.
     folder : of the design file, for pictures.
-    out : directory of the results.
+    out : directory of the results; those of a pattern without a preview go into `out`-exact.
     """
     progress = ProgressSender(connection, job)
     design: Design | None = None
@@ -55,13 +66,31 @@ def run_verification(connection: Connection, job: int, table: dict[str, Any], fo
         progress("design", 0, 1)
         design = Design.from_dict(table, folder)
         check_writable(out)
-        verification = verify(design, progress=progress)
+        try:
+            verification = verify(design, progress=progress)
+        except (DesignError, LawError):
+            if design.rods is None:
+                raise
+            connection.send(_computed(job, design, f"{out}-exact", progress))
+            return
         progress("report", 0, 1)
         files = write_verification(verification, out)
     except Exception as error:
         connection.send(engine_problem(job, error, design))
         return
     connection.send(verified(job, verification, tuple(str(Path(out) / name) for name in files)))
+
+
+def _computed(job: int, design: Design, out: str, progress: ProgressSender) -> Computed:
+    """The message with the exact shape of a pattern without a preview. Its mesh has the number of a verification's."""
+    counted = ExactProgress("exact model", progress)
+    shape = exact_shape(design, report=counted.report, say=counted.say)
+    counted.finish()
+    progress("files", 0, 1)
+    files = write_results(shape, out)
+    mesh, frame = shape_messages(shape, number=-job, stage="exact")
+    paths = tuple(str(Path(out) / name) for name in files)
+    return Computed(job, shape.summary.to_json(), mesh, frame, exact_summary(shape), paths)
 
 
 def verified(job: int, verification: Verification, files: tuple[str, ...]) -> Verified:

@@ -45,12 +45,12 @@ studio.connection = new Connection({
 studio.edits = new Edits(store, studio.connection);
 studio.plan = new PlanCanvas($("plan-canvas"), store);
 studio.tools = {
-  select: { title: "Select", icon: "select", keys: "V", tool: new SelectTool(studio) },
-  brush: { title: "Brush", icon: "brush", keys: "B", tool: new BrushTool(studio) },
+  select: { title: "Select", icon: "select", keys: "V", tool: new SelectTool(studio), needsStars: true },
+  brush: { title: "Brush", icon: "brush", keys: "B", tool: new BrushTool(studio), needsStars: true },
   gradient: { title: "Sizes", icon: "gradient", keys: "G", tool: new GradientTool(studio) },
   outline: { title: "Outline", icon: "outline", keys: "O", tool: new OutlineTool(studio) },
   needles: { title: "Needles", icon: "needles", keys: "N", tool: new NeedleTool(studio) },
-  weight: { title: "Weight", icon: "weight", keys: "W", tool: new WeightTool(studio) },
+  weight: { title: "Weight", icon: "weight", keys: "W", tool: new WeightTool(studio), needsStars: true },
   ruler: { title: "Ruler", icon: "ruler", keys: "R", tool: new RulerTool(studio) },
 };
 try {

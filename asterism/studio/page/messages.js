@@ -30,7 +30,7 @@ export function listen(studio) {
     },
     state(message) {
       const before = store.get("state");
-      store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: true } : null });
+      store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: message.problem.kind !== "no preview" } : null });
       if (message.jobs) store.set({ jobs: message.jobs });
       if (before.engine !== message.engine && message.engine === "ready" && store.get("frame"))
         announce("The sheet is in equilibrium");
@@ -60,6 +60,7 @@ export function listen(studio) {
       }
       const shown = showProblem(message);
       store.set({ problem: { ...message, isBlocking: false } });
+      if (message.kind === "no preview") return; // the note below the view says it
       if (message.job) {
         const { [message.job]: failed, ...jobs } = store.get("jobs");
         store.set({ jobs });

@@ -6,6 +6,9 @@ import { QUANTITIES } from "./format.js";
 const MIN_ARM_MM = 1; // shorter arms are not printed
 const TIP_MARGIN_MM = 0.5;
 
+/** The section of the design file that holds the sizes of its pattern. */
+export const patternOf = (design) => (design.stars || !design.rods ? "stars" : "rods");
+
 export const keyOf = (site) => `${site[0]},${site[1]}`;
 
 /** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, outline, pins}. */
@@ -25,6 +28,8 @@ export class Sheet {
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
+    this.rods = plan.rods ?? [];
+    this.holes = plan.holes_mm ?? [];
     this.byKey = new Map(this.stars.map((star) => [star.key, star]));
     this.box = bounds(this.outline.concat(this.outline.length ? [] : [[0, 0]]));
     this.centre = centroid(this.outline);
@@ -69,6 +74,17 @@ export class Sheet {
     });
   }
 
+  /** Whether the pattern is one of rods, without stars. */
+  get isOfRods() {
+    return !this.stars.length && this.rods.length > 0;
+  }
+
+  /** The values of a quantity on the sheet, of stars and drawn rods. */
+  values(quantity) {
+    const { key, column } = QUANTITIES[quantity];
+    return this.printed.map((star) => star.sizes[column]).concat(this.rods.flatMap((rod) => rod[key] ?? []));
+  }
+
   /** Range of a quantity: of the law if asked for and known, else of the design file. */
   range(quantity, inLaw) {
     const { key } = QUANTITIES[quantity];
@@ -86,7 +102,7 @@ export class Sheet {
 
   /** Step of printable values of a quantity, {first, step}; null if sizes are not rounded. */
   printable(quantity) {
-    const { rounding } = this.design.stars ?? {};
+    const { rounding } = this.design[patternOf(this.design)] ?? {};
     if (!rounding || quantity === "length") return null;
     if (quantity === "width") return rounding.line_mm ? { first: rounding.line_mm, step: rounding.line_mm } : null;
     return rounding.layer_mm ? { first: rounding.first_layer_mm, step: rounding.layer_mm } : null;

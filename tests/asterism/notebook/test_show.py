@@ -14,6 +14,7 @@ import asterism
 from asterism.notebook import live_sheet
 from asterism.notebook.live_sheet import LiveSheet, shape_traits
 from asterism.studio import frames
+from asterism.studio.ribbon_stations import RIBBON_MM, STATIONS
 from pattern.design.design import Design
 from tests.asterism.sheets import dome, sheet
 
@@ -90,7 +91,8 @@ def test_drawn_rods_are_shown_as_the_arms_of_stars_are() -> None:
     }
     shape = asterism.simulate(Design.from_dict(drawing))
     mesh, _, arrays = drawn(shape_traits(shape))
-    assert arrays["arms"].shape == (len(shape.rod_edges), 2, 2, 3) and len(mesh["arm_site"]) == len(shape.rod_edges)
+    count = int(np.ceil(2 * np.pi * 20 / RIBBON_MM))
+    assert arrays["arms"].shape == (count, STATIONS, 2, 3) and len(mesh["arm_site"]) == count
     assert len(arrays["strain"]) == len(shape.printed)
 
 

@@ -21,10 +21,10 @@ function toggle({ store, key, picture, label, keys, testid }) {
 
 export function buildPlanBar(element, { store, plan }) {
   const colour = choice({
-    label: "Colour of the stars",
+    label: "Colour of the pattern",
     testid: "plan-colour",
     options: [
-      { value: "none", text: "Plain stars" },
+      { value: "none", text: "Plain pattern" },
       ...Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: `By ${name.toLowerCase()}` })),
     ],
     value: store.get("planColour"),
@@ -133,7 +133,17 @@ export function buildViewNote(element, { store, actions, view }) {
     const { problem, busy, engine } = store.get("state");
     const parts = [];
     if (!view) parts.push(h("span", { class: "strong", role: "alert", testid: "no-view" }, WITHOUT_VIEW));
-    if (store.get("document") && problem) {
+    if (store.get("document") && problem?.kind === "no preview") {
+      const isRunning = Boolean(store.get("jobs").verify);
+      parts.push(
+        h(
+          "span",
+          { class: "strong offer", role: "status", testid: "no-preview" },
+          h("span", {}, "This pattern has no preview and is shown as it is printed."),
+          isRunning ? null : button({ text: "Compute the exact shape", testid: "compute", title: problem.text, onclick: actions.verify }),
+        ),
+      );
+    } else if (store.get("document") && problem) {
       const isInMaterial = /^(fabric|plastic)\./.test(problem.field ?? "");
       const place =
         problem.stars?.length || problem.at_mm
@@ -160,9 +170,13 @@ export function buildViewNote(element, { store, actions, view }) {
         ),
       );
     }
-    refresh(element, [problem, busy, engine, Boolean(store.get("frame")), Boolean(store.get("document"))], () => parts);
+    refresh(
+      element,
+      [problem, busy, engine, Boolean(store.get("frame")), Boolean(store.get("document")), Boolean(store.get("jobs").verify)],
+      () => parts,
+    );
   };
-  store.on(["state", "frame", "document"], update);
+  store.on(["state", "frame", "document", "jobs"], update);
   update();
 }
 

@@ -27,6 +27,7 @@ export function formsPart(studio, { on }) {
     const focused = document.activeElement;
     const hadFocus = focused === flip || forms.contains(focused);
     refresh(forms, [others, isSearching], () => (others.length > 1 ? list(others, isSearching) : []));
+    flip.hidden = store.get("frame")?.stage === "exact" || store.get("state").problem?.kind === "no preview";
     flip.disabled = !store.get("frame") || isSearching;
     flip.lastChild.textContent = searching === "flip" ? "Searching …" : "Flip to the other side";
     stop.hidden = !isSearching;

@@ -2,6 +2,7 @@
 
 import { button, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES } from "../format.js";
+import { patternOf } from "../sheet.js";
 import { sizeChanges } from "../plan/tools/gradient.js";
 import { numberField } from "./fields.js";
 
@@ -165,9 +166,16 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     tool.plan.invalidate();
   }
   let known;
-  const profileText = () => JSON.stringify(store.get("sheet")?.design.stars?.[QUANTITIES[settings.quantity].key]);
+  const profileText = () => {
+    const { design = {} } = store.get("sheet") ?? {};
+    return JSON.stringify(design[patternOf(design)]?.[QUANTITIES[settings.quantity].key]);
+  };
   /** Shows what the design has. */
   function read() {
+    const isOfRods = Boolean(store.get("sheet")?.isOfRods);
+    quantity.element.querySelector("[data-testid='gradient-quantity-length']").hidden = isOfRods; // rods are drawn
+    if (isOfRods && settings.quantity === "length") settings.quantity = "thickness";
+    quantity.set(settings.quantity);
     known = profileText();
     const profile = tool.read();
     if (typeof profile === "number") ((settings.kind = "number"), number.set(profile));
@@ -212,7 +220,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   on(["document"], () => edits.isWaiting || profileText() === known || read());
   on(
     ["problem"],
-    ({ problem }) => problem?.field?.startsWith("stars.") && settings.kind === "formula" && say(problem.text),
+    ({ problem }) => /^(stars|rods)\./.test(problem?.field ?? "") && settings.kind === "formula" && say(problem.text),
   );
   read();
   count();

@@ -2,6 +2,7 @@
 
 import { check, choice, h, hint, section } from "../dom.js";
 import { fixed } from "../format.js";
+import { patternOf } from "../sheet.js";
 import { numberField } from "./fields.js";
 
 const DEFAULT_ROUNDING = { first_layer_mm: 0.3, layer_mm: 0.2, line_mm: 0.4 };
@@ -62,7 +63,7 @@ export function materialPanel({ store, edits, connection }, { on }) {
     value: false,
     testid: "rounding",
     onchange: (value) =>
-      send({ "stars.rounding": value ? (store.get("sheet").limits.rounding ?? DEFAULT_ROUNDING) : null }),
+      send({ [`${patternOf(design())}.rounding`]: value ? (store.get("sheet").limits.rounding ?? DEFAULT_ROUNDING) : null }),
   });
   const roundingHint = hint("");
   const branch = choice({
@@ -76,6 +77,13 @@ export function materialPanel({ store, edits, connection }, { on }) {
     value: "up",
     onchange: (value) => send({ "stars.branch": value }),
   });
+  const rise = h(
+    "div",
+    { class: "row" },
+    h("label", { class: "muted" }, "Stars rise"),
+    h("span", { class: "grow" }),
+    branch.element,
+  );
   const facts = h("dl", { class: "figures" });
 
   function update() {
@@ -92,8 +100,8 @@ export function materialPanel({ store, edits, connection }, { on }) {
     kappa.element.hidden = typeof bar !== "number";
     if (typeof bar === "number") kappa.set(bar);
     branch.set(now.stars?.branch ?? "up");
-    rounding.set(Boolean(now.stars?.rounding));
-    const steps = now.stars?.rounding;
+    const steps = now[patternOf(now)]?.rounding;
+    rounding.set(Boolean(steps));
     roundingHint.textContent = steps
       ? `First layer ${steps.first_layer_mm} mm, then ${steps.layer_mm} mm; lines of ${steps.line_mm} mm.`
       : "Thickness becomes whole layers and width whole lines, as the printer makes them.";
@@ -104,9 +112,14 @@ export function materialPanel({ store, edits, connection }, { on }) {
       ),
     );
     printer.set(sheet.printer?.name ?? "");
+    rise.hidden = sheet.isOfRods;
     const rows = [
-      ["Spacing of the stars", `${fixed(sheet.spacing, 2)} mm`],
-      ["Arms of a star", String(sheet.directions.length)],
+      ...(sheet.isOfRods
+        ? [["Rods", String(sheet.rods.length)]]
+        : [
+            ["Spacing of the stars", `${fixed(sheet.spacing, 2)} mm`],
+            ["Arms of a star", String(sheet.directions.length)],
+          ]),
       ["Plastic over fabric modulus", String(now.plastic?.modulus_ratio ?? 3200)],
       ["Printed size", `${fixed(sheet.box.size[0], 0)} × ${fixed(sheet.box.size[1], 0)} mm`],
     ];
@@ -122,13 +135,7 @@ export function materialPanel({ store, edits, connection }, { on }) {
     thickness.element,
     section("Plastic"),
     kappa.element,
-    h(
-      "div",
-      { class: "row" },
-      h("label", { class: "muted" }, "Stars rise"),
-      h("span", { class: "grow" }),
-      branch.element,
-    ),
+    rise,
     rounding.element,
     roundingHint,
     section("Printer"),

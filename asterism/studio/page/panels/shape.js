@@ -20,8 +20,14 @@ export function shapePanel(studio, page) {
     const { numbers = {}, warnings: all = [] } = store.get("state");
     const frame = store.get("frame");
     const expected = numbers.expected_rms_percent;
+    const isPreview = frame?.stage !== "exact" && store.get("state").problem?.kind !== "no preview";
     const { words } = trust(expected);
-    replace(
+    if (!isPreview && frame?.stage !== "exact") {
+      replace(trusted, h("div", { class: "big" }, "–"), h("p", {}, "This pattern has no preview: its cells have no law, or it does not repeat."));
+    } else if (frame?.stage === "exact") {
+      const isSure = frame.is_minimum ? "a certified minimum" : "not certified as a minimum";
+      replace(trusted, h("div", { class: "big" }, icon("verify"), " Exact"), h("p", {}, `The shape of the exact model, ${isSure}.`));
+    } else replace(
       trusted,
       h("div", { class: "big" }, Number.isFinite(expected) ? `± ${percent(expected)}` : "–"),
       h("p", {}, words),
@@ -45,7 +51,7 @@ export function shapePanel(studio, page) {
       figures,
       rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
     );
-    refresh(warnings, all, () => [
+    refresh(warnings, [all, isPreview], () => [
       section("Warnings", h("span", { class: "count" }, String(all.length))),
       all.length
         ? h(
@@ -64,7 +70,7 @@ export function shapePanel(studio, page) {
               ),
             ),
           )
-        : hint("None. The preview's assumptions hold everywhere on this sheet."),
+        : hint(isPreview ? "None. The preview's assumptions hold everywhere on this sheet." : "None."),
     ]);
   }
 
@@ -105,7 +111,7 @@ export function shapePanel(studio, page) {
       return;
     }
     const isOld = Boolean(store.get("comparison")?.isOld);
-    refresh(ended, [result, isOld, Boolean(store.get("document"))], () => [
+    refresh(ended, [result, isOld, isOldShape(), Boolean(store.get("document"))], () => [
       section("Exact model"),
       ...verdict(result, isOld),
     ]);
@@ -130,6 +136,7 @@ export function shapePanel(studio, page) {
       ];
     }
     const s = result.summary;
+    if (!Number.isFinite(s.rms_percent)) return exactAlone(s, isOldShape());
     const [exact, preview] = s.heights_mm ?? [];
     const rows = [
       ["Distance, root mean square", mm((s.rms_percent / 100) * s.diameter_mm, 2)],
@@ -177,6 +184,28 @@ export function shapePanel(studio, page) {
             ),
           )
         : null,
+    ];
+  }
+
+  const isOldShape = () => store.get("frame")?.stage !== "exact";
+
+  /** The result of a pattern without a preview. */
+  function exactAlone(s, isOld) {
+    const rows = [
+      ["Height", mm(s.height_mm)],
+      ["Size", size(s.extent_mm)],
+      ["Mesh error", Number.isFinite(s.mesh_error_percent) ? percent(s.mesh_error_percent) : "–"],
+      ["Computed in", seconds(s.wall_s)],
+    ].filter(([, value]) => !value.startsWith("–"));
+    return [
+      h("p", { testid: "verdict" }, s.is_minimum ? "A certified minimum of the exact model." : "No certified minimum: see the warnings."),
+      isOld ? hint("The design has changed since.") : null,
+      h(
+        "dl",
+        { class: "figures", testid: "verified" },
+        rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+      ),
+      button({ icon: "verify", text: "Compute again", onclick: actions.verify }),
     ];
   }
 
@@ -285,7 +314,7 @@ export function shapePanel(studio, page) {
   }
 
   on(["state", "frame", "document"], () => (update(), kept()));
-  on(["jobs", "results", "document", "comparison"], verification);
+  on(["jobs", "results", "document", "comparison", "frame"], verification);
   update();
   verification();
   kept();

@@ -34,8 +34,12 @@ export function buildStatus(element, { store, actions }) {
     error.title = `${trust(expected).words}. Root mean square distance to the exact shape, in percent of the diameter.`;
     replace(height, "Height ", h("b", {}, isDrawn ? mm(numbers.height_mm ?? frame.height_mm) : "–"));
     replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
-    const printed = store.get("sheet")?.printed.length;
-    replace(stars, printed === undefined ? "No sheet" : plural(printed, "star"));
+    const sheet = store.get("sheet");
+    const counts = [
+      ...(sheet?.printed.length || !sheet?.rods.length ? [plural(sheet?.printed.length ?? 0, "star")] : []),
+      ...(sheet?.rods.length ? [plural(sheet.rods.length, "rod")] : []),
+    ];
+    replace(stars, sheet ? counts.join(", ") : "No sheet");
     const running = jobText(store.get("jobs"));
     job.hidden = !running;
     if (running) replace(job, h("i", { class: "dot busy", "aria-hidden": "true" }), running);
@@ -86,5 +90,6 @@ function engineText(store) {
   if (engine === "starting") return ["Engine starts", "busy"];
   if (engine === "computing") return ["Computing", "busy"];
   if (engine === "failed") return ["Engine restarts", "bad"];
-  return [stage === "linear" ? "First estimate" : "In equilibrium", ""];
+  if (store.get("state").problem?.kind === "no preview") return ["Shown as printed", ""];
+  return [{ linear: "First estimate", exact: "Exact shape" }[stage] ?? "In equilibrium", ""];
 }

@@ -154,8 +154,16 @@ export function buildTools(element, { store, tools, actions }) {
     ),
   );
   element.append(group, h("span", { class: "gap" }), ...more);
-  const update = () =>
-    buttons.forEach((one) => one.setAttribute("aria-checked", String(one.dataset.tool === store.get("tool"))));
-  store.on(["tool"], update);
+  const [table] = more;
+  const update = () => {
+    const isOfRods = Boolean(store.get("sheet")?.isOfRods);
+    if (isOfRods && tools[store.get("tool")].needsStars) return actions.choose("gradient");
+    for (const one of buttons) {
+      one.setAttribute("aria-checked", String(one.dataset.tool === store.get("tool")));
+      one.hidden = isOfRods && Boolean(tools[one.dataset.tool].needsStars);
+    }
+    table.hidden = isOfRods;
+  };
+  store.on(["tool", "sheet"], update);
   update();
 }

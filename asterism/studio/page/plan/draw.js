@@ -1,4 +1,4 @@
-// Draws the plan: paper, millimetre grid, printable area, stars to scale, supports, selection, scale bar.
+// Draws the plan: paper, millimetre grid, printable area, stars and rods to scale, supports, selection, scale bar.
 
 import { ramp, rampDomain } from "../view/colours.js";
 import { QUANTITIES, fixed } from "../format.js";
@@ -18,6 +18,7 @@ export function drawPlan(context, plan) {
   if (store.get("printArea") && sheet.printer) drawPrintArea(paint);
   drawPaper(paint);
   drawWeights(paint);
+  drawRods(paint);
   drawStars(paint);
   drawSupports(paint);
   plan.tool?.draw?.(context, plan, colour);
@@ -27,18 +28,27 @@ export function drawPlan(context, plan) {
   drawHatchLegend(paint);
 }
 
+/** The outline and the edges of the holes, as one path. */
+function sheetPath(paint) {
+  polyline(paint.context, paint.plan, paint.sheet.outline, true);
+  for (const hole of paint.sheet.holes) {
+    hole.forEach((point, k) => paint.context[k ? "lineTo" : "moveTo"](...paint.plan.toScreen(point)));
+    paint.context.closePath();
+  }
+}
+
 function drawPaper(paint) {
-  const { context, sheet, store, colour } = paint;
-  polyline(context, paint.plan, sheet.outline, true);
+  const { context, store, colour } = paint;
+  sheetPath(paint);
   context.fillStyle = colour("paper");
-  context.fill();
+  context.fill("evenodd");
   if (store.get("grid")) {
     context.save();
-    context.clip();
+    context.clip("evenodd");
     drawGrid(paint);
     context.restore();
   }
-  polyline(context, paint.plan, sheet.outline, true);
+  sheetPath(paint);
   context.lineWidth = 1.5;
   context.strokeStyle = colour("ink");
   context.lineJoin = "round";
@@ -80,7 +90,7 @@ function drawStars(paint) {
   const { context, plan, sheet, store, colour } = paint;
   const quantity = store.get("planColour");
   const entry = QUANTITIES[quantity];
-  const domain = entry && rampDomain(sheet.printed.map((star) => star.sizes[entry.column]));
+  const domain = entry && rampDomain(sheet.values(quantity));
   const ink = colour("ink");
   context.lineCap = "round";
   for (const star of sheet.stars) {
@@ -100,6 +110,29 @@ function drawStars(paint) {
     }
     context.stroke();
     context.globalAlpha = 1;
+  }
+}
+
+/** Drawn rods to scale, piece by piece where their sections change. */
+function drawRods(paint) {
+  const { context, plan, sheet, store, colour } = paint;
+  const quantity = store.get("planColour");
+  const key = sheet.rods.length && quantity in QUANTITIES && quantity !== "length" && QUANTITIES[quantity].key;
+  const domain = key && rampDomain(sheet.values(quantity));
+  context.lineCap = context.lineJoin = "round";
+  for (const { points_mm: points, thickness_mm: thickness, width_mm: width } of sheet.rods) {
+    const places = points.map((point) => plan.toScreen(point));
+    const isEven = [thickness, width].every((values) => values.every((value) => value === values[0]));
+    for (let from = 0; from < points.length - 1; from += isEven ? points.length : 1) {
+      const shown = isEven ? places : places.slice(from, from + 2);
+      const mean = (values) => (isEven ? values[0] : (values[from] + values[from + 1]) / 2);
+      const value = key && mean(key === "width_mm" ? width : thickness);
+      context.strokeStyle = key ? sizeColour((value - domain[0]) / (domain[1] - domain[0])) : colour("ink");
+      context.lineWidth = Math.max(1, mean(width) * plan.scale);
+      context.beginPath();
+      shown.forEach((place, k) => context[k ? "lineTo" : "moveTo"](...place));
+      context.stroke();
+    }
   }
 }
 
@@ -218,12 +251,13 @@ function drawScaleBar(paint) {
   label(paint, `${Number(length.toPrecision(2))} mm`, [x, y - 10], "left", "muted");
 }
 
-/** The colours of the stars' sizes, from the least to the largest. */
+/** The colours of the sizes of stars and rods, from the least to the largest. */
 function drawSizeLegend(paint) {
   const { context, plan, sheet, store } = paint;
   const entry = QUANTITIES[store.get("planColour")];
-  if (!entry) return;
-  const [low, high] = rampDomain(sheet.printed.map((star) => star.sizes[entry.column]));
+  const values = entry ? sheet.values(store.get("planColour")) : [];
+  if (!values.length) return;
+  const [low, high] = rampDomain(values);
   const [x, y] = [16, plan.canvas.clientHeight - 70];
   for (let k = 0; k < 96; k++) {
     context.fillStyle = sizeColour(k / 95);

@@ -2,6 +2,7 @@
 
 import { distance, roundPoint, round } from "../../geometry.js";
 import { QUANTITIES, fixed } from "../../format.js";
+import { patternOf } from "../../sheet.js";
 import { circle, polyline } from "./common.js";
 import { label } from "../draw.js";
 
@@ -25,7 +26,7 @@ export class GradientTool {
   /** Takes the profile that the design has. */
   read() {
     const sheet = this.store.get("sheet");
-    const profile = sheet?.design.stars?.[QUANTITIES[this.settings.quantity].key];
+    const profile = sheet?.design[patternOf(sheet.design)]?.[QUANTITIES[this.settings.quantity].key];
     this.#line = this.#begun = null;
     if (profile?.profile === "radial") {
       const centre = profile.centre_mm ?? [0, 0];
@@ -160,7 +161,7 @@ export class GradientTool {
 
 /** Changes that give a quantity a new profile or number. A length in parts of the spacing is replaced. */
 export function sizeChanges(design, quantity, value) {
-  const changes = { [`stars.${QUANTITIES[quantity].key}`]: value };
+  const changes = { [`${patternOf(design)}.${QUANTITIES[quantity].key}`]: value };
   if (quantity === "length" && design.stars?.length_fraction !== undefined) changes["stars.length_fraction"] = null;
   return changes;
 }

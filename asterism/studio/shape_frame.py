@@ -11,14 +11,15 @@ from asterism.draw.ribbons import ribbons
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.ribbon_stations import ribbon_stations
 from asterism.studio.sheet_marks import SheetMarks
-from asterism.studio.sheet_view import mesh_message
+from asterism.studio.shown_mesh import mesh_message
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, vertex_normals
 
 
-def shape_messages(shape: Shape) -> tuple[ShownMesh, Frame]:
-    """The mesh of a shape and its frame; a free sheet stands as its `aligned()` copy, on the ground.
+def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") -> tuple[ShownMesh, Frame]:
+    """The mesh of a shape under a number, and its frame; a free sheet stands as its `aligned()` copy, on the ground.
 
     Shapes from files without a design have no needles and no strains.
     """
@@ -28,19 +29,19 @@ def shape_messages(shape: Shape) -> tuple[ShownMesh, Frame]:
     positions, layout, small = shape.positions, shape.layout, np.float32
     normals = vertex_normals(positions, shape.triangles)
     arms, arm_normals = _rod_ribbons(shape)
-    needles, strain, arm_site = np.empty((0, 2, 3)), np.empty(0), np.zeros(len(arms), dtype=np.int64)
+    needles, strain = np.empty((0, 2, 3)), np.empty(0)
+    arm_site: Ints = np.zeros(len(arms), dtype=np.int64)
     if layout is not None:
         marks = SheetMarks(shape.printed, shape.triangles)
-        if len(layout.arm_star):  # not of drawn rods
-            arms, arm_normals = marks.ribbons(layout, positions, normals)
-            arm_site = layout.star_number[layout.arm_star]
+        arms, arm_normals = marks.ribbons(layout, positions, normals)
+        arm_site = ribbon_stations(layout).site
         needles = marks.needles(layout, positions)
         strain = _area_strain(shape)
     curvature = shape.point_fields.get("mean_curvature_per_mm", np.empty(0))
     frame = Frame(
         seq=0,
-        mesh=1,
-        stage="equilibrium",
+        mesh=number,
+        stage=stage,
         positions=positions.astype(small),
         normals=normals.astype(small),
         curvature=_without_gaps(np.asarray(curvature, dtype=float), shape.triangles).astype(small),
@@ -51,7 +52,7 @@ def shape_messages(shape: Shape) -> tuple[ShownMesh, Frame]:
         is_minimum=bool(shape.summary.get("is_minimum", False)),
         height_mm=float(np.ptp(positions[:, 2])),
     )
-    return mesh_message(1, shape.printed, shape.triangles, arm_site, is_fine=True), frame
+    return mesh_message(number, shape.printed, shape.triangles, arm_site, is_fine=True), frame
 
 
 def _rod_ribbons(shape: Shape) -> tuple[Floats, Floats]:

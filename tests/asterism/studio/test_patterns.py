@@ -1,0 +1,99 @@
+"""Patterns of drawn rods in the studio: plan, ribbons, and the exact shape where there is no preview."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.studio.document import Document
+from asterism.studio.job_messages import Computed
+from asterism.studio.messages import NO_PREVIEW, Edit, ShownMesh
+from asterism.studio.page_data import document_data
+from asterism.studio.ribbon_stations import NO_SITE, ribbon_stations
+from asterism.studio.verifier import run_verification
+from pattern.design.design import Design
+from pattern.layout.print_layout import print_layout
+from tests.asterism.studio.engine_pipe import EnginePipe
+from tests.asterism.studio.test_verifier import Sent
+
+CROSS = """# two lines
+[rods]
+thickness_mm = 0.4  # of both
+[[rods.draw]]
+line_mm = [[-14.0, 0.0], [14.0, 0.0]]
+[[rods.draw]]
+line_mm = [[0.0, -9.0], [0.0, 9.0]]
+width_mm = 2.0
+
+[border]
+rectangle_mm = [30.0, 20.0]
+holes = [{ circle_mm = { centre = [7.0, 5.0], radius = 2.0 } }]
+
+[mesh]
+edge_mm = 4.0
+"""
+
+
+@pytest.fixture
+def cross(tmp_path: Path) -> Document:
+    (tmp_path / "cross.toml").write_text(CROSS, encoding="utf-8")
+    return Document.open(tmp_path / "cross.toml")
+
+
+def test_the_plan_has_rods_and_holes_and_no_stars(cross: Document) -> None:
+    plan = document_data(cross, "ultimaker2", None)["plan"]
+    assert plan["sites"] == [] and len(plan["holes_mm"]) == 1
+    widths = sorted(rod["width_mm"][0] for rod in plan["rods"])
+    assert widths == [1.2, 1.2, 2.0, 2.0]  # the lines are cut at their crossing
+    assert {rod["thickness_mm"][0] for rod in plan["rods"]} == {0.4}
+
+
+def test_sizes_change_in_one_step_and_the_text_keeps_the_rest(cross: Document) -> None:
+    cross.change({"rods.thickness_mm": 0.5})
+    cross.end_gesture()
+    assert cross.layout.drawn_rods[0].thickness[0] == 0.5
+    cross.save()
+    text = cross.path.read_text(encoding="utf-8")
+    assert "thickness_mm = 0.5\n" in text and text.startswith("# two lines\n")
+    assert text.endswith(CROSS[CROSS.index("[mesh]") :])
+    cross.undo()
+    assert cross.text == CROSS
+
+
+def test_ribbons_follow_curves_and_taper(tmp_path: Path) -> None:
+    table = {
+        "rods": {"draw": [{"circle_mm": {"radius": 10.0}}], "width_mm": {"formula": "1.5 + 0.02*x"}},
+        "border": {"rectangle_mm": (24, 24)},
+    }
+    sheet = print_layout(Design.from_dict(table))
+    stations = ribbon_stations(sheet)
+    assert (stations.site == NO_SITE).all() and len(stations.site) == 13  # of 5 mm at most
+    assert np.linalg.norm(stations.points, axis=-1) == pytest.approx(np.full(stations.width.shape, 10.0), abs=0.01)
+    assert stations.width == pytest.approx(1.5 + 0.02 * stations.points[..., 0], abs=2e-3)
+
+
+def test_a_pattern_without_a_preview_is_shown_as_printed_with_the_reason(engine: EnginePipe, cross: Document) -> None:
+    empty: dict[str, Any] = {"sites": np.empty((0, 2)), "sizes_mm": np.empty((0, 3)), "removed": np.empty((0, 2))}
+    engine.send(Edit(1, cross.table, **empty))
+    frame, problem = engine.frame(1), engine.problem(1)
+    (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
+    assert frame.positions[:, :2] == pytest.approx(mesh.printed) and not frame.positions[:, 2].any()
+    assert frame.arms[..., 2].min() == pytest.approx(0.4) and len(frame.arms) == len(mesh.arm_site)
+    assert problem.kind == NO_PREVIEW and "asterism simulate" in problem.text
+    engine.send(Edit(2, {**cross.table, "border": {"rectangle_mm": [32.0, 20.0]}}, **empty))
+    assert np.ptp(engine.frame(2).positions[:, 0]) == pytest.approx(32.0)
+
+
+@pytest.mark.slow
+def test_instead_of_a_verification_comes_the_exact_shape(tmp_path: Path, cross: Document) -> None:
+    pipe = Sent()
+    run_verification(pipe, 3, cross.table, ".", str(tmp_path / "out"))  # type: ignore[arg-type]
+    result = pipe.messages[-1]
+    assert isinstance(result, Computed) and result.frame.stage == "exact" and result.frame.is_minimum
+    assert result.mesh.mesh == result.frame.mesh == -3 and len(result.frame.arms) == len(result.mesh.arm_site)
+    assert result.frame.height_mm > 1.0 and result.summary["is_minimum"]
+    assert result.shown.numbers["extent_mm"] == result.summary["extent_mm"]
+    assert all(Path(name).is_file() and Path(name).parent.name == "out-exact" for name in result.files)
