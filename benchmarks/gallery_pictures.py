@@ -1,9 +1,9 @@
-"""The small pictures of the gallery that the studio shows on its first page.
+"""The small pictures of the gallery and the drawn patterns that the studio shows on its first page.
 
 python -m benchmarks.gallery_pictures [NAME ...]    (with names: these only)
 
 Each picture is the preview of a design in perspective, on a transparent ground, so that it stands on light and dark
-pages. A design without a preview, because its law is another one, is computed with the exact model.
+pages. A design without a preview, such as a drawing, is computed with the exact model.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from equilibrium.arrays import Floats
 from homogenize.errors import LawError
 from homogenize.law.law_file import load_law
 from pattern import gallery
+from pattern.design.errors import DesignError
 
 PICTURES = Path(__file__).parent.parent / "asterism" / "studio" / "gallery"
 # size of a picture: twice the size at which the page shows it, for fine screens
@@ -34,11 +35,11 @@ GALLERY_PICTURE_COLOURS = 255
 
 def main(names: list[str]) -> None:
     law = load_law()
-    for name in names or gallery.names():
+    for name in names or [*gallery.names(), *gallery.pattern_names()]:
         design = gallery.load(name)
         try:
             shape = preview(design, law)
-        except LawError:
+        except (LawError, DesignError):
             shape = exact_shape(design)
         content = small_picture(shape)
         write_file(PICTURES / f"{name}.png", content)

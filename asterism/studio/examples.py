@@ -12,7 +12,7 @@ import numpy as np
 
 from asterism.studio.autosave import AUTOSAVE_SUFFIX, autosave_path
 from pattern import gallery
-from pattern.layout.build import layout
+from pattern.layout.print_layout import print_layout
 
 PICTURES = Path(__file__).parent / "gallery"
 NEW_SHEET = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}
@@ -21,16 +21,17 @@ MAX_FILES = 50
 
 @cache
 def gallery_entries() -> tuple[dict[str, Any], ...]:
-    """Name, title, number of stars and printed size (mm) of each design of the gallery."""
+    """Name, title, numbers of stars and rods, and printed size (mm) of each design of the gallery and each pattern."""
     entries = []
-    for name in gallery.names():
-        sheet = layout(gallery.load(name))
+    for name in (*gallery.names(), *gallery.pattern_names()):
+        sheet = print_layout(gallery.load(name))
         size = np.ptp(sheet.outline, axis=0)
         entries.append(
             {
                 "name": name,
                 "title": _title(gallery.path(name).read_text(encoding="utf-8")),
                 "stars": len(sheet.centres),
+                "rods": len(sheet.drawn_rods),
                 "size_mm": [round(float(side), 1) for side in size],
                 "has_picture": (PICTURES / f"{name}.png").is_file(),
             }

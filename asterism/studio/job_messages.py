@@ -8,6 +8,9 @@ from typing import Any
 from asterism.studio.messages import Frame, ShapeSummary, ShownMesh
 from equilibrium.arrays import Array
 
+# end of the name of a verification's directory
+VERIFIED = "-verified"
+
 
 @dataclass(frozen=True)
 class JobProgress:

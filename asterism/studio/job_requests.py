@@ -9,7 +9,7 @@ from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
-from asterism.studio.job_messages import Computed, Fitted, JobProgress, Verified, Written
+from asterism.studio.job_messages import VERIFIED, Computed, Fitted, JobProgress, Verified, Written
 from asterism.studio.jobs import Jobs, RunningJob
 from asterism.studio.messages import StudioProblem
 from asterism.studio.page_data import engine_problem_data, failure_data
@@ -69,7 +69,7 @@ class JobRequests:
         place = document.path.parent
         match request:
             case ask.Verify():
-                out = str(place / f"{stem}-verified")
+                out = str(place / f"{stem}{VERIFIED}")
                 started = self._jobs.start("verify", document.revision, VERIFICATION_PROCESS, table, folder, out)
             case ask.FitRequest():
                 target = self._studio.parts.target

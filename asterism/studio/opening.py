@@ -23,7 +23,7 @@ def opened(folder: Path, request: ask.Open | ask.New) -> Document:
     if isinstance(request, ask.New):
         return Document(NEW_SHEET, free_name(folder, "sheet"))
     if request.gallery is not None:
-        if request.gallery not in gallery.names():
+        if request.gallery not in (*gallery.names(), *gallery.pattern_names()):
             raise ask.RequestError(f"{request.gallery!r} is not in the gallery")
         return Document.copy_of(gallery.path(request.gallery), free_name(folder, request.gallery))
     path = design_path(folder, request.name or "")

@@ -17,7 +17,7 @@ from asterism.reports.verification_files import write_verification
 from asterism.reports.write_results import write_results
 from asterism.results.output_check import check_writable
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.job_messages import Computed, JobProgress, Verified
+from asterism.studio.job_messages import VERIFIED, Computed, JobProgress, Verified
 from asterism.studio.rest_summary import exact_summary
 from asterism.studio.shape_frame import shape_messages
 from asterism.studio.shown_mesh import mesh_message
@@ -58,7 +58,7 @@ def run_verification(connection: Connection, job: int, table: dict[str, Any], fo
     job : number of the job.
     table : of the design file.
     folder : of the design file, for pictures.
-    out : directory of the results; those of a pattern without a preview go into `out`-exact.
+    out : directory of the results. Those of a pattern without a preview go beside it: `-exact` replaces `VERIFIED`.
     """
     progress = ProgressSender(connection, job)
     design: Design | None = None
@@ -71,7 +71,7 @@ def run_verification(connection: Connection, job: int, table: dict[str, Any], fo
         except (DesignError, LawError):
             if design.rods is None:
                 raise
-            connection.send(_computed(job, design, f"{out}-exact", progress))
+            connection.send(_computed(job, design, f"{out.removesuffix(VERIFIED)}-exact", progress))
             return
         progress("report", 0, 1)
         files = write_verification(verification, out)

@@ -48,7 +48,7 @@ export function buildStart(element, { store, connection, actions }) {
         "div",
         { class: "about" },
         h("strong", { title: design.title }, titled(design.name)),
-        h("span", {}, `${plural(design.stars, "star")}${design.size_mm ? `, ${size(design.size_mm)}` : ""}`),
+        h("span", {}, `${design.rods ? plural(design.rods, "rod") : plural(design.stars, "star")}${design.size_mm ? `, ${size(design.size_mm)}` : ""}`),
       ),
     );
   }
@@ -83,7 +83,7 @@ export function buildStart(element, { store, connection, actions }) {
             h(
               "p",
               { class: "lead" },
-              "Stars of plastic printed on stretched fabric make it rise when it is released. Start from a sheet that works, or from an even one; everything can be changed.",
+              "Plastic printed on stretched fabric, as stars or as other lines, makes it rise when it is released. Start from a sheet that works, or from an even one; everything can be changed.",
             ),
           ),
           h(
@@ -125,8 +125,10 @@ export function buildStart(element, { store, connection, actions }) {
             .sort((a, b) => FIRST.indexOf(a.name) - FIRST.indexOf(b.name))
             .map(card),
         ),
+        h("h2", { class: "section" }, "Other patterns"),
+        h("div", { class: "cards" }, designs.filter(({ rods }) => rods).map(card)),
         h("h2", { class: "section" }, "Studies of one size"),
-        h("div", { class: "cards" }, designs.filter(({ name }) => !FIRST.includes(name)).map(card)),
+        h("div", { class: "cards" }, designs.filter(({ name, rods }) => !rods && !FIRST.includes(name)).map(card)),
       ),
     );
   }
