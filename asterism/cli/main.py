@@ -13,6 +13,7 @@ import sys
 
 from asterism.cli.common.stop import stop
 from asterism.process import interruption
+from asterism.process.collection import late_collection
 
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -32,7 +33,8 @@ def main() -> None:
     try:
         interruption.listen()
         _print_all_names()
-        status = _run()
+        with late_collection():
+            status = _run()
     except KeyboardInterrupt:
         status = 130
     except Exception:

@@ -27,7 +27,6 @@ def distance_map(comparison: Comparison) -> bytes:
     width, height = np.ptp(layout.outline, axis=0)
     # the height follows the sheet, so that the colour bar is not much higher than the sheet
     figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots()
     percent = 100.0 * comparison.distance_mm / comparison.diameter_mm
     over = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
@@ -47,7 +46,6 @@ def profiles(comparison: Comparison) -> bytes:
     tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
     # flat cuts have a low picture
     figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
     for axes, (name, pair) in zip(figure.subplots(1, 2), curves.items(), strict=True):
         for curve, colour, label in zip(pair, (BLUE, ORANGE), ("exact", "preview"), strict=True):
             axes.plot(*curve.T, color=colour, label=label, linewidth=1.6)
@@ -108,7 +106,7 @@ def _plane(curve: Floats) -> Floats:
 
 
 def png_of(figure: Figure) -> bytes:
-    """PNG of a figure."""
+    """PNG of a figure. In contrast to `Figure.savefig`, the canvas draws and lays out the figure once."""
     out = BytesIO()
-    figure.savefig(out, format="png")
+    FigureCanvasAgg(figure).print_png(out)  # type: ignore[no-untyped-call]
     return out.getvalue()

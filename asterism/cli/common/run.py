@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 import typer
 
 from asterism.cli.common.progress import Progress
+from asterism.process.collection import libraries_are_loaded
 
 if TYPE_CHECKING:
     from asterism.exact.cost import Cost
@@ -66,6 +67,7 @@ class Run:
         from asterism.cli.common.compile_ahead import compiling_ahead
         from asterism.process.compiling import announce_compiling
 
+        libraries_are_loaded()
         with compiling_ahead(compile_ahead), announce_compiling(self.say):
             try:
                 yield
@@ -75,6 +77,7 @@ class Run:
     def hand_over(self) -> TextIO:
         """The stream of progress, for a computation that shows its progress itself."""
         self.progress.end()
+        libraries_are_loaded()
         return self.stream
 
     def cost(self, cost: Cost) -> None:
