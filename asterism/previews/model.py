@@ -217,29 +217,15 @@ class PreviewModel:
         "origin unknown", "test cells of the law: its error at best",
     )  # fmt: skip
     # near-zero modes: search/near_zero_modes.py
-    second_amplitude_free_percent: float = _fitted(
-        20.0, "% of diameter", "second amplitude from which a free sheet likely has another form", ERROR_DESIGNS, CHOSEN
-    )
-    second_amplitude_supported_percent: float = _fitted(
-        13.0, "% of diameter", "the same of a supported sheet", ERROR_DESIGNS, CHOSEN
+    second_amplitude_percent: float = _fitted(
+        20.0, "% of diameter", "second amplitude from which a sheet likely has another form", ERROR_DESIGNS, CHOSEN
     )
     # estimated error of the distance: uncertainty/distance_error.py
     floor_percent: float = _fitted(0.3, "% of diameter", "error of a stiff sheet", ERROR_DESIGNS, ERRORS)
     amplitude_share: float = _fitted(
-        0.06, "-", "share of the amplitudes of the near-zero modes",
+        0.08, "-", "share of the amplitudes of the near-zero modes, and of the sensitivity of unequal stars",
         "the 174 designs of accuracy.expectation and accuracy.held", AMPLITUDE_SHARE,
     )  # fmt: skip
-    other_form_percent: float = _fitted(5.0, "% of diameter", "error if another form is likely", ERROR_DESIGNS, CHOSEN)
-    other_form_sharpness: float = _unknown(8.0, "-", "exponent with which the second amplitude makes it likely")
-    size_strain_share: float = _fitted(
-        0.1, "-", "strain error over the relative deviation from the mean size", "random-608, random-621", CHOSEN
-    )
-    buckling_percent: float = _fitted(2.5, "% of diameter", "error if the sheet buckles", "40 unlike designs", CHOSEN)
-    buckling_ratio_start: float = _fitted(
-        0.93, "-", "supported size over natural size below which a sheet may buckle",
-        "40 unlike designs", CHOSEN,
-    )  # fmt: skip
-    buckling_ratio_full: float = _fitted(0.87, "-", "the same, if it surely buckles", "40 unlike designs", CHOSEN)
     energy_uncertainty: float = _fitted(
         0.1, "-", "standard deviation of the law's energies over the energy at stake", ERROR_DESIGNS, CHOSEN
     )
@@ -247,7 +233,6 @@ class PreviewModel:
     height_softness_share: float = _fitted(
         0.5, "-", "share of the amplitudes in the height over that in the distance", ERROR_DESIGNS, ERRORS
     )
-    height_share: float = _fitted(0.02, "-", "error of the law over the height", ERROR_DESIGNS, ERRORS)
     # stars that may be inverted: inverted_stars.py
     inverted_min_arm: float = _unknown(0.5, "spacing", "stars with longer arms may be inverted")
 

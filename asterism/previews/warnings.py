@@ -137,7 +137,7 @@ def _about_the_form(state: StarState, estimate: ErrorEstimate) -> Iterator[str]:
         buckles = "the pins hold the sheet narrower than its natural size, so that it may buckle into several forms"
         if is_edit:
             yield f"{buckles}; start a new preview to search for forms of lower energy"
-        elif estimate.buckling == 1.0 or any(form.gap < MAX_BUCKLED_GAP for form in estimate.other_forms):
+        elif any(form.gap < MAX_BUCKLED_GAP for form in estimate.other_forms):
             yield f"{buckles} of similar energy; the exact model may take another form"
     elif is_edit and not state.is_supported:
         yield "the edit kept the form of the sheet before it; start a new preview to search for forms of lower energy"

@@ -18,7 +18,6 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
-from asterism.previews.model import PREVIEW_MODEL
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
@@ -81,7 +80,6 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     row = (whole_row if starts else quick_row)(design, folder, law)
     known = causes(design, law) | {"softness": released.summary["smallest_eigenvalue"]}
     row |= {
-        "share": PREVIEW_MODEL.amplitude_share,
         "stars": released.summary["stars_total"],
         "causes": known,
         "made_by": made_by,

@@ -4,9 +4,9 @@ python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
 The numbers of the estimate in `asterism/previews/model.py` belong to the study, 24 further designs and small even
 sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn, ribbons,
-and designs of other outlines and pins, which no number was ever fitted to. CONTRAST was set by two of forty that were
-drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in use: after a change of
-those, once more with --kept gives it.
+and designs of other outlines and pins, which no number was ever fitted to. Forty more were drawn later, and fifty after
+that. The share of the softness in the heights belongs to the share of the amplitudes in use: after a change of that,
+once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there: designs without a finished comparison are left out, and
 the text names them. As in the study, the exact model starts from the released sheet and from the preview, and the lower
 minimum counts. Supported sheets are compared as held.
@@ -26,7 +26,6 @@ from scipy.optimize import minimize
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.previews.search.near_zero_modes import has_two_near_zero_modes
-from asterism.previews.uncertainty.distance_error import unequal_stars_percent
 from asterism.verification.numbers import MAX_LIKE_DISTANCE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
@@ -44,7 +43,7 @@ from pattern.design.design import Design
 
 OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them
-LATER, LAST = range(600, 640), range(640, 690)  # seeds: two of the former set CONTRAST, the latter came after it
+LATER, LAST = range(600, 640), range(640, 690)  # seeds
 # columns of the study's table
 NAMES = [
     "design", "stars", "held", "rms %", "expected %", "same form", "height %", "expected height %", "warnings",
@@ -53,8 +52,8 @@ IN_USE = (PREVIEW_MODEL.floor_percent, PREVIEW_MODEL.amplitude_share)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
 NARROW = "ribbons, never fitted to"
-FORTY, FIFTY = "forty more, two of which set the part of unequal stars", "fifty drawn after that"
-OTHERWISE = "other outlines and pins, fitted to only where narrow"
+FORTY, FIFTY = "forty more", "fifty drawn after that"
+OTHERWISE = "other outlines and pins"
 
 Row = dict[str, Any]
 
@@ -97,9 +96,8 @@ def _rows(chosen: Sequence[Design], folder: Path, law: Law, as_is: bool, left_ou
                 print(f"{design.name}: the exact model has found no certain shape", flush=True)
                 continue
         entry = kept(design, folder, law, starts=False, as_is=as_is)
-        amplitude = float(np.linalg.norm(entry["preview"]["soft_amplitudes_percent"]))
-        unequal = unequal_stars_percent(entry["preview"]["contrast_percent"])
-        rows.append(entry | {"amplitude": amplitude, "unequal": unequal})
+        shown = entry["preview"]
+        rows.append(entry | {"amplitude": math.hypot(*shown["soft_amplitudes_percent"], shown["contrast_percent"])})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
@@ -170,11 +168,11 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     From designs within 10 % of the exact shape that are not soft in two ways.
     """
     some = [entry for entry in rows if entry["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and not _two_ways(entry)]
-    size, unequal = (np.array([entry[name] for entry in some]) for name in ("amplitude", "unequal"))
+    size = np.array([entry["amplitude"] for entry in some])
     distance = np.log([entry["rms_percent"] for entry in some])
 
     def off(w: np.ndarray) -> np.ndarray:
-        return np.asarray(distance - np.log(np.hypot(np.hypot(w[0], w[1] * size), unequal)))
+        return np.asarray(distance - np.log(np.hypot(w[0], w[1] * size)))
 
     best = minimize(lambda w: float((off(w) ** 2).sum()), IN_USE, method="Nelder-Mead").x
     return tuple(float(x) for x in np.abs(best) * np.exp(off(best).var()))
@@ -189,11 +187,11 @@ def _again(entry: Row, fit: tuple[float, ...]) -> float | None:
 
 
 def _near(entry: Row, fit: tuple[float, ...]) -> float:
-    return math.hypot(fit[0], fit[1] * entry["amplitude"], entry["unequal"])
+    return math.hypot(fit[0], fit[1] * entry["amplitude"])
 
 
 def _two_ways(entry: Row) -> bool:
-    return has_two_near_zero_modes(entry["preview"]["soft_amplitudes_percent"], bool(entry["design"].get("pins")))
+    return has_two_near_zero_modes(entry["preview"]["soft_amplitudes_percent"])
 
 
 def _goodness(rows: Sequence[Row]) -> list[str]:

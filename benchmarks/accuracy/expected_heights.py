@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import minimize_scalar
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.verification.numbers import MAX_LIKE_DISTANCE_PERCENT
@@ -15,8 +16,9 @@ from benchmarks.report import markdown
 
 Row = dict[str, Any]
 
-IN_USE = (PREVIEW_MODEL.height_softness_share, PREVIEW_MODEL.height_share)
-NAMES = ["share of the softness", "share of the height"]
+IN_USE = PREVIEW_MODEL.height_softness_share
+MAX_SHARE = 10.0  # of the softness, in the fit
+NAMES = ["share of the softness"]
 HEADER = [
     "", "designs", "error over expected, median", "nine in ten", "more than twice that", "more than 6 % off",
     "of these expected", "or another form warned of", "within 6 %",
@@ -32,30 +34,28 @@ def section(groups: dict[str, Sequence[Row]], unseen: Sequence[Row], others: dic
     again = [one | {"expected_height_percent": expected(one, fit)} for one, fit in zip(known, fits, strict=True)]
     groups = groups | {PREDICTED: again, AFTERWARDS: unseen} | others
     lines = [[name, *goodness(rows)] for name, rows in groups.items()]
-    numbers = [["in use", *_three(IN_USE)], ["fitted", *_three(fitted(known))]]
-    ranges = zip(_three(np.min(fits, axis=0)), _three(np.max(fits, axis=0)), strict=True)
-    numbers.append(["fitted without one", *(f"{low} to {high}" for low, high in ranges)])
+    numbers = [["in use", f"{IN_USE:.3f}"], ["fitted", f"{fitted(known):.3f}"]]
+    numbers.append(["fitted without one", f"{min(fits):.3f} to {max(fits):.3f}"])
     return "\n\n".join([markdown(HEADER, lines), markdown(["", *NAMES], numbers)])
 
 
-def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
-    """The constants that make the errors of near forms likeliest, if each is normal with what is expected of it."""
+def fitted(rows: Sequence[Row]) -> float:
+    """The share that makes the errors of near forms likeliest, if each is normal with what is expected of it."""
     some = [one for one in rows if one["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT]
     parts = np.array([_parts(one) for one in some])
     error = np.array([np.subtract(*one["heights_mm"]) for one in some])
 
-    def unlikely(w: np.ndarray) -> float:
-        spread = np.linalg.norm(np.append(1.0, w) * parts, axis=1)
+    def unlikely(share: float) -> float:
+        spread = np.hypot(parts[:, 0], share * parts[:, 1])
         return float((np.log(spread) + 0.5 * (error / spread) ** 2).sum())
 
-    best = minimize(unlikely, IN_USE, method="Nelder-Mead", options={"maxiter": 4000, "maxfev": 4000}).x
-    return tuple(float(x) for x in np.abs(best))
+    return float(minimize_scalar(unlikely, bounds=(0.0, MAX_SHARE), method="bounded").x)
 
 
-def expected(one: Row, fit: Sequence[float]) -> float:
+def expected(one: Row, share: float) -> float:
     """% of the preview's height."""
-    height = one["preview"]["height_doubts_mm"]["height"]
-    return float(100.0 * np.linalg.norm(np.multiply([1.0, *fit], _parts(one))) / height)
+    height, (known, soft) = one["preview"]["height_doubts_mm"]["height"], _parts(one)
+    return float(100.0 * math.hypot(known, share * soft) / height)
 
 
 def goodness(rows: Sequence[Row]) -> list[str]:
@@ -72,11 +72,7 @@ def goodness(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def _parts(one: Row) -> list[float]:
-    """mm, the lowest point, which counts in full, and what each constant is a part of."""
-    doubts = one["preview"]["height_doubts_mm"]
-    return [doubts["lowest"], PREVIEW_MODEL.amplitude_share * doubts["softness"], doubts["height"]]
-
-
-def _three(numbers: Sequence[float]) -> list[str]:
-    return [f"{x:.3f}" for x in numbers]
+def _parts(one: Row) -> tuple[float, float]:
+    """mm, the lowest point with the floor, which count in full, and the softness, of which a share counts."""
+    doubts, floor = one["preview"]["height_doubts_mm"], 0.01 * PREVIEW_MODEL.floor_percent * one["diameter_mm"]
+    return math.hypot(doubts["lowest"], floor), PREVIEW_MODEL.amplitude_share * doubts["softness"]

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
@@ -60,7 +59,7 @@ def restated(row: Row, design: Design, law: Law) -> Row | None:
 def with_statements(row: Row, shown: Shape) -> Row:
     """The row with what a preview states of itself."""
     summary = {key: value for key, value in shown.summary.items() if key != "design"}
-    stated = {key: summary.get(key) for key in STATED} | {"share": PREVIEW_MODEL.amplitude_share}
+    stated = {key: summary.get(key) for key in STATED}
     return row | stated | {"preview": summary}
 
 

@@ -38,25 +38,17 @@ def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: 
     return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
 
 
-def second_amplitude_limit(is_supported: bool, model: PreviewModel = PREVIEW_MODEL) -> float:
-    """Second amplitude above which another form is likely, in % of the diameter.
-
-    In a supported sheet only edges and corners can move, so that its limit is smaller.
-    """
-    return model.second_amplitude_supported_percent if is_supported else model.second_amplitude_free_percent
-
-
-def has_two_near_zero_modes(amplitudes: Floats, is_supported: bool, model: PreviewModel = PREVIEW_MODEL) -> bool:
-    """Whether the second of the amplitudes (k,), in % of the diameter, is above its limit.
+def has_two_near_zero_modes(amplitudes: Floats, model: PreviewModel = PREVIEW_MODEL) -> bool:
+    """Whether the second of the amplitudes (k,), in % of the diameter, is above `second_amplitude_percent`.
 
     Examples
     --------
     The rotation of a tube's axis is one near-zero mode:
 
-    >>> has_two_near_zero_modes(np.array([80.0, 10.0]), is_supported=False)
+    >>> has_two_near_zero_modes(np.array([80.0, 10.0]))
     False
     """
-    return len(amplitudes) > 1 and bool(amplitudes[1] > second_amplitude_limit(is_supported, model))
+    return len(amplitudes) > 1 and bool(amplitudes[1] > model.second_amplitude_percent)
 
 
 def is_equilibrium_near_another(
@@ -65,4 +57,4 @@ def is_equilibrium_near_another(
     """Whether the equilibrium of a sheet with a diameter of about `size` mm has two near-zero modes."""
     area = float(shell.assembly.weights.sum())
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
-    return has_two_near_zero_modes(amplitudes, len(shell.fixed_points) > 0, model)
+    return has_two_near_zero_modes(amplitudes, model)

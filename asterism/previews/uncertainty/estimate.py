@@ -9,7 +9,7 @@ import numpy as np
 from asterism.previews.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.state import StarState
-from asterism.previews.uncertainty.distance_error import buckling_weight, distance_error_percent
+from asterism.previews.uncertainty.distance_error import distance_error_percent
 from asterism.previews.uncertainty.height_error import HeightDoubts, height_doubts, height_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from asterism.previews.uncertainty.strain_sensitivity import strain_sensitivity
@@ -40,7 +40,6 @@ class ErrorEstimate:
     other_forms : minima that are not the one shown, the lowest first.
     close_form : the one of these that the sheet may rest in as well.
     size_ratio : size that the supports allow over the natural size; inf for free sheets.
-    buckling : from 0 to 1, how likely the sheet buckles in one of several ways.
     has_two_near_zero_modes : another form is likely.
     energy_uncertainty : of the law, as a share of the energy.
     height_doubts : contributions to the error of the height; None without a certain height.
@@ -54,7 +53,6 @@ class ErrorEstimate:
     other_forms: tuple[OtherForm, ...]
     close_form: OtherForm | None
     size_ratio: float
-    buckling: float
     has_two_near_zero_modes: bool
     energy_uncertainty: float
     height_doubts: HeightDoubts | None
@@ -82,13 +80,11 @@ def estimate_error(state: StarState, shape: Shape, up: Floats, clock: Clock) -> 
     means = mean_fields(state.shell) if is_supported else None
     size_ratio = means.chord / means.stretch if means else np.inf
     others = other_forms(state, across)
-    tight_share = len(state.values.not_scale_separated) / len(layout.centres)
     sensitivity_percent = 100.0 * sensitivity / across
     distance, height = None, None
     if _is_within_experience(state):
-        terms = is_supported, tight_share, size_ratio, sensitivity_percent, model
-        distance = distance_error_percent(amplitudes, others, *terms)
-        height = height_error_percent(doubts, model) if doubts else None
+        distance = distance_error_percent(amplitudes, others, sensitivity_percent, model)
+        height = height_error_percent(doubts, across, model) if doubts else None
     return ErrorEstimate(
         distance_percent=distance,
         height_percent=height,
@@ -98,8 +94,7 @@ def estimate_error(state: StarState, shape: Shape, up: Floats, clock: Clock) -> 
         other_forms=tuple(others),
         close_form=close_form(others, model.energy_uncertainty),
         size_ratio=size_ratio,
-        buckling=buckling_weight(size_ratio, model),
-        has_two_near_zero_modes=has_two_near_zero_modes(amplitudes, is_supported, model),
+        has_two_near_zero_modes=has_two_near_zero_modes(amplitudes, model),
         energy_uncertainty=model.energy_uncertainty,
         height_doubts=doubts,
     )

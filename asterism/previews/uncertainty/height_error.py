@@ -8,9 +8,9 @@ contributions in mm:
 - **Softness.** The energy E at stake would part the highest from the lowest point by `sqrt(2 E c)`, c (mm/N) being the
   compliance against a pair of unit forces there. `height_softness_share` times the share of the amplitudes
   (`asterism.previews.uncertainty.distance_error`) of that counts.
-- **The law.** `height_share` of the height.
+- **The floor.** `floor_percent` of the diameter, as in the distance.
 
-`python -m benchmarks.accuracy.expectation` fits both shares, `python -m benchmarks.accuracy.amplitude_share` states
+`python -m benchmarks.accuracy.expectation` fits that share, `python -m benchmarks.accuracy.amplitude_share` states
 how many heights the estimate covers. Other forms are left out: a warning names them, and
 most are as high.
 """
@@ -46,22 +46,22 @@ class HeightDoubts:
     softness: float
 
 
-def height_error_percent(doubts: HeightDoubts, model: PreviewModel = PREVIEW_MODEL) -> float | None:
+def height_error_percent(doubts: HeightDoubts, diameter_mm: float, model: PreviewModel = PREVIEW_MODEL) -> float | None:
     """The estimated error in % of the height; None for a sheet without height.
 
     Over many designs the estimate is a root mean square: most previews are closer.
 
     Examples
     --------
-    >>> height_error_percent(HeightDoubts(height=20.0, lowest=0.0, softness=0.0))
-    2.0
+    >>> height_error_percent(HeightDoubts(height=20.0, lowest=0.0, softness=0.0), diameter_mm=100.0).__round__(2)
+    1.5
     """
     if doubts.height <= 0.0:
         return None
     contributions = (
         doubts.lowest,
         model.height_softness_share * model.amplitude_share * doubts.softness,
-        model.height_share * doubts.height,
+        0.01 * model.floor_percent * diameter_mm,
     )
     return 100.0 * math.hypot(*contributions) / doubts.height
 

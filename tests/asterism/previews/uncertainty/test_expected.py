@@ -14,9 +14,8 @@ from asterism.previews.uncertainty.distance_error import distance_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
 
 UNSURE, FLOOR = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.floor_percent
-SHARE, ANOTHER_FORM = PREVIEW_MODEL.amplitude_share, PREVIEW_MODEL.other_form_percent
+SHARE = PREVIEW_MODEL.amplitude_share
 WITHOUT_SHARE = replace(PREVIEW_MODEL, amplitude_share=0.0)
-CONTRAST, BUCKLED = PREVIEW_MODEL.size_strain_share, PREVIEW_MODEL.buckling_percent
 
 
 def test_amplitudes_take_the_energy():
@@ -45,47 +44,22 @@ def test_forms_count_by_the_chance_that_they_are_lower():
         assert found == pytest.approx(np.hypot(FLOOR, 60.0 * np.sqrt(chance)), rel=1e-5)
 
 
-def test_stars_that_curl_tightly_are_beyond_a_smooth_sheet():
-    soft = np.array([3.0, 2.0, 1.0])
-    assert distance_error_percent(soft, tight_share=1.0) > 4.0
-    assert distance_error_percent(soft, tight_share=1.0, is_supported=True) < 1.0
-
-
 def test_one_soft_motion_is_forgiven():
     """The turn of a tube's axis alone does not make another form."""
-    assert not has_two_near_zero_modes(np.array([80.0, 10.0]), False)
-    assert has_two_near_zero_modes(np.array([80.0, 40.0]), False)
-    one, two = (distance_error_percent(np.array([40.0, second])) for second in (10.0, 40.0))
-    assert two > 2.0 * one
-
-
-def test_held_sheets_take_less_to_have_another_form():
-    edges = np.array([16.0, 15.0, 15.0])
-    assert has_two_near_zero_modes(edges, True) and not has_two_near_zero_modes(edges, False)
-    assert distance_error_percent(edges, is_supported=True) > 2.0 * distance_error_percent(edges)
-
-
-def test_sheets_that_are_held_narrow_may_buckle_otherwise():
-    stiff = np.array([6.0, 4.0, 3.0])
-    wide, narrower, narrow, narrowest = (
-        distance_error_percent(stiff, is_supported=True, size_ratio=width) for width in (np.inf, 0.9, 0.87, 0.6)
-    )
-    assert wide == distance_error_percent(stiff, is_supported=True) < narrower < narrow == narrowest
-    assert narrow == pytest.approx(np.hypot(wide, BUCKLED)) and narrow > 2.5
+    assert not has_two_near_zero_modes(np.array([80.0, 10.0]))
+    assert has_two_near_zero_modes(np.array([80.0, 40.0]))
 
 
 def test_sheets_that_hang_on_unequal_stars_expect_more():
     stiff = np.array([6.0, 4.0, 3.0])
     alike, little, much = (distance_error_percent(stiff, sensitivity_percent=contrast) for contrast in (0.0, 5.0, 40.0))
     assert alike == distance_error_percent(stiff) < little < much
-    assert much == pytest.approx(np.hypot(alike, 40.0 * CONTRAST))
-    folding = distance_error_percent(stiff, sensitivity_percent=1000.0)
-    assert folding == pytest.approx(np.hypot(alike, ANOTHER_FORM))
+    assert much == pytest.approx(np.hypot(alike, 40.0 * SHARE))
 
 
 def test_nothing_is_expected_of_what_is_not_stable():
     assert distance_error_percent(np.empty(0)) is None
-    assert not has_two_near_zero_modes(np.empty(0), False)
+    assert not has_two_near_zero_modes(np.empty(0))
 
 
 def test_the_lowest_form_within_the_energies_doubt_might_be_the_right_one():

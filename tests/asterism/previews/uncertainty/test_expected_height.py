@@ -15,7 +15,7 @@ from fem.supports.loads import point_load
 from pattern import gallery
 from tests.asterism.previews.laws import plain_law
 
-PART = PREVIEW_MODEL.height_share
+FLOOR, ACROSS = PREVIEW_MODEL.floor_percent, 100.0
 
 
 def test_doubts_add_up_as_independent_ones_do() -> None:
@@ -23,18 +23,18 @@ def test_doubts_add_up_as_independent_ones_do() -> None:
     low, soft, both = (
         replace(sure, **more) for more in ({"lowest": 2.0}, {"softness": 50.0}, {"lowest": 2.0, "softness": 50.0})
     )
-    base, one, other, together = (height_error_percent(d) or 0.0 for d in (sure, low, soft, both))
-    assert base == pytest.approx(100.0 * PART)
+    base, one, other, together = (height_error_percent(d, ACROSS) or 0.0 for d in (sure, low, soft, both))
+    assert base == pytest.approx(FLOOR * ACROSS / 20.0)
     assert one == pytest.approx(np.hypot(base, 100.0 * 2.0 / 20.0))
     assert together**2 - base**2 == pytest.approx(one**2 - base**2 + other**2 - base**2)
     softer = replace(PREVIEW_MODEL, amplitude_share=2.0 * PREVIEW_MODEL.amplitude_share)
-    assert (height_error_percent(soft, softer) or 0.0) > other
+    assert (height_error_percent(soft, ACROSS, softer) or 0.0) > other
 
 
 def test_flatter_sheets_are_less_sure() -> None:
     high, low = (HeightDoubts(height, lowest=0.3, softness=20.0) for height in (20.0, 2.0))
-    assert height_error_percent(low) > 3.0 * height_error_percent(high)
-    assert height_error_percent(HeightDoubts(0.0, 0.0, 0.0)) is None
+    assert height_error_percent(low, ACROSS) > 3.0 * height_error_percent(high, ACROSS)
+    assert height_error_percent(HeightDoubts(0.0, 0.0, 0.0), ACROSS) is None
 
 
 @pytest.mark.parametrize("name", ["dome", "tube"])
