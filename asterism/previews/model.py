@@ -185,12 +185,6 @@ class PreviewModel:
         0.55, "rad", "turn over a spacing in which bumps come most of the way from flat to natural",
         "computed from cells", "origin unknown", "cells of long thin stars",
     )  # fmt: skip
-    bump_flattening_strain: float = _fitted(
-        0.08, "-", "strain over the flat cell at which no bumps are left", "random-20, random-35"
-    )
-    bump_support_distance: float = _fitted(
-        0.25, "spacing", "distance from supports over which bumps grow", "random-43, random-32"
-    )
     # arms as rods: corrugation/arms.py
     has_arm_lengths: bool = _derived(True, "-", "switch: arms keep their printed length")
     arm_mean_share: float = _of(

@@ -23,8 +23,6 @@ PARTS: dict[str, dict[str, Any]] = {
     "arms into free rims": {"has_rim_arms": False},
     "supported rims": {"supported_rim_width": 0.0},
     "bumps": {"has_bumps": False},
-    "bumps pulled flat": {"bump_flattening_strain": float("inf")},
-    "bumps zero at supports": {"bump_support_distance": 0.0},
     "arms that keep their length": {"has_arm_lengths": False},
     "arms that bend with the mean curvature": {"arm_mean_share": 0.0},
     "last arms": {"has_last_arms": False},

@@ -15,10 +15,11 @@ its spacing d, independently of its natural curvature kappa. The share of the ch
 which is linear for stars of small natural curvature. In a sheet that is bent to the other side, s(k) is negative.
 
 **Supports that stretch the sheet** flatten the bumps. The excess length of a bump is proportional to its squared
-height. Therefore, if lengths exceed those of the flat cell by the strain e, the height is multiplied by
-`sqrt(1 - e / e_0)`, with e_0 = `bump_flattening_strain`. The height is zero for strains above e_0.
+height, and a sheet that is as long as printed has none. Therefore, where lengths are s times the printed ones, and lam
+times in the flat cell, the height is multiplied by `sqrt((1 - s) / (1 - lam))`, and it is zero for s above 1.
 
-**At supports** the corrugation is zero, and it grows over a quarter of the spacing from there.
+**At supports** the corrugation is zero, and it grows over the distance in which fabric follows a tip,
+`fabric_beyond_tip`.
 """
 
 from __future__ import annotations
@@ -69,12 +70,10 @@ def corrugation_heights(
 
 def support_factor(far: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) factor of the corrugation at distances (n,) mm from the supports: 0 at supports, 1 far from them."""
-    if model.bump_support_distance == 0.0:
-        return np.ones_like(far)
-    return np.asarray(np.minimum(far / (model.bump_support_distance * spacing), 1.0))
+    return np.asarray(np.minimum(far / (model.fabric_beyond_tip * spacing), 1.0))
 
 
-def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floats:
     """(n,) factor by which the stretch of a supported sheet reduces the height of its bumps.
 
     Parameters
@@ -83,8 +82,7 @@ def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats, model: 
     area : (n,) area of the sheet per printed area.
     """
     lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
-    strain = np.sqrt(area) / lam - 1.0
-    return np.asarray(np.sqrt(np.clip(1.0 - strain / model.bump_flattening_strain, 0.0, 1.0)))
+    return np.asarray(np.sqrt(np.clip((1.0 - np.sqrt(area)) / (1.0 - lam), 0.0, 1.0)))
 
 
 def _bent(kappa: Floats, curvature: Floats, spacing: float, model: PreviewModel) -> Floats:

@@ -91,7 +91,7 @@ class Lens:
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._arm_shares.lifted @ lift
         if self._held:
-            heights *= flattening(values, weights, smooth.area, self._model)
+            heights *= flattening(values, weights, smooth.area)
         return Places(smooth, smooth.moved(self._arm_shares.along @ out) + heights[:, None] * smooth.normals)
 
 
