@@ -10,8 +10,9 @@ for all arms of a star. As rods, the arms also differ from the sheet:
   the star, the tip is `(1 - m) f + m H l^2 / 2` below this plane, with m = `arm_mean_share`. On a tube, even the arms
   along the axis curl.
 - **Last arms.** A last arm has no star ahead, and the fabric beyond its tip cannot bend it back. Its tip is f below the
-  tangent plane, but at least `k kappa l^2 / 4`, with k = `last_arm_share`: a share of its value on the natural tube.
-  Such tips are often the lowest points of a sheet.
+  tangent plane, but at least `kappa l^2 / 6`: on the natural tube the mean over the directions is `kappa l^2 / 4`, and
+  two thirds of it are left if the curvature falls linearly from the joint to nothing at the tip. Such tips are often
+  the lowest points of a sheet.
 
 The fabric beside an arm follows it (`asterism.previews.corrugation.arm_shares`). Supported points stay in place.
 """
@@ -103,8 +104,7 @@ class Arms:
         place = tip.places + tip.moved(out)
         drop = np.einsum("ac,ac->a", centre.places[star] - place, centre.normals[star])
         lift = model.arm_mean_share * (drop - 0.5 * centre.mean_curvature[star] * length**2)
-        side, kept = np.sign(kappa[star]), 0.25 * model.last_arm_share * np.abs(kappa[star]) * length**2
+        side, kept = np.sign(kappa[star]), np.abs(kappa[star]) * length**2 / 6.0
         if model.has_last_arms:
             lift = np.where(self.last, side * np.minimum(side * drop - kept, 0.0), lift)
-        max_lift = np.minimum(model.max_arm_lift * length, room)
-        return out, np.clip(lift, -max_lift, max_lift)
+        return out, np.clip(lift, -room, room)

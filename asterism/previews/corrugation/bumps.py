@@ -3,8 +3,7 @@
 The law describes the heights of a cell over its mean surface by the amplitudes of a few waves of the lattice
 (`homogenize.cell.corrugation_waves`): amplitudes of the flat cell, and their change as the sheet curls to its natural
 tube. At a place shared by several stars, the amplitudes are averaged, so that the corrugation has no jumps. The bare
-rim is as low as the tips of the arms beside it, and falls further where it is free
-(`asterism.previews.edges.free_rim`). A printed point moves by its height along the shell's normal.
+rim is as low as the tips of the arms beside it. A printed point moves by its height along the shell's normal.
 
 **Between the flat and the natural cell.** Stars that hardly buckle in a flat sheet buckle soon after the sheet begins
 to curl. In cells of long thin stars, seven tenths of the change are complete when a star turns by half a radian over
@@ -14,9 +13,9 @@ its spacing d, independently of its natural curvature kappa. The share of the ch
 
 which is linear for stars of small natural curvature. In a sheet that is bent to the other side, s(k) is negative.
 
-**Supports that stretch the sheet** flatten the bumps. The excess length of a bump is proportional to its squared
-height, and a sheet that is as long as printed has none. Therefore, where lengths are s times the printed ones, and lam
-times in the flat cell, the height is multiplied by `sqrt((1 - s) / (1 - lam))`, and it is zero for s above 1.
+**Supports that stretch the sheet** flatten the bumps: the tension grows with the strain, and a bump is inversely
+proportional to its stiffness. If lengths exceed those of the flat cell by the strain e, the height is divided by
+`1 + e / e_0`, with e_0 = `bump_strain` (`python -m benchmarks.stretched_bumps`).
 
 **At supports** the corrugation is zero, and it grows over the distance in which fabric follows a tip,
 `fabric_beyond_tip`.
@@ -27,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previews.edges.free_rim import beside, rim_fall, stars_share
+from asterism.previews.edges.free_rim import beside, stars_share
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.arrays import Floats, Ints
@@ -41,7 +40,6 @@ def corrugation_heights(
     values: StarValues,
     weights: sp.csr_matrix,
     curvature: Floats,
-    beyond: Floats,
     nearest: Ints,
     spacing: float,
     model: PreviewModel = PREVIEW_MODEL,
@@ -54,17 +52,15 @@ def corrugation_heights(
     values : the law at the stars.
     weights : (n, S) share of each star at the points.
     curvature : (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is convex.
-    beyond, nearest : (n,) distance from the stars across a free rim in mm, and nearest star, from `beyond_stars`.
+    nearest : (n,) nearest star.
     spacing : mm, spacing of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.corrugation), 1, 0)
     bent = _bent(_shared(weights, values.value["kappa"]), curvature, spacing, model)
     stars = np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
     near = beside(weights, values.value["kappa"][:-1], nearest)
-    limit = model.max_rim_drop * np.abs(near)
     low, lower = beside(weights, values.tip_heights[:-1], nearest).T
-    rim = np.minimum(low + np.clip(_bent(near, curvature, spacing, model), -limit, limit) * lower, 0.0)
-    rim -= rim_fall(weights, nearest, values, beyond, spacing, model)
+    rim = np.minimum(low + _bent(near, curvature, spacing, model) * lower, 0.0)
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 
@@ -73,7 +69,7 @@ def support_factor(far: Floats, spacing: float, model: PreviewModel = PREVIEW_MO
     return np.asarray(np.minimum(far / (model.fabric_beyond_tip * spacing), 1.0))
 
 
-def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floats:
+def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) factor by which the stretch of a supported sheet reduces the height of its bumps.
 
     Parameters
@@ -82,7 +78,7 @@ def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floa
     area : (n,) area of the sheet per printed area.
     """
     lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
-    return np.asarray(np.sqrt(np.clip((1.0 - np.sqrt(area)) / (1.0 - lam), 0.0, 1.0)))
+    return np.asarray(1.0 / (1.0 + np.maximum(np.sqrt(area) / lam - 1.0, 0.0) / model.bump_strain))
 
 
 def _bent(kappa: Floats, curvature: Floats, spacing: float, model: PreviewModel) -> Floats:

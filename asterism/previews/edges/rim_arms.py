@@ -11,7 +11,7 @@ star to the border along its arm, in spacings, the arm carries this share of its
 
     (x - rim_arm_start) / (rim_arm_full - rim_arm_start), limited to the range from 0 to 1.
 
-If an arm leads to another star, the rim beside it takes the share `rim_arm_among`.
+An arm that leads to another star carries nothing into the rim.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel 
     for k, along in enumerate(directions):
         width = distance_along(layout.centres, along, layout.outline) / layout.spacing_mm
         last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape), model)
-        part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), model.rim_arm_among)
+        part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), 0.0)
     return part
 
 

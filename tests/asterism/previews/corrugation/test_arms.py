@@ -24,7 +24,7 @@ from tests.asterism.previews.laws import plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed
 
-KEPT, RIGID = PREVIEW_MODEL.last_arm_share, PREVIEW_MODEL.arm_mean_share
+RIGID = PREVIEW_MODEL.arm_mean_share
 
 EDGE = 1.15
 
@@ -90,7 +90,7 @@ def test_last_arms_poke_down_as_in_the_exact_model() -> None:
     assert 0 < last.sum() < len(last) and not last[inner].any()
     right = exact_shape(preview.design).at(plan.arm_tip)[last, 2]
     found = preview.at(plan.arm_tip).bumpy[last, 2]
-    without = Preview(preview.design, model=replace(PREVIEW_MODEL, last_arm_share=0.0)).at(plan.arm_tip).bumpy[last, 2]
+    without = Preview(preview.design, model=replace(PREVIEW_MODEL, has_last_arms=False)).at(plan.arm_tip).bumpy[last, 2]
     assert right.min() < -1.0
     assert np.abs(found - right).mean() < 0.6 * np.abs(without - right).mean()
 
@@ -153,7 +153,7 @@ def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: flo
     preview, kappa = sheet([]), 0.01
     plan, arms = preview.sheet.layout, preview.sheet.arms
     _, lift = arms.moves(_laid(preview, SimpleShape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
-    kept = 0.25 * KEPT * kappa * plan.arm_length**2
+    kept = kappa * plan.arm_length**2 / 6.0
     assert lift == pytest.approx(np.where(arms.last, -side * kept, 0.0))
 
 

@@ -14,7 +14,7 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
-REACH = PREVIEW_MODEL.cell_radius
+HALF, REACH = PREVIEW_MODEL.bump_strain, PREVIEW_MODEL.cell_radius
 
 
 def of_stars(length: float):
@@ -23,13 +23,12 @@ def of_stars(length: float):
 
 
 def test_bumps_go_as_the_sheet_is_stretched_in_length() -> None:
-    """Half of the way to none: the root of one half, half way from the sheet's own length to the printed one."""
+    """Half of them are left at the strain of the model, and all where the sheet is shorter than its flat cells."""
     _, values = of_stars(8.0)
-    stars = len(values.sizes)
-    lam = values.value["lam"][:-1]
-    for part in (-0.5, 0.0, 0.5, 1.0, 2.0):
-        found = flattening(values, sp.eye_array(stars, format="csr"), (lam + part * (1.0 - lam)) ** 2)
-        np.testing.assert_allclose(found, np.sqrt(np.clip(1.0 - part, 0.0, 1.0)), atol=1e-7)
+    weights, lam = sp.eye_array(len(values.sizes), format="csr"), values.value["lam"][:-1]
+    for part, left in ((-0.5, 1.0), (0.0, 1.0), (1.0, 0.5), (3.0, 0.25)):
+        found = flattening(values, weights, (lam * (1.0 + part * HALF)) ** 2)
+        np.testing.assert_allclose(found, left)
 
 
 @pytest.mark.parametrize("length", [6.0, 12.0])
