@@ -38,7 +38,7 @@ def compare_designs(
     from asterism.reports.compare_designs import MAX_COMPARED_DESIGNS
     from asterism.reports.compare_designs import compare_designs as write
     from asterism.results.words import table_lines
-    from homogenize.law.law_file import load_law
+    from homogenize.law.any_law import load_any_law
 
     if not 2 <= len(designs) <= MAX_COMPARED_DESIGNS:
         raise Mistake(f"must be 2 to {MAX_COMPARED_DESIGNS} design files, not {len(designs)}")
@@ -47,7 +47,7 @@ def compare_designs(
     plans = [read_design(file, material, run.warn) for file in designs]
     stems = [file.stem for file in designs]
     path = output or designs[0].with_name("-".join(dict.fromkeys(stems)) + ".html")
-    own_law = load_law(law) if law else None
+    own_law = load_any_law(law) if law else None
     if exact:
         run.cost(exact_cost(max(plans, key=lambda plan: exact_cost(plan).seconds), shapes=len(plans)))
     with run.computing():

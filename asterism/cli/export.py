@@ -56,7 +56,7 @@ def export(
     """
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
-    from asterism.laws.design_law import law_for_design
+    from asterism.laws.any_design_law import any_law_for_design
     from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
@@ -69,7 +69,7 @@ def export(
     names = export_file_names(has_shape=preview or simulate or shape is not None)
     directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, *names)
     check_shape_request(directory, shape, preview, simulate)
-    sheet = law_for_design(plan, law, design, material) if preview or law else None
+    sheet = any_law_for_design(plan, law, design, material) if preview or law else None
     if simulate:
         run.cost(exact_cost(plan, BOTH_STARTS, shapes=2))
     with run.computing():

@@ -31,30 +31,37 @@ def preview(
         ),
     ] = None,
 ) -> int:
-    """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars.
+    """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars, or with the rods of a
+    motif.
 
     With --edge the preview also states what an infinitely fine mesh would change.
 
     Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
     from asterism.cli.common.asked_edge import asked_edge
+    from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.results_folder import results_folder
-    from asterism.laws.design_law import law_for_design
+    from asterism.laws.any_design_law import any_law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.previews.run import preview as compute
     from asterism.print.known_printers import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
     from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
+    from homogenize.law.law import Law
 
     chosen = read_design(design, material, run.warn)
     directory = results_folder(design, output, design.with_suffix(""))
-    chosen_law = law_for_design(chosen, law, design, material)
+    chosen_law = any_law_for_design(chosen, law, design, material)
     asked = None if edge is None else asked_edge(edge)
-    chosen, on_mesh = design_and_law(chosen, chosen_law, asked)
+    on_mesh = chosen_law
+    if asked is not None:
+        if not isinstance(chosen_law, Law):
+            raise Mistake("--edge: is for laws of stars; mesh.edge_mm is that of the cells of a motif")
+        chosen, on_mesh = design_and_law(chosen, chosen_law, asked)
     with run.computing():
         shape = compute(chosen, on_mesh, side, run.say)
-        if asked is not None:
+        if isinstance(chosen_law, Law) and asked is not None:
             shape = with_mesh_limit(shape, chosen, chosen_law)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))

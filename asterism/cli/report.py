@@ -30,7 +30,7 @@ def report(
     law: LawFile = None,
 ) -> None:
     """Write one page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
-    from asterism.laws.design_law import law_for_design
+    from asterism.laws.any_design_law import any_law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.reports.design_report import report as write
     from homogenize.errors import LawError
@@ -46,7 +46,7 @@ def report(
         beside=design.with_suffix(""),
         printer=printer,
         plastic=plastic,
-        law=law_for_design(plan, law, design, material) if law else None,
+        law=any_law_for_design(plan, law, design, material) if law else None,
         say=run.warn,
     )
     run.lines([f"{path}: layout 1:{written.scale:g}; shape: {written.source}"])

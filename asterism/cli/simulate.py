@@ -49,7 +49,7 @@ def simulate(
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
-    from asterism.laws.design_law import law_for_design
+    from asterism.laws.any_design_law import any_law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
@@ -72,7 +72,7 @@ def simulate(
     check_backend(backend)
     if changed.solver.contact:
         ipc_toolkit()
-    given_law = law_for_design(changed, law, design, material) if law is not None else None
+    given_law = any_law_for_design(changed, law, design, material) if law is not None else None
     directory = results_folder(design, output, design.with_suffix(""))
     default_starts = BOTH_STARTS if changed.rods is None else 1
     run.cost(exact_cost(changed, default_starts if starts is None else starts))

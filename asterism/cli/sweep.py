@@ -51,7 +51,7 @@ def sweep(
     from asterism.sweeps.run import sampled, sweep_design, sweep_parameters
     from asterism.sweeps.write_sweep import write_sweep
     from homogenize.campaign.workers import default_jobs
-    from homogenize.law.law_file import load_law
+    from homogenize.law.any_law import load_any_law
 
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
@@ -65,7 +65,7 @@ def sweep(
     check_folder(folder)
     count = len(sampled(parameters, samples, seed))
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs()))
-    own_law = load_law(law) if law else None
+    own_law = load_any_law(law) if law else None
     try:
         with SweepProgressLine(run.hand_over()) as progress:
             result = sweep_design(

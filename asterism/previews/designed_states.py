@@ -79,13 +79,19 @@ class DesignedStates:
             )
         self.given_law, self.triangles = law, triangles
         self.say = say or ignore_line
-        self.watch = Watch(check, max_seconds)
+        self.watch, self._check = Watch(check, max_seconds), check
         self.clock = Clock()
 
     def begin(self) -> None:
         """Begin an edit: times and the limit of the search start anew."""
         self.watch.begin()
         self.clock = Clock()
+
+    def _said(self, text: str) -> None:
+        """Pass on a line of a long computation, which the caller may end by the error of its check."""
+        if self._check is not None:
+            self._check()
+        self.say(text)
 
     def evaluated(
         self, design: Design, model: PreviewModel, plan: Layout | None = None, known: Any = None
@@ -109,7 +115,7 @@ class DesignedStates:
         plan = plan if plan is not None else self.clock("layout", kind.layout, design)
         law = self.given_law
         if law is None:
-            law = self.clock("law", kind.default_law, design, plan, known, self.say)
+            law = self.clock("law", kind.default_law, design, plan, known, self._said)
         check_weight_is_supported(design, plan)
         values = self.clock("law", kind.values, design, plan, law, model)
         return EvaluatedDesign(design, plan, kind, law, values)

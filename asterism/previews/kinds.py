@@ -1,4 +1,4 @@
-"""The kind of pattern of a design, with the parts of a preview that depend on it."""
+"""The kind of pattern of a design: stars, or the motif of drawn rods."""
 
 from __future__ import annotations
 
@@ -8,5 +8,9 @@ from pattern.design.design import Design
 
 
 def kind_of(design: Design) -> PatternKind:
-    """The kind of a design's pattern. Designs without a preview are refused by the layout of their kind."""
+    """The kind of a design's pattern. A design whose pattern has no preview is refused by the kind's layout."""
+    if isinstance(design, Design) and design.rods is not None:
+        from asterism.previews.motifs.motif_kind import MotifKind  # designs of stars do without it
+
+        return MotifKind()
     return StarKind()

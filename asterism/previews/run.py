@@ -10,26 +10,27 @@ from asterism.previews.session import Preview
 from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
 from fem.search.sides import Side
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
 
 def preview(
     design: Design,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     side: Side = "auto",
     say: Say | None = None,
     model: PreviewModel = PREVIEW_MODEL,
     plan: Layout | None = None,
 ) -> Shape:
-    """Compute the homogenised shape of a design, with the bumps of its stars.
+    """Compute the homogenised shape of a design: with the bumps of its stars, or with the rods of its motif.
 
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
-        material, or else the universal law where it serves. A warning then states how accurate that is.
+        material, or else the universal law where it serves. A warning then states how accurate that is. For a motif
+        the cells are solved, which takes seconds; `motif_law_for_design` makes its law.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.

@@ -22,7 +22,7 @@ from equilibrium.arrays import Floats
 from equilibrium.threads import one_blas_thread
 from fem.search.mean_fields import mean_fields
 from fem.search.sides import Side, check_side, side_of
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 from pattern.design.section import is_whole
@@ -38,7 +38,10 @@ class Preview(PreviewReadings):
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     law : law of the design's material, also after edits; by default the one that the design names, or else that of
-        the paper's material, or else the universal law where it serves, chosen again in each edit.
+        the paper's material, or else the universal law where it serves, chosen again in each edit. The cells of a motif
+        are solved, once in a process, with a line to `say` for each direction of each cell. The first edit of a size of
+        its rods solves the cells around the new size; further edits within that range need none. Edits of pins, border
+        and places need none either; another motif, lattice, fabric or plastic has other cells.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     triangles : approximate number of triangles of the shell's mesh, at most 10000; by default it follows from the
         stars.
@@ -76,7 +79,7 @@ class Preview(PreviewReadings):
     def __init__(
         self,
         design: Design,
-        law: Law | None = None,
+        law: AnyLaw | None = None,
         side: Side = "auto",
         triangles: int | None = None,
         say: Say | None = None,

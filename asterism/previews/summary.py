@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from asterism.previews.overstretched_stars import overstretched_stars
-from asterism.previews.state import StarState
+from asterism.previews.state import AnyPreviewState, StarState
 from asterism.previews.uncertainty.distance_error import probability_lower
-from asterism.previews.uncertainty.estimate import ErrorEstimate
+from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.previews.warnings import preview_warnings
 from asterism.process.version import __version__
 from asterism.results.records.preview import PreviewRecord
@@ -26,22 +28,58 @@ EQUAL_AXES_DEG = 2.0
 def summary(
     state: StarState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
 ) -> PreviewRecord:
-    """The record of a preview. Keys that it shares with the record of an exact shape have the same meaning.
+    """The record of a preview of stars. Keys that it shares with the record of an exact shape have the same meaning.
 
     Parameters
     ----------
     mesh : mesh of the shape.
     """
-    equilibrium, layout, law, values = state.equilibrium, state.layout, state.law, state.values
+    layout, law, values = state.layout, state.law, state.values
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
-    surface = shape.positions, shape.triangles
-    clearance = needle_clearance(layout, shape)
-    crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
+    crossings = count_crossings(shape)
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
-    numbers = {
+    numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
+        "is_minimum": state.equilibrium.is_minimum and not overstretched,
+        "law": {
+            "material": law.material.name,
+            "stretch": law.check(state.design).stretch,
+            "edge_mm": law.edge_mm,
+            "made_by": law.made.get("command"),
+            "graded": law.material.plan.graded,
+        },
+        "law_in_range": not values.outside,
+        "stars_outside_law": list(values.outside),
+        "stars_overstretched": overstretched,
+        "stars_tight": list(values.not_scale_separated),
+        "stars_uneven": list(values.strongly_anisotropic),
+        "smoothing_mm": state.sheet.stars.cells.width_mm,
+        "self_intersections": crossings,
+        "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm, overstretched),
+    }
+    return PreviewRecord.from_json(numbers)
+
+
+def common_numbers(
+    state: AnyPreviewState,
+    shape: Shape,
+    mesh: Mesh,
+    estimate: ErrorEstimate,
+    axis_deg: float | None,
+    seconds: dict[str, float],
+) -> dict[str, Any]:
+    """The entries of the record that do not depend on the kind of the pattern.
+
+    Parameters
+    ----------
+    mesh : mesh of the shape.
+    axis_deg : direction of the axis of a rolled sheet, on the print; None for other shapes.
+    """
+    equilibrium, layout = state.equilibrium, state.layout
+    clearance = needle_clearance(layout, shape)
+    return {
         "model": PreviewRecord.model_name,
         "converged": equilibrium.converged,
-        "is_minimum": equilibrium.is_minimum and not overstretched,
+        "is_minimum": equilibrium.is_minimum,
         "gradient_norm": equilibrium.gradient_norm,
         "gradient_tolerance": equilibrium.tolerance,
         "energy_n_mm": equilibrium.energy,
@@ -50,9 +88,9 @@ def summary(
         "soft_amplitudes_percent": [float(value) for value in estimate.amplitudes_percent],
         "contrast_percent": estimate.sensitivity_percent,
         "stars": len(layout.centres),
-        "roll_axis_deg": axis,
-        "equivalent_axes_deg": equivalent_axes_deg(state, axis),
-        "roll_radius_mm": None if axis is None else roll_radius(shape, layout),
+        "roll_axis_deg": axis_deg,
+        "equivalent_axes_deg": equivalent_axes_deg(state, axis_deg),
+        "roll_radius_mm": None if axis_deg is None else roll_radius(shape, layout),
         "side": state.side,
         "start": equilibrium.guess,
         "starts": [
@@ -62,22 +100,9 @@ def summary(
         "other_forms": [
             vars(form) | {"probability": probability_lower(form.gap, state.model)} for form in estimate.other_forms
         ],
-        "law": {
-            "material": law.material.name,
-            "stretch": law.check(state.design).stretch,
-            "edge_mm": law.edge_mm,
-            "made_by": law.made.get("command"),
-            "graded": law.material.plan.graded,
-        },
         "expected_rms_percent": estimate.distance_percent,
         "expected_height_percent": estimate.height_percent,
         "height_doubts_mm": vars(estimate.height_doubts) if estimate.height_doubts else None,
-        "law_in_range": not values.outside,
-        "stars_outside_law": list(values.outside),
-        "stars_overstretched": overstretched,
-        "stars_tight": list(values.not_scale_separated),
-        "stars_uneven": list(values.strongly_anisotropic),
-        "smoothing_mm": state.sheet.stars.cells.width_mm,
         "shell_triangles": state.sheet.space.mesh.nelements,
         "dofs": state.shell.reduction.map.shape[1],
         "vertices": len(mesh.points),
@@ -96,15 +121,18 @@ def summary(
         "below_needles_mm": clearance and clearance.below_mm,
         "diameter_mm": estimate.diameter_mm,
         "contraction": contraction(layout, shape),
-        "self_intersections": crossings,
-        "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm, overstretched),
         "version": __version__,
         "design": state.design.to_dict(),
     }
-    return PreviewRecord.from_json(numbers)
 
 
-def equivalent_axes_deg(state: StarState, axis_deg: float | None) -> list[float]:
+def count_crossings(shape: Shape) -> int:
+    """Pairs of triangles that pass through each other."""
+    surface = shape.positions, shape.triangles
+    return self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
+
+
+def equivalent_axes_deg(state: AnyPreviewState, axis_deg: float | None) -> list[float]:
     """The axes (0 to 180 deg) to which the symmetries of the design map the roll axis; empty if it is None."""
     if axis_deg is None:
         return []

@@ -22,7 +22,7 @@ from asterism.results.files import holds_result
 from asterism.results.records.export import ExportRecord
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 
@@ -59,7 +59,7 @@ def export(
     shape: Shape | str | Path | None = None,
     preview: bool = False,
     simulate: bool = False,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     first_layer_mm: float | None = None,
     layer_mm: float | None = None,
     plate_mm: float | None = None,

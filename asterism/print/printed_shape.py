@@ -11,7 +11,7 @@ from asterism.process.listeners import Say
 from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.shape import Shape
 from homogenize.errors import LawError
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 
@@ -22,7 +22,7 @@ def printed_shape(
     job: Job,
     preview: bool,
     simulate: bool,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     report: Callable[[str, Any], None] | None = None,
     say: Say | None = None,
 ) -> Found:

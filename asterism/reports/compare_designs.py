@@ -21,7 +21,7 @@ from asterism.results.output_check import check_writable
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from equilibrium.errors import Error
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -56,7 +56,7 @@ def compare_designs(
     exact: bool = False,
     printer: str | Printer = "ultimaker2",
     plastic: str | PlasticProfile = "tpu95a",
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     say: Say | None = None,
 ) -> DesignsComparison:
     """Write one page with several designs: pictures at one scale, sizes, print times, estimated errors, differences.
@@ -108,7 +108,7 @@ def compare_designs(
     return DesignsComparison(tuple(compared), numbers, differences)
 
 
-def _shape_of(design: Design, exact: bool, law: Law | None, say: Say) -> tuple[Shape | None, str]:
+def _shape_of(design: Design, exact: bool, law: AnyLaw | None, say: Say) -> tuple[Shape | None, str]:
     """The shape, or None and the reason."""
     if exact:
         from asterism.verification.both_starts import simulate  # its imports take seconds

@@ -18,7 +18,7 @@ from asterism.results.files import OutputError, staged
 from asterism.results.output_check import check_writable
 from asterism.shape.shape import Shape
 from homogenize.errors import LawError
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 
 
@@ -48,7 +48,7 @@ def report(
     beside: str | Path | None = None,
     printer: str | Printer = "ultimaker2",
     plastic: str | PlasticProfile = "tpu95a",
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     say: Callable[[str], None] | None = None,
 ) -> DesignReport:
     """Write one A4 page about a design as PDF: parameters, picture, layout, needles, accuracy and material.

@@ -7,13 +7,13 @@ from pathlib import Path
 
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 
 
 def shape_for_report(
-    design: Design, results: Path | None, beside: Path | None, say: Callable[[str], None], law: Law | None = None
+    design: Design, results: Path | None, beside: Path | None, say: Callable[[str], None], law: AnyLaw | None = None
 ) -> tuple[Shape | None, str]:
     """Return a shape of the design and its origin; None and the reason if no preview is available.
 
@@ -33,6 +33,7 @@ def shape_for_report(
     from asterism.previews.run import preview
     from asterism.process.compiling import announce_compiling
     from homogenize.errors import ForeignLaw, LawError
+    from homogenize.law.motif_plan import without_motif_law
 
     if results is not None:
         shape = read_shape(results)
@@ -47,9 +48,9 @@ def shape_for_report(
         else:
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
-    if design.rods is not None:
-        say("the page has no picture: drawn rods have no preview; give --results")
-        return None, "not known: drawn rods have no preview"
+    if design.rods is not None and without_motif_law(design) is not None:
+        say("the page has no picture: drawn lines that do not repeat have no preview; give --results")
+        return None, "not known: drawn lines that do not repeat have no preview"
     try:
         with announce_compiling(say):
             shape = preview(design, law)

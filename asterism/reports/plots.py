@@ -22,7 +22,7 @@ MAX_CUT_SHARE = 0.999
 
 
 def distance_map(comparison: Comparison) -> bytes:
-    """PNG of the distance over the print, in % of the diameter: cell means as colours, star centres as dots."""
+    """PNG of the distance over the print, in % of the diameter: cell means as colours, stars or sites as dots."""
     reference, layout = comparison.reference, comparison.layout
     width, height = np.ptp(layout.outline, axis=0)
     # the height follows the sheet, so that the colour bar is not much higher than the sheet
@@ -33,7 +33,7 @@ def distance_map(comparison: Comparison) -> bytes:
     filled = axes.tripcolor(over, percent, shading="gouraud", cmap=DISTANCE_COLOURS, vmin=0)
     figure.colorbar(filled, label="distance, % of the diameter", shrink=0.85)
     stars = 100.0 * comparison.star_distance_mm / comparison.diameter_mm
-    x, y = layout.centres.T
+    x, y = layout.sample_points.T
     axes.scatter(x, y, c=stars, cmap=DISTANCE_COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
     axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
     axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
@@ -70,7 +70,7 @@ def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floa
 
     If this point is outside of the sheet, as for an L, the line passes through the nearest star.
     """
-    border, centres = comparison.layout.outline, comparison.layout.centres
+    border, centres = comparison.layout.outline, comparison.layout.sample_points
     middle = centres.mean(axis=0)
     if not inside(middle[None], border)[0]:
         middle = centres[np.linalg.norm(centres - middle, axis=1).argmin()]

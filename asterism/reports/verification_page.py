@@ -104,10 +104,20 @@ def _how(s: Mapping[str, Any]) -> str:
     return (
         f"Distances are measured between the positions of the same printed points, {motions}. "
         f"Percentages refer to the diameter of the exact shape, {s['diameter_mm']:.0f} mm. "
-        "Surfaces are compared without the bumps of the stars (means over the cell of a star), star centres with them. "
+        f"Surfaces are compared without {'the bumps of the stars' if _has_stars(s) else 'their relief'} (means over a "
+        f"cell of the lattice), {_points(s)} with {'them' if _has_stars(s) else 'it'}. "
         "rms means root mean square. Accuracy means agreement with the exact model with the paper's hinges. "
         "The distance to a real print has not been measured."
     )
+
+
+def _has_stars(s: Mapping[str, Any]) -> bool:
+    return bool(s["preview"].get("stars", 1))
+
+
+def _points(s: Mapping[str, Any]) -> str:
+    """The places of the second comparison."""
+    return "star centres" if _has_stars(s) else "lattice sites"
 
 
 def _headline(s: Mapping[str, Any]) -> dict[str, str]:
@@ -118,7 +128,7 @@ def _headline(s: Mapping[str, Any]) -> dict[str, str]:
     return {
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
-        "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
+        f"distance of {_points(s)}, rms": _percent(s["rms_stars_percent"], 2),
         **({} if _is_flat(s) else {"height error of the preview": _signed(s["height_error_percent"])}),
         **({} if rise is None else {"error of the rise over the supports": _signed(rise)}),
         **({} if radius is None else {"error of the roll radius": _signed(radius)}),
@@ -149,9 +159,10 @@ def _pictures(verification: Verification) -> list[str]:
         name: [png(image) for image in images] for name, images in comparison_views(verification.comparison).items()
     }
     largest = verification.comparison.distance_mm.max()
+    of_preview = "preview, with the bumps of its stars" if _has_stars(verification.summary) else "preview"
     return [
         "<h2>Side by side</h2>",
-        figures([(seen["exact"][0], "exact model"), (seen["preview"][0], "preview, with the bumps of its stars")]),
+        figures([(seen["exact"][0], "exact model"), (seen["preview"][0], of_preview)]),
         "<h2>Both shapes together</h2>",
         figures(
             [
@@ -163,7 +174,7 @@ def _pictures(verification: Verification) -> list[str]:
         "<h2>Distance over the sheet</h2>",
         figures(
             [
-                (distance_map(verification.comparison), "over the print; dots are star centres"),
+                (distance_map(verification.comparison), f"over the print; dots are {_points(verification.summary)}"),
                 (seen["distance"][0], f"on the exact shape, from 0 (light) to {largest:.1f} mm (dark)"),
             ]
         ),
@@ -194,8 +205,8 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         ["normals, rms", "", "", f"{s['normals_rms_deg']:.1f}°"],
         ["surface, rms", "", "", _percent(s["rms_percent"], 2)],
         ["surface, largest", "", "", _percent(s["max_percent"], 2)],
-        ["star centres, rms", "", "", _percent(s["rms_stars_percent"], 2)],
-        ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
+        [f"{_points(s)}, rms", "", "", _percent(s["rms_stars_percent"], 2)],
+        [f"{_points(s)}, largest", "", "", _percent(s["max_stars_percent"], 2)],
         ["bumps, rms, relative to their size", "", "", _percent(s["relief_error_percent"], 0)],
         ["surface, rms, estimated by the preview", "", "", _percent(s["expected_rms_percent"], 2)],
         ["height, estimated by the preview", "", "", "-" if high is None else height_error(high, s["heights_mm"][1])],

@@ -13,13 +13,14 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
 from asterism.shape.tube import tube_radius
-from equilibrium.arrays import Floats
+from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals, vertex_normals
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.free_motions import free_motions
@@ -72,9 +73,9 @@ class Comparison:
 
     @cached_property
     def star_distance_mm(self) -> Floats:
-        """(S,) between star centres."""
-        centres = self.layout.centres
-        return np.asarray(np.linalg.norm(self.other.at(centres) - self.reference.at(centres), axis=1))
+        """(S,) between star centres, or between the sites of a drawing's lattice."""
+        centres, off = self.layout.sample_points, 0.0 if self.layout.has_stars else self.layout.spacing_mm
+        return np.asarray(np.linalg.norm(self.other.at(centres, off) - self.reference.at(centres, off), axis=1))
 
     @property
     def rms_mm(self) -> float:
@@ -199,7 +200,14 @@ class Comparison:
         return float(np.degrees(np.sqrt(self.reference.weights @ angle**2)))
 
     def _stars(self, values: Floats) -> Floats:
-        return values[self.reference.star_vertices]
+        return values[self._star_vertices]
+
+    @cached_property
+    def _star_vertices(self) -> Ints:
+        """(S,) vertices at the star centres, or nearest to the sites of a drawing's lattice."""
+        if self.layout.has_stars:
+            return self.reference.star_vertices
+        return np.asarray(cKDTree(self.reference.printed).query(self.layout.sample_points)[1])
 
     def _percent(self, length: float) -> float:
         return float(100.0 * length / self.diameter_mm)

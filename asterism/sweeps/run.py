@@ -19,8 +19,9 @@ from asterism.sweeps.solve_point import named_law, packed_law, solve_point, swee
 from asterism.sweeps.sweep import Sweep, SweepPoint
 from homogenize.campaign.kept_samples import KeptSamples, Outcome
 from homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
+from homogenize.law.any_law import AnyLaw, any_law_digest
 from homogenize.law.law import Law
-from homogenize.law.law_file import law_digest
+from homogenize.law.motif_law import MotifLaw
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 
@@ -56,7 +57,7 @@ def sweep_design(
     folder: str | Path | None = None,
     jobs: int | None = None,
     dask: str | None = None,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     report: Callable[[SweepProgress], None] | None = None,
 ) -> Sweep:
     """`asterism.sweep`: compute one design for many values of some of its entries.
@@ -91,8 +92,8 @@ def sweep_design(
         The folder cannot be written to.
     """
     check_type(design, Design, "load_design reads one from a file")
-    if law is not None:
-        check_type(law, Law, "load_law reads one from a file")
+    if law is not None and not isinstance(law, MotifLaw):
+        check_type(law, Law, "load_any_law reads one from a file")
     parameters = sweep_parameters(design, vary)
     combinations = sampled(parameters, samples, seed)
     if jobs is not None and jobs < 1:
@@ -102,7 +103,7 @@ def sweep_design(
         kept = KeptSamples(Path(kept_in), sweep_code_version())
         table = design.to_dict()
         tables = [varied(table, values) for values in combinations]
-        digest = None if law is None or exact else law_digest(law)
+        digest = None if law is None or exact else any_law_digest(law)
         inputs = [
             {"exact": exact, "law": digest if law is not None or exact else named_law(each), "design": each}
             for each in tables

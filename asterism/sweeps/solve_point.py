@@ -23,7 +23,7 @@ from equilibrium.errors import Error
 from homogenize.campaign.code_version import sources_hash
 from homogenize.campaign.kept_samples import Outcome, attempt
 from homogenize.errors import UnreadableLaw
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 
 # all that computes a row of a sweep or its picture
@@ -70,13 +70,13 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
 
 
 @functools.lru_cache(maxsize=2)
-def _law(packed: bytes) -> Law:
+def _law(packed: bytes) -> AnyLaw:
     """A law that travelled with its designs, unpacked once in each process."""
-    law: Law = pickle.loads(packed)
+    law: AnyLaw = pickle.loads(packed)
     return law
 
 
-def packed_law(law: Law | None) -> bytes | None:
+def packed_law(law: AnyLaw | None) -> bytes | None:
     """A law on its way to the workers; None for that of the design or the paper's, which they read."""
     return None if law is None else pickle.dumps(law)
 

@@ -18,7 +18,7 @@ from asterism.verification.warnings import two_minima_warnings
 from discrete.release.continuation import Report, prefixed_report
 from discrete.release.shared_search import SharedSearch
 from equilibrium.errors import Error
-from homogenize.law.law import Law
+from homogenize.law.any_law import AnyLaw
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
@@ -35,15 +35,15 @@ def simulate(
     say: Say | None = None,
     starts: int | None = None,
     near: Shape | None = None,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
 ) -> Shape:
     """Compute an equilibrium of the exact model.
 
     By default there are two starts, the released flat print and the preview, and the lower minimum is the result. A
     minimum whose stars are all on the side that the design asks for comes before others. If the starts end in two
     minima, `Shape.others` holds the second one, and the summary's `minima` compares them. A start that fails is left
-    out: fabrics without a law and drawn rods have no preview. With contact, a preview that passes through itself is no
-    start.
+    out, such as a preview of a fabric without a law. Drawn rods start from the flat print alone. With contact, a
+    preview that passes through itself is no start.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def simulate(
     plan = print_layout(design)
     shared = SharedSearch()
     released = exact_shape(design, backend, report, say, plan=plan, shared=shared)
-    if plan.drawn is not None:  # drawn rods have no preview
+    if plan.drawn is not None:  # the flat print is the only start of drawn rods
         return released
     try:
         shown = preview(design, law, plan=plan)

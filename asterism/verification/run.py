@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import partial
 
 from asterism.exact.simulation import exact_shape
+from asterism.previews.kinds import kind_of
 from asterism.previews.mesh_law import law_of_exact_mesh
 from asterism.previews.run import preview
-from asterism.previews.serving_law import serving_law
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
@@ -29,9 +29,9 @@ from asterism.verification.warnings import verification_warnings
 from discrete.release.continuation import Report
 from discrete.release.shared_search import SharedSearch
 from equilibrium.newton.minimise import Iteration
+from homogenize.law.any_law import AnyLaw
 from homogenize.law.law import Law
 from pattern.design.design import Design
-from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 
 # a preview that takes longer is announced before it is computed again
@@ -42,7 +42,7 @@ COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisa
 
 def verify(
     design: Design,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     backend: str = "auto",
     report: Report | None = None,
     say: Say | None = None,
@@ -80,10 +80,12 @@ def verify(
     step(STAGES[0], 0, 1)
     with clock_without_compiling() as clock:
         begun = clock()
-        plan = layout(design)
+        kind = kind_of(design)
+        plan = kind.layout(design)
         layout_s = clock() - begun
-        law = law if law is not None or shown or ready else serving_law(design, plan)
-        on_mesh = law and law_of_exact_mesh(law, design, plan)
+        if law is None and not (shown or ready):
+            law = kind.default_law(design, plan, None, tell)
+        on_mesh = law_of_exact_mesh(law, design, plan) if isinstance(law, Law) else law
         make = partial(shown or partial(preview, law=on_mesh, plan=plan), design)
 
         shared = SharedSearch()
@@ -131,7 +133,7 @@ def verify(
         "exact_from_preview_s": near_s,
     }
     limit = None
-    if law and on_mesh and not shown and is_on_exact_mesh(quick, on_mesh, design):
+    if isinstance(law, Law) and isinstance(on_mesh, Law) and not shown and is_on_exact_mesh(quick, on_mesh, design):
         limit = mesh_limit(design, law, quick, plan)
     step(STAGES[3], 1, 1)
     return replace(verification, summary=_summary(verification, between, agree, seconds, limit) | {"command": command})

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeAlias
 
 from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
+from homogenize.law.law_file import law_digest, load_law
 from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_law_file import is_motif_law, load_motif_law
+from homogenize.law.motif_law_file import is_motif_law, load_motif_law, motif_law_digest
+
+AnyLaw: TypeAlias = Law | MotifLaw
 
 
-def load_any_law(path: str | Path) -> Law | MotifLaw:
+def load_any_law(path: str | Path) -> AnyLaw:
     """The law in a file.
 
     Raises
@@ -25,3 +28,8 @@ def load_any_law(path: str | Path) -> Law | MotifLaw:
     'Law'
     """
     return load_motif_law(path) if is_motif_law(path) else load_law(path)
+
+
+def any_law_digest(law: AnyLaw) -> str:
+    """Hash of a law, which does not depend on where and when it was computed."""
+    return motif_law_digest(law) if isinstance(law, MotifLaw) else law_digest(law)

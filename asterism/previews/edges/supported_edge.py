@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.previews.sheet import Sheet
+from asterism.previews.print_sheet import PrintSheet
 from equilibrium.arrays import Floats
 from fem.supports.conditions import EdgeSupport
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, nearest_segment, turning_angles
@@ -22,7 +22,7 @@ MAX_OUTLINE_GAP_SPACINGS = 1e-6
 class SupportedEdge:
     """Moves printed points (n, 2) mm near supported sides of a sheet to the places of the supports."""
 
-    def __init__(self, sheet: Sheet, points: Floats) -> None:
+    def __init__(self, sheet: PrintSheet, points: Floats) -> None:
         plan, width = sheet.layout, sheet.model.supported_rim_width
         held = plan.supported_edges
         start, end = plan.outline[held], np.roll(plan.outline, -1, axis=0)[held]
@@ -49,7 +49,7 @@ class SupportedEdge:
         return out
 
 
-def _is_round(sheet: Sheet, start: Floats) -> bool:
+def _is_round(sheet: PrintSheet, start: Floats) -> bool:
     """Whether the shell misses the supported sides, which begin at points (s, 2): they are curved or replaced."""
     turn = np.abs(turning_angles(sheet.outline))
     if ((turn > STRAIGHT_TURN_RAD) & (turn <= np.radians(EdgeSupport.corner_deg))).any():

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from asterism.previews.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.state import StarState
 from asterism.previews.uncertainty.distance_error import distance_error_percent
-from asterism.previews.uncertainty.height_error import HeightDoubts, height_doubts, height_error_percent
-from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
+from asterism.previews.uncertainty.error_estimate import ErrorEstimate
+from asterism.previews.uncertainty.height_error import height_doubts, height_error_percent
+from asterism.previews.uncertainty.other_forms import close_form, other_forms
 from asterism.previews.uncertainty.strain_sensitivity import strain_sensitivity
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
@@ -24,38 +23,6 @@ from pattern.layout.free_rotations import count_free_tilts
 
 # share of the stars: with more of them outside the law, strongly anisotropic or inverted no estimate is available
 MAX_FOREIGN_SHARE = 0.1
-
-
-@dataclass(frozen=True)
-class ErrorEstimate:
-    """Estimated error of a preview, and what it is computed from.
-
-    Attributes
-    ----------
-    distance_percent : rms distance to the exact shape, in % of the diameter; None if no estimate is available.
-    height_percent : error of the height in % of it; None if no estimate is available.
-    diameter_mm : of the shape.
-    amplitudes_percent : (k,) of the near-zero modes, in % of the diameter, the largest first.
-    sensitivity_percent : to size-dependent strain error, in % of the diameter; 0 for equal stars and supported sheets.
-    other_forms : minima that are not the one shown, the lowest first.
-    close_form : the one of these that the sheet may rest in as well.
-    size_ratio : size that the supports allow over the natural size; inf for free sheets.
-    has_two_near_zero_modes : another form is likely.
-    energy_uncertainty : of the law, as a share of the energy.
-    height_doubts : contributions to the error of the height; None without a certain height.
-    """
-
-    distance_percent: float | None
-    height_percent: float | None
-    diameter_mm: float
-    amplitudes_percent: Floats
-    sensitivity_percent: float
-    other_forms: tuple[OtherForm, ...]
-    close_form: OtherForm | None
-    size_ratio: float
-    has_two_near_zero_modes: bool
-    energy_uncertainty: float
-    height_doubts: HeightDoubts | None
 
 
 def estimate_error(state: StarState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:

@@ -75,6 +75,12 @@ def _law(record: PreviewRecord) -> str:
     return f"{law.material}, stretch {law.stretch:g}, {edges}"
 
 
+def _stars(record: PreviewRecord) -> str | None:
+    """The row on the stars; None for the motif of drawn rods."""
+    outside, tight = len(record.stars_outside_law), len(record.stars_tight)
+    return f"{record.stars}, {outside} outside the law, {tight} curled tightly" if record.stars else None
+
+
 def _expected_distance(record: PreviewRecord) -> str:
     percent = record.expected_rms_percent
     return "not known" if percent is None else distance_error(percent, record.get("diameter_mm"))
@@ -86,6 +92,7 @@ class PreviewRecord(ShapeRecord):
     model_name = "preview"
     rows = (
         "stars",
+        "rods_total",
         "height_mm",
         "above_needles_mm",
         "below_needles_mm",
@@ -125,10 +132,9 @@ class PreviewRecord(ShapeRecord):
     stars: int = key(
         "Stars of the design.",
         label="stars",
-        show=lambda record: (
-            f"{record.stars}, {len(record.stars_outside_law)} outside the law, {len(record.stars_tight)} curled tightly"
-        ),
+        show=_stars,
     )
+    rods_total: int = key("Rods between nodes, of a motif.", label="rods", show="{rods_total}", default=ABSENT)
     equivalent_axes_deg: list[float] = key(
         "Axes about which the sheet might as well have rolled by the symmetry of the design, its own axis among them.",
         unit="deg",

@@ -62,6 +62,13 @@ def _without_swing(record: DifferenceRecord) -> str | None:
     return f"{record.rms_after_motion_percent:.2f} % of the diameter rms, after the best rigid motion"
 
 
+def _at_points(record: DifferenceRecord) -> dict[str, str]:
+    """The row of star centres, or of the sites of a motif."""
+    preview = record.get("preview")
+    label = "star centres" if preview is None or preview.get("stars", 1) else "lattice sites"
+    return {label: f"{record.rms_stars_percent:.2f} % rms, {record.max_stars_percent:.1f} % at most"}
+
+
 class DifferenceRecord(Record):
     """Differences of a shape from a reference shape, both as their supports hold them.
 
@@ -83,12 +90,12 @@ class DifferenceRecord(Record):
     )
     free_motions: int = key("Rigid motions that the supports leave free and that are taken out, from 0 to 6.")
     rms_stars_percent: float = key(
-        "Rms distance of the star centres.",
+        "Rms distance of the star centres, or of the sites of the lattice of a motif.",
         unit="%",
         label="star centres",
-        show="{rms_stars_percent:.2f} % rms, {max_stars_percent:.1f} % at most",
+        show=_at_points,
     )
-    max_stars_percent: float = key("Largest distance of two star centres.", unit="%")
+    max_stars_percent: float = key("Largest distance of two star centres or sites.", unit="%")
     diameter_mm: float = key("Largest distance of two points of the reference.", unit="mm")
     height_error_percent: float | None = key(
         "Error of the height, in percent of the reference's; null if that is zero.", unit="%"

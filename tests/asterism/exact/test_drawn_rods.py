@@ -46,10 +46,10 @@ def test_simulate_writes_a_certified_shape(design: Path, capsys, monkeypatch) ->
 
 
 @pytest.mark.parametrize("name", ["preview", "verify", "calibrate"])
-def test_commands_that_need_stars_say_so_in_one_line(name: str, design: Path, capsys, monkeypatch) -> None:
+def test_commands_that_need_a_law_say_so_in_one_line(name: str, design: Path, capsys, monkeypatch) -> None:
     done = command([name, str(design), "--quiet"], capsys, monkeypatch)
     assert done.status == 2
-    assert "rods: previews and laws need [stars] alone; asterism simulate computes drawn rods" in done.line
+    assert "law" in done.line and "asterism simulate" in done.line
 
 
 @pytest.mark.slow
@@ -118,4 +118,4 @@ def test_stars_within_a_rim_are_certified_up_and_exported(tmp_path: Path, capsys
     text = (tmp_path / "beside-print" / "stars.scad").read_text()
     assert "union() { for (s = stars) star(s); for (r = rods) rod(r); }" in text and text.count("rods = [") == 1
     for name in ("preview", "verify"):
-        assert "need [stars] alone" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line
+        assert "do not repeat have no law" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line

@@ -1,0 +1,178 @@
+"""The sheet of a motif: fields of its law at the quadrature points, bare fabric around it, and its weight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.motifs.motif_cover import bare_share, reach_mm
+from asterism.previews.motifs.motif_values import MotifFieldValues
+from asterism.previews.print_sheet import EDGE_SPACINGS, MIN_TRIANGLES, PrintSheet, elements_of, usual_triangles
+from asterism.previews.supports.point_pins import with_point_softness
+from equilibrium.arrays import Floats
+from fem.shell.density import Density, isotropic, on_metric
+from fem.shell.fields import FieldError, Fields
+from fem.supports.loads import area_load
+from homogenize.errors import LawError
+from homogenize.law.motif_plan import rounded, source_of
+from homogenize.law.tensor_forms import TO_VOIGT
+from pattern.design.design import Design
+from pattern.design.materials import Fabric
+from pattern.design.sizing.field import sample
+from pattern.layout.layout import Layout
+from pattern.rods.curves import polyline
+
+# most triangles of the shell's mesh, unless the caller gives a number: motifs may be far finer than the sheet's form
+MAX_MOTIF_TRIANGLES = 150
+# keys of a drawn line that change the sizes of rods, not their places
+ROD_SIZES = {"name", "thickness_mm", "width_mm"}
+
+
+@dataclass(frozen=True, eq=False)
+class MotifSheet(PrintSheet):
+    """A printed sheet of a motif; made by `motif_sheet_of`.
+
+    Attributes
+    ----------
+    bare : (T, Q) share of bare fabric at the quadrature points.
+
+    For the others, see `PrintSheet`.
+    """
+
+    bare: Floats
+
+    def with_pattern(self, design: Design, layout: Layout) -> MotifSheet:
+        """The same sheet with other sizes of the rods; `is_same_print` must hold."""
+        sheet = replace(self, design=design, layout=layout)
+        if design.mesh.edge_mm == self.design.mesh.edge_mm and "pin_softness" in self.__dict__:
+            sheet.__dict__["pin_softness"] = self.pin_softness
+        return sheet
+
+    def is_same_print(self, design: Design, layout: Layout) -> bool:
+        """Whether a design differs only in the sizes of its rods, its material and the positions of its pins."""
+        return super().is_same_print(design, layout) and self.has_rods_of(layout) and _lines(design) == self._lines
+
+    def has_rods_of(self, layout: Layout) -> bool:
+        """Whether another layout of this sheet has its rods at the same positions; thickness and width may differ."""
+        ours, theirs = self.layout.graph.rods, layout.graph.rods
+        return len(ours) == len(theirs) and all(
+            np.array_equal(one.points, other.points) for one, other in zip(ours, theirs, strict=True)
+        )
+
+    @property
+    def _lines(self) -> object:
+        return _lines(self.design)
+
+    def fields(self, values: MotifFieldValues) -> Fields:
+        """Rest metric, rest curvature and stiffness at the quadrature points.
+
+        Raises
+        ------
+        LawError
+            The rest metric is not positive definite: the sizes of the rods differ too much from place to place.
+        """
+        shape = self.table.weights.shape
+        at = values.at(self.table.points.reshape(-1, 2))
+        stiffness, metric = at.stiffness.reshape(*shape, 6, 6), at.metric.reshape(*shape, 3)
+        curvature = at.curvature.reshape(*shape, 3)
+        if self.bare.any():
+            stiffness, metric, curvature = _beside_bare(stiffness, metric, curvature, self.bare, self.design.fabric)
+        fields = Fields(Density(stiffness), metric, curvature)
+        if self.pin_softness is not None:
+            model = self.model if self.bare.any() else replace(self.model, has_neo_hookean_fabric=False)
+            fields = with_point_softness(fields, self.pin_softness, self.bare, model)
+        try:
+            fields.rest(self.table.points)
+        except FieldError as error:
+            (x, y) = error.place
+            message = f"rods: the sizes differ too much near [{x:.1f}, {y:.1f}]: {error}"
+            raise LawError(message, place_mm=(x, y), field="rods") from None
+        return fields
+
+    def loads(self) -> Floats:
+        """(N, 3) N, the weight of fabric and plastic: as much plastic as is printed, where the motif is."""
+        gravity, fabric = self.design.gravity, self.design.fabric
+        direction = np.asarray(gravity.direction, dtype=float)
+        pull = gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)
+        printed = sum(
+            float(np.diff(rod.arc_lengths) @ _mean_of_product(rod.thickness, rod.width))
+            for rod in self.layout.graph.rods
+        )
+        smeared = float(self.table.weights.ravel() @ self._plastic_mm(self.table.points.reshape(-1, 2)))
+        share = printed / smeared
+
+        def weights(points: Floats) -> Floats:
+            plastic = 1e-9 * self.design.plastic.density_kg_m3 * share * self._plastic_mm(points)
+            return np.asarray((fabric.printed_mass + plastic)[:, None] * pull)
+
+        return area_load(self.space, weights)
+
+    def _plastic_mm(self, points: Floats) -> Floats:
+        """(n,) mm, mean height of the plastic of the motif around printed points (n, 2) mm."""
+        design, rods = self.design, self.design.required_rods
+        area = abs(float(np.linalg.det(np.asarray(design.lattice.vectors))))
+        total = np.zeros(len(points))
+        for line in rods.motif:
+            length = np.linalg.norm(np.diff(polyline(line, rods.curve_mm), axis=0), axis=1).sum()
+            thickness, width = (
+                rounded(rods, key, sample(source_of(rods, line, key), points)) for key in ("thickness_mm", "width_mm")
+            )
+            total += thickness * width * length / area
+        return total
+
+
+def motif_sheet_of(
+    design: Design, layout: Layout, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
+) -> MotifSheet:
+    """The sheet of a design with a motif, and its layout.
+
+    Parameters
+    ----------
+    triangles : approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long, or longer.
+
+    Raises
+    ------
+    DesignError
+        The sheet has holes.
+    MeshError
+        The outline cannot be meshed.
+    """
+    edge = EDGE_SPACINGS * design.lattice.spacing_mm
+    usual = usual_triangles(layout, edge, MIN_TRIANGLES, MAX_MOTIF_TRIANGLES)
+    mesh, space, table = elements_of(layout, usual, triangles)
+    bare = bare_share(layout, reach_mm(design), table.points.reshape(-1, 2)).reshape(table.weights.shape)
+    return MotifSheet(design, layout, model, mesh, space, table, bare)
+
+
+def _lines(design: Design) -> object:
+    """All of the motif but for its sizes."""
+    return [line.model_dump(mode="json", exclude=ROD_SIZES) for line in design.required_rods.motif]
+
+
+def _beside_bare(
+    stiffness: Floats, metric: Floats, curvature: Floats, bare: Floats, fabric: Fabric
+) -> tuple[Floats, Floats, Floats]:
+    """Stiffness (..., 6, 6), metric (..., 3) and rest curvature (..., 3) of a motif beside a share of bare fabric."""
+    of_fabric, at_rest = fabric_sheet(fabric)
+    share = bare[..., None]
+    mixed = (1.0 - share[..., None]) * stiffness + share[..., None] * of_fabric
+    moment = (1.0 - share) * np.einsum("...ij,...j->...i", stiffness[..., 3:, 3:], curvature * TO_VOIGT)
+    bent = np.linalg.solve(mixed[..., 3:, 3:], moment[..., None])[..., 0] / TO_VOIGT
+    return mixed, (1.0 - share) * metric + share * at_rest, bent
+
+
+def fabric_sheet(fabric: Fabric) -> tuple[Floats, Floats]:
+    """Stiffness (6, 6), N/mm and N mm per printed area, and rest metric (3,) of bare fabric."""
+    along, across = (1.0 / stretch**2 for stretch in fabric.stretch_xy)
+    metric = np.array([along, across, 0.0])
+    plane = fabric.modulus_mpa / (1.0 - fabric.poisson**2)
+    bending = plane * fabric.bending_thickness_mm**3 / 12.0
+    return on_metric(isotropic(plane * fabric.thickness_mm, bending, fabric.poisson), metric), metric
+
+
+def _mean_of_product(first: Floats, second: Floats) -> Floats:
+    """(n - 1,) mean along each piece of the product of two values (n,) that change linearly."""
+    (a, b), (c, d) = ((each[:-1], each[1:]) for each in (first, second))
+    return np.asarray((2.0 * (a * c + b * d) + a * d + b * c) / 6.0)

@@ -1,0 +1,38 @@
+"""Designs with the motif of a net, and laws of made-up cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from asterism.previews.motifs.serving_motif_law import serving_motif_law
+from homogenize.cell.motif_responses import MotifResponses
+from homogenize.law.motif_law import MotifLaw
+from pattern.design.design import Design
+from pattern.layout.print_layout import print_layout
+from tests.homogenize.motif_laws import made_up
+
+CROSS = [{"line_mm": [(5, 5), (15, 5)]}, {"line_mm": [(5, 5), (5, 15)]}]
+GRADED = {"profile": "linear", "from": 0.4, "to": 0.5, "start_mm": [-20.0, 0.0], "end_mm": [20.0, 0.0]}
+
+
+def net(thickness: object = 0.4, **sections: Any) -> Design:
+    return Design.from_dict(
+        {
+            "name": "net",
+            "rods": {"motif": CROSS, "thickness_mm": thickness},
+            "lattice": {"kind": "square", "spacing_mm": 10.0},
+            "border": {"rectangle_mm": (40.0, 40.0)},
+            "mesh": {"edge_mm": 4.0},
+        }
+        | sections
+    )
+
+
+def made_up_cell(design: Design, edge_mm: float, say: Callable[[str], None]) -> MotifResponses:
+    say("made up")
+    return made_up(design, edge_mm)
+
+
+def net_law(design: Design, known: MotifLaw | None = None, say: Callable[[str], None] = lambda text: None) -> MotifLaw:
+    return serving_motif_law(design, print_layout(design), known, say, made_up_cell)
