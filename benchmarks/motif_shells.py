@@ -31,6 +31,8 @@ SHELL_EDGE_MM, EDGE_MM = 15.0, 2.0
 SELF_STRESSED = (("self_stressed_rms_percent", ".2f"), ("self_stressed_shell_rise_mm", ".1f"))
 WAVE = [(float(x), float(2.0 * np.sin(0.1 * np.pi * x))) for x in np.linspace(0.0, 20.0, 17)]
 RHOMB = (9.0 * np.cos(np.pi / 6), 4.5)
+# of the width and height of a sheet: the part whose twist is measured
+INNER_PART = 0.7
 # motif and lattice
 MOTIFS: dict[str, tuple[list[dict[str, Any]], dict[str, Any]]] = {
     "lines": ([{"line_mm": [(0, 2.5), (5, 2.5)]}], {"kind": "square", "spacing_mm": 5.0}),
@@ -53,11 +55,12 @@ SHEETS: list[tuple[str, tuple[float, float]]] = [
     ("waves", (70.0, 64.0)), ("lines", (120.0, 120.0)), ("grid", (120.0, 120.0)), ("diamonds", (128.0, 112.0)),
     ("waves", (140.0, 128.0)),
 ]  # fmt: skip
-# the same sheets, with their motifs shifted: the rim cuts the rods elsewhere
+# the same sheets with shifted motifs: the rim cuts the rods elsewhere. Waves shifted by a quarter of their length are
+# their own mirror images, and those of the first table are not
 SHIFTS: dict[str, list[tuple[float, float]]] = {
     "grid": [(0.0, 0.0), (0.0, 3.0), (4.0, 4.0)],
     "diamonds": [(0.0, 0.0), (0.0, 2.25), (3.9, 2.25)],
-    "waves": [(0.0, 0.0), (0.0, 2.0), (0.0, 4.0)],
+    "waves": [(0.0, 0.0), (0.0, 2.0), (0.0, 4.0), (5.0, 0.0)],
 }
 
 
@@ -66,14 +69,18 @@ def main() -> None:
     rows = [compare(name, size, cells[name]) for name, size in SHEETS]
     text = "Free sheets of motifs (0.4 mm thick), exact, against a shell with the responses of one cell; distances of\n"
     text += f"printed points over the diameter of the exact shape, edges of {EDGE_MM:g} mm:\n\n{motif_table(rows)}"
-    rims = [rim(name, shift) for name, shifts in SHIFTS.items() for shift in shifts]
-    header = ["motif", "shift mm", "rise, exact mm", "minimum"]
+    sizes = dict(reversed(SHEETS))  # the smaller one of each motif
+    rims = [compare(name, sizes[name], cells[name], shift) for name, shifts in SHIFTS.items() for shift in shifts]
+    header = ["motif", "shift mm", "rms %", "rise, exact mm", "shell mm", "twist, exact 1/m", "minimum"]
     lines = [
         [
             r["sheet"],
             f"{r['shift_mm'][0]:g}, {r['shift_mm'][1]:g}",
+            f"{r['rms_percent']:.2f}",
             f"{r['rise_mm']:.1f}",
-            "yes" if r["minimum"] else "no",
+            f"{r['shell_rise_mm']:.1f}",
+            f"{1e3 * r['twist_per_mm']:.2f}",
+            "yes" if r["exact_minimum"] and r["shell_minimum"] else "no",
         ]
         for r in rims
     ]
@@ -92,14 +99,6 @@ def sheet(name: str, size: tuple[float, float], shift: tuple[float, float] = (0.
     return Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": size}, "mesh": mesh})
 
 
-def rim(name: str, shift: tuple[float, float]) -> dict[str, Any]:
-    """The rise of a sheet whose rim cuts the motif elsewhere."""
-    size = next(size for each, size in SHEETS if each == name)
-    shape = exact_shape(sheet(name, size, shift))
-    minimum = bool(shape.summary.is_minimum)
-    return {"sheet": name, "size_mm": size, "shift_mm": shift, "rise_mm": _rise(shape.positions), "minimum": minimum}
-
-
 def self_stress_modulus(design: Design) -> float:
     """N mm, the multiple of det K in the energy of a square grid that is cut midway between its rods.
 
@@ -116,15 +115,18 @@ def self_stress_modulus(design: Design) -> float:
     return float(-tension * distance**2 / 24.0)
 
 
-def compare(name: str, size: tuple[float, float], responses: MotifResponses) -> dict[str, Any]:
+def compare(
+    name: str, size: tuple[float, float], responses: MotifResponses, shift: tuple[float, float] = (0.0, 0.0)
+) -> dict[str, Any]:
     """One sheet, by both models."""
-    design = sheet(name, size)
+    design = sheet(name, size, shift)
     exact = exact_shape(design)
     diameter = float(np.linalg.norm(np.ptp(exact.positions, axis=0)))
     flat = exact.printed @ responses.deformation
     from_flat = _distance(np.pad(flat, ((0, 0), (0, 1))), exact.positions, 1.0)[0]
     row: dict[str, Any] = {
-        "sheet": name, "size_mm": size, "vertices": len(exact.printed),
+        "sheet": name, "size_mm": size, "shift_mm": shift, "vertices": len(exact.printed),
+        "twist_per_mm": twist(exact.printed, exact.positions, size),
         "flat_rms_percent": 100.0 * from_flat / diameter,
         "exact_minimum": bool(exact.summary.is_minimum), "rise_mm": _rise(exact.positions), "doubts": responses.doubts,
     }  # fmt: skip
@@ -175,6 +177,18 @@ def _rise(places: np.ndarray) -> float:
     """mm, extent across the plane nearest to the points."""
     centred = places - places.mean(axis=0)
     return float(np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2][2]))
+
+
+def twist(printed: np.ndarray, places: np.ndarray, size: tuple[float, float]) -> float:
+    """1/mm, absolute mean twist of the inner part of a sheet: the second derivative by x and y of the polynomial of
+    fourth order nearest to its points, along the normal in the middle."""
+    inner = (np.abs(printed) <= INNER_PART * 0.5 * np.array(size)).all(axis=1)
+    powers = [(i, k) for i in range(5) for k in range(5 - i)]
+    x, y = printed[inner].T
+    terms = np.linalg.lstsq(np.column_stack([x**i * y**k for i, k in powers]), places[inner], rcond=None)[0]
+    along, across, both = (terms[powers.index(power)] for power in ((1, 0), (0, 1), (1, 1)))
+    normal = np.cross(along, across)
+    return abs(float(both @ normal / np.linalg.norm(normal)))
 
 
 def motif_table(rows: list[dict[str, Any]]) -> str:

@@ -68,6 +68,18 @@ def test_a_design_gets_its_law(
     assert again.status == 0 and again.err.splitlines() == ["  7 of 7 cells"]
 
 
+def test_another_material_is_part_of_the_law(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (place / "soft.toml").write_text("[plastic]\nmodulus_ratio = 1000\n")
+    (place / "net.toml").write_text(design())
+    done = run(["calibrate", "net.toml", "--material", "soft.toml", "--jobs", "1"], capsys, monkeypatch)
+    assert done.status == 0 and done.out.splitlines()[-1].endswith(
+        "net.toml --material soft.toml --law net-law-soft.npz"
+    )
+    assert load_motif_law(place / "net-law-soft.npz").plan.design.plastic.modulus_ratio == 1000
+
+
 def test_show_prints_range_values_and_errors(
     place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
