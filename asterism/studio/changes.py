@@ -10,6 +10,9 @@ from asterism.studio.local_files import FileNameError, file_below
 from pattern.design.errors import DesignError
 
 MAX_DEPTH = 8
+# keys that name a file, and those whose content makes reading it unnecessary
+FILE_KEYS = ("image", "file")
+STORED_KEYS = ("grey", "lines", "rings_mm", "polygon_mm")
 
 
 def with_changes(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -54,21 +57,28 @@ def _set(table: dict[str, Any], parts: list[str], value: Any, key: str) -> None:
     _set(table[first], rest, value, key)
 
 
-def check_pictures(value: Any, folder: Path) -> None:
-    """Refuse pictures outside a folder: changes come from a page, and a picture's file is read.
+def check_files(value: Any, folder: Path) -> None:
+    """Refuse files outside a folder: changes come from a page, and files of pictures and drawings are read.
 
     Raises
     ------
     DesignError
-        A sizing profile names a file that is not below the folder.
+        A sizing profile, a drawing or an outline names a file that is not below the folder.
     """
-    for inner in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
-        check_pictures(inner, folder)
-    if isinstance(value, Mapping) and isinstance(value.get("image"), str) and "grey" not in value:
-        try:
-            file_below(folder, value["image"])
-        except FileNameError as error:
-            raise DesignError("image", str(error)) from None
+    if isinstance(value, list):
+        for inner in value:
+            check_files(inner, folder)
+    if not isinstance(value, Mapping):
+        return
+    is_read = not any(value.get(key) for key in STORED_KEYS)
+    for key, inner in value.items():
+        check_files(inner, folder)
+        name = key.rpartition(".")[2]
+        if name in FILE_KEYS and isinstance(inner, str) and is_read:
+            try:
+                file_below(folder, inner)
+            except FileNameError as error:
+                raise DesignError(name, str(error)) from None
 
 
 def _check_depth(key: str, value: Any, depth: int = 0) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from asterism.results.files import write_file
 from asterism.studio import painted, weights
 from asterism.studio.autosave import Autosave, autosave_path
-from asterism.studio.changes import check_pictures, with_changes
+from asterism.studio.changes import check_files, with_changes
 from asterism.studio.design_text import edited_text
 from asterism.studio.disk_file import check_unchanged
 from asterism.studio.history import History, Step
@@ -179,7 +179,7 @@ class Document:
     def change(self, changes: Mapping[str, Any], gesture: Any = None) -> None:
         """Other values at dotted keys of the design file; see `with_changes`."""
         changed = with_changes(self.table, changes)
-        check_pictures(dict(changes), self.path.parent)
+        check_files(dict(changes), self.path.parent)
         self.apply(changed, gesture, ", ".join(sorted(changes))[:60])
 
     def paint(self, sites: Sequence[painted.Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:

@@ -26,6 +26,7 @@ from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
 from asterism.studio.messages import NO_PREVIEW, Busy, Edit, FitTarget, Flip, Limits, Parts, ShowForm, StudioProblem
+from asterism.studio.pattern_kinds import pattern_kinds
 from asterism.studio.rest_summary import blank_summary, printed_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
 from equilibrium.arrays import Floats
@@ -145,11 +146,12 @@ class Engine:
             self._show_printed(design, error)
 
     def _show_design(self, design: Design, edit: Edit) -> None:
-        if edit.is_opened or self._preview is None:
+        preview = self._preview
+        if edit.is_opened or preview is None or pattern_kinds(preview.state.design) != pattern_kinds(design):
             self._open(design, edit.snapshot)
             self._show(EQUILIBRIUM, None)
         else:
-            self._show_stages(self._preview, design, edit)
+            self._show_stages(preview, design, edit)
 
     def _open(self, design: Design, snapshot: bytes | None) -> None:
         """Go to the form of a snapshot, or to the one that a search finds; the form shown before has no influence."""

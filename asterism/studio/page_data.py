@@ -55,7 +55,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "can_redo": history.can_redo,
         "history": {"position": history.position, "labels": history.labels[-50:]},
         "kept_work": document.autosave.kept_work is not None,
-        "design": _with_material(document),
+        "design": _shown_design(document),
         "plan": {
             **plan_data(layout, painted_sites, weights_by_site(table)),
             "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
@@ -66,12 +66,16 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
     }
 
 
-def _with_material(document: Document) -> dict[str, Any]:
-    """The table of the design file with the values of the material that it names."""
+def _shown_design(document: Document) -> dict[str, Any]:
+    """The table of the design file with the values of the material that it names, without the lines of drawings."""
     try:
-        return dict(with_material_file(document.table, document.path.parent))
+        table = dict(with_material_file(document.table, document.path.parent))
     except DesignError:  # the file of the material has gone since it was read
-        return document.table
+        table = dict(document.table)
+    if drawings := table.get("rods", {}).get("import"):
+        without = [{key: value for key, value in drawing.items() if key != "lines"} for drawing in drawings]
+        table["rods"] = {**table["rods"], "import": without}
+    return table
 
 
 def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float]) -> dict[str, Any]:

@@ -134,6 +134,37 @@ class StarsRequest(GestureRequest):
     sites: Sites
 
 
+class LayerUse(BaseModel):
+    """What a layer of a drawing becomes, and the sections (mm) of its rods."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+    use: Literal["rods", "outline", "both"]
+    thickness: float = 0.3
+    width: float = 1.2
+
+
+class PlaceDrawing(GestureRequest):
+    """Lay a drawing that was sent before on the sheet.
+
+    Attributes
+    ----------
+    drawing : its number.
+    layers : by name; others are left out.
+    strokes : widths of the rods are those of the drawn strokes.
+    keep : the pattern that is there stays.
+    sheet : without an outline in the drawing, the sheet keeps its own, or gets a rectangle around the drawing.
+    origin : the middle of the drawing, or its own origin, becomes that of the sheet.
+    """
+
+    type: Literal["drawing"]
+    drawing: WholeNumber
+    layers: dict[str, LayerUse] = Field(min_length=1, max_length=1000)
+    strokes: bool = False
+    keep: bool = False
+    sheet: Literal["kept", "around"] = "kept"
+    origin: Literal["middle", "drawing"] = "middle"
+
+
 class Weigh(GestureRequest):
     """Other weights of places in a fit; null takes a weight away."""
 
@@ -238,6 +269,7 @@ AnyRequest = Annotated[
     | Change
     | Paint
     | StarsRequest
+    | PlaceDrawing
     | Weigh
     | FlipRequest
     | FormRequest

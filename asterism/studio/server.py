@@ -19,6 +19,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from asterism.studio.drawing import read_drawing
 from asterism.studio.examples import PICTURES
 from asterism.studio.local_files import MAX_NAME_CHARACTERS, FileNameError, file_below
 from asterism.studio.page_data import failure_data
@@ -27,6 +28,8 @@ from asterism.studio.tab import MAX_TABS, Tab
 from asterism.studio.target import read_target
 from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
 from equilibrium.errors import Error
+from pattern.design.errors import NoUnitError
+from pattern.design.file_lines import MM_OF_UNITS
 
 PAGE = Path(__file__).parent / "page"
 # Windows may have other types for these in its registry, and a module of another type is not run.
@@ -153,7 +156,13 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                 if kind is UploadKind.TARGET:
                     studio.parts.load(await asyncio.to_thread(read_target, path, name))
                     return JSONResponse({"target": studio.parts.data()})
+                if kind is UploadKind.DRAWING:
+                    units = request.query_params.get("units")
+                    drawing = await asyncio.to_thread(read_drawing, path, name, units)
+                    return JSONResponse({"drawing": drawing.data(studio.drawings.add(drawing))})
                 return JSONResponse(await asyncio.to_thread(read_upload, kind, path, name))
+            except NoUnitError:
+                return JSONResponse({"units": list(MM_OF_UNITS)})  # a question
             except Exception as error:
                 problem = failure_data(error, None, "a file of a page")
                 status = 422 if isinstance(error, Error) else 500

@@ -9,6 +9,7 @@ from typing import Any
 
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
+from asterism.studio.drawing import Drawings
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.examples import design_files, gallery_entries
@@ -18,6 +19,7 @@ from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import shown_path
 from asterism.studio.opening import design_path, opened
 from asterism.studio.page_data import document_data, failure_data, problem_data
+from asterism.studio.placed_drawing import with_drawing
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
 from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
@@ -52,6 +54,7 @@ class Studio:
         self._left: dict[Path, Document] = {}
         self.printer = DEFAULT_PRINTER
         self.slots = Slots()
+        self.drawings = Drawings()
         self.parts = FrameParts(self)
         self.fits = FitResult(self)
 
@@ -239,13 +242,16 @@ class Studio:
         self.tell_document()
         self.engine.show(document)
 
-    @staticmethod
-    def _apply(request: ask.GestureRequest, document: Document, gesture: Any) -> None:
+    def _apply(self, request: ask.GestureRequest, document: Document, gesture: Any) -> None:
         match request:
             case ask.Change():
                 document.change(request.changes, gesture)
             case ask.Paint():
                 document.paint(request.sites, request.sizes, gesture)
+            case ask.PlaceDrawing():
+                drawing = self.drawings.get(request.drawing)
+                table = with_drawing(document.table, drawing, request, document.layout.outline)
+                document.apply(table, gesture, drawing.name[:60])
             case ask.Weigh():
                 document.weigh(request.sites, request.weights, gesture)
             case ask.StarsRequest():

@@ -1,4 +1,4 @@
-"""Files that a page sends: grey pictures for star sizes, drawings of an outline. Targets have a file of their own."""
+"""Files that a page sends: grey pictures for star sizes, and outlines."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ class UploadKind(StrEnum):
     IMAGE = "image"
     OUTLINE = "outline"
     TARGET = "target"
+    DRAWING = "drawing"
 
 
 class UploadError(Error, ValueError):

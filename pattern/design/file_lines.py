@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
+from pattern.design.errors import DesignError, NoUnitError
 from pattern.design.rhino_lines import rhino_lines
 from pattern.design.rhino_model import RHINO_FORMAT, open_rhino_model
 from pattern.geometry.flattening import flattened
@@ -68,7 +68,9 @@ def read_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
     Raises
     ------
     DesignError
-        The file cannot be read, has no unit, or holds no line.
+        The file cannot be read, or holds no line.
+    NoUnitError
+        The file has no unit, and none is given.
     """
     if not path.is_file():
         raise _error(f"there is no such file in {path.parent.absolute()}", path)
@@ -124,7 +126,7 @@ def _svg_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
         str(root.get(side, "")).strip().lower().endswith(("mm", "cm", "in", "pt", "pc")) for side in ("width", "height")
     )
     if not measured and units is None:
-        raise _error('has no size in mm: give it one in the drawing, or units = "mm" here', path)
+        raise NoUnitError("file", 'has no size in mm: give it one in the drawing, or units = "mm" here', path.name)
     scale = MM_OF_UNITS["px"] if measured else MM_OF_UNITS[units or "mm"]
     lines = []
     for shape in shapes:
@@ -201,7 +203,8 @@ def _dxf_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]
     number = int(drawing.header.get("$INSUNITS", 0))
     if number not in MM_OF_INSUNITS and (units is None or number != 0):
         problem = "has no unit ($INSUNITS = 0)" if number == 0 else f"has another unit ($INSUNITS = {number})"
-        raise _error(f'{problem}: set it to mm in the drawing, or units = "mm" here', path)
+        kind = NoUnitError if number == 0 else DesignError
+        raise kind("file", f'{problem}: set it to mm in the drawing, or units = "mm" here', path.name)
     scale = MM_OF_INSUNITS.get(number) or MM_OF_UNITS[units or "mm"]
     lines = []
     for entity in _entities(drawing.modelspace()):

@@ -1,5 +1,6 @@
 // What buttons and keys do.
 
+import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
 import { toast } from "./panels/toasts.js";
@@ -106,7 +107,7 @@ export function createActions(studio) {
           requestAnimationFrame(() => studio.view?.fit());
         }),
         store.on(["startOpen"], () => stop()), // another design
-        store.on(["problem"], ({ problem }) => problem?.isBlocking === false && stop()), // the outline is refused
+        store.on(["problem"], ({ problem }) => problem?.isBlocking === false && problem.kind !== "no preview" && stop()), // refused
       ];
       const stop = () => ends.forEach((end) => end());
       fitPlan();
@@ -116,38 +117,72 @@ export function createActions(studio) {
       store.set({ theme: isDark ? "light" : "dark" });
     },
     upload,
+    chooseDrawing: () => choose("drawing", ".svg,.dxf,.3dm", takeDrawing),
+    takeDrawing: (file) => takeDrawing(file),
+    takeTarget: (file) => sendFile("target", file),
   };
 
   /** A file chosen by the person goes to the server, which reads it; its answer becomes an edit. */
   function upload(kind, accept, use = null) {
+    choose(kind, accept, async (file) => {
+      const told = await sendFile(kind, file);
+      if (!told) return;
+      if (use) use(told.value);
+      else if (told.border) {
+        edits.once(() => edits.design({ border: { ...rest(store.get("sheet").design.border), ...told.border } }));
+        actions.fitSoon();
+      }
+    });
+  }
+
+  function choose(kind, accept, take) {
     const input = document.createElement("input");
     Object.assign(input, { type: "file", accept });
     input.dataset.testid = `file-${kind}`;
     input.hidden = true;
     document.body.append(input);
-    input.addEventListener("change", async () => {
+    input.addEventListener("change", () => {
       const [file] = input.files;
       input.remove();
-      if (!file) return;
-      try {
-        const answer = await fetch(`upload?kind=${kind}`, {
-          method: "POST",
-          body: file,
-          headers: { "X-Name": encodeURIComponent(file.name) },
-        });
-        const told = await answer.json();
-        if (told.problem) toast(told.problem.text, { isBad: true });
-        else if (use) use(told.value);
-        else if (told.border) {
-          edits.once(() => edits.design({ border: { ...rest(store.get("sheet").design.border), ...told.border } }));
-          actions.fitSoon();
-        }
-      } catch {
-        toast(`${file.name} could not be sent. Is the studio still running?`, { isBad: true });
-      }
+      if (file) take(file);
     });
     input.addEventListener("cancel", () => input.remove());
     input.click();
+  }
+
+  /** Sends a file; the answer of the server, or null if there is none, which the page says. */
+  async function sendFile(kind, file, more = {}) {
+    try {
+      const answer = await fetch(`upload?${new URLSearchParams({ kind, ...more })}`, {
+        method: "POST",
+        body: file,
+        headers: { "X-Name": encodeURIComponent(file.name) },
+      });
+      const told = await answer.json();
+      if (!told.problem) return told;
+      toast(told.problem.text, { isBad: true });
+    } catch {
+      toast(`${file.name} could not be sent. Is the studio still running?`, { isBad: true });
+    }
+    return null;
+  }
+
+  /** A drawing goes to the server, which may ask for its unit, and then to its dialog; without a design, on a new sheet. */
+  async function takeDrawing(file, more = {}) {
+    if (!store.get("document")) await newSheet();
+    const told = await sendFile("drawing", file, more);
+    if (told?.units) askUnit(file.name, told.units, (units) => takeDrawing(file, { units }));
+    else if (told) {
+      store.set({ startOpen: false });
+      openDrawing(studio, told.drawing);
+    }
+  }
+
+  function newSheet() {
+    return new Promise((resolve) => {
+      const stop = store.on(["document"], ({ document }) => document && (stop(), resolve()));
+      actions.startNew();
+    });
   }
 
   function leave() {

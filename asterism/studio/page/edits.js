@@ -82,6 +82,11 @@ export class Edits {
     this.#draw();
   }
 
+  /** A drawing that was sent before is laid on the sheet; the server says what comes of it. */
+  drawing(fields) {
+    this.#later("drawing", { kind: "drawing", fields });
+  }
+
   /** Sizes that the server will find by itself from the design's profile: drawn, not sent. Painted stars keep theirs. */
   preview(quantity, values) {
     const { key: field } = QUANTITIES[quantity];
@@ -156,7 +161,8 @@ export class Edits {
 
   #send(message, end) {
     const fields = { gesture: this.#gesture, end };
-    if (message.kind === "edit") fields.changes = message.changes;
+    if (message.kind === "drawing") Object.assign(fields, message.fields);
+    else if (message.kind === "edit") fields.changes = message.changes;
     else if (message.kind === "sizes") {
       fields.sites = [...message.values.keys()].map(siteOf);
       fields[message.quantity] = [...message.values.values()];

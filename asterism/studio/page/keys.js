@@ -15,6 +15,7 @@ const HELP = {
     ["Ctrl+E", "Export"],
     ["V B G O N W R", "Select, brush, sizes, outline, needles, weight, ruler"],
     ["T", "Table of stars"],
+    ["I", "Put a drawing on the sheet"],
     ["Esc", "Cancel what runs, clear the selection"],
     ["?", "This help"],
   ],
@@ -119,6 +120,7 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     if (tool) actions.choose(tool);
     else if (event.key === "?") openHelp();
     else if (event.key.toLowerCase() === "t") actions.openTable();
+    else if (event.key.toLowerCase() === "i") actions.chooseDrawing();
     else if (event.key === "[" || event.key === "]") brush().grow(event.key === "]" ? 1 : -1);
     else if (event.key.toLowerCase() === "s") store.set({ snap: !store.get("snap") });
     else if (event.key.toLowerCase() === "p") store.set({ printArea: !store.get("printArea") });

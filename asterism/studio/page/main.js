@@ -2,6 +2,7 @@
 
 import { createActions } from "./actions.js";
 import { Connection } from "./connection.js";
+import { listenToDrops } from "./drop.js";
 import { Edits } from "./edits.js";
 import { listenToKeys } from "./keys.js";
 import { listen } from "./messages.js";
@@ -92,6 +93,7 @@ buildInspector($("inspector"), {
   },
 });
 listenToKeys(studio);
+listenToDrops(studio);
 store.on(["showBumps"], ({ showBumps }) => studio.connection.send("bumps", { shown: showBumps }));
 
 function showTool() {

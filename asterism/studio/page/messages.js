@@ -80,8 +80,14 @@ export function listen(studio) {
     toast("The design is fitted to the target.", { action: { text: "Undo", run: studio.actions.undo } });
   }
 
-  /** At the field, if one is on the page. Returns whether it was. */
+  /** In the dialog, or at the field, if one is on the page. Returns whether it was. */
   function showProblem({ field, text }) {
+    const own = document.querySelector("dialog[open] .fault.any");
+    if (own) {
+      own.textContent = text;
+      own.hidden = false;
+      return true;
+    }
     if (!field) return false;
     const name = plainField(field);
     const element = [...document.querySelectorAll("[data-field]")].find(

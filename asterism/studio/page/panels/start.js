@@ -66,6 +66,12 @@ export function buildStart(element, { store, connection, actions }) {
       h("div", { class: "shot" }, icon("plus")),
       h("div", { class: "about" }, h("strong", {}, "New sheet"), h("span", {}, "A hexagon of 37 stars to paint")),
     );
+    const drawn = h(
+      "button",
+      { type: "button", class: "card blank", testid: "new-drawing", onclick: actions.chooseDrawing },
+      h("div", { class: "shot" }, icon("upload")),
+      h("div", { class: "about" }, h("strong", {}, "From a drawing"), h("span", {}, "SVG, DXF or 3DM")),
+    );
     const designs = gallery?.designs ?? [];
     const files = gallery?.files ?? [];
     replace(
@@ -120,6 +126,7 @@ export function buildStart(element, { store, connection, actions }) {
           "div",
           { class: "cards" },
           blank,
+          drawn,
           designs
             .filter(({ name }) => FIRST.includes(name))
             .sort((a, b) => FIRST.indexOf(a.name) - FIRST.indexOf(b.name))

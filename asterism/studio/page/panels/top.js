@@ -136,6 +136,7 @@ export function buildTools(element, { store, tools, actions }) {
   group.style.display = "contents";
   const more = [
     ["table", "Table", "Table of stars", "T", actions.openTable, "open-table"],
+    ["upload", "Import", "Put a drawing on the sheet: SVG, DXF or 3DM", "I", actions.chooseDrawing, "import-drawing"],
     ["help", "Help", "Keys and help", "?", actions.openHelp, "open-help"],
   ].map(([picture, name, title, keys, onclick, testid]) =>
     h(

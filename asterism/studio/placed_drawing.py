@@ -1,0 +1,137 @@
+"""The design with a drawing on its sheet: layers become rods, the outline with its holes, or both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import shapely
+
+from asterism.studio.drawing import SentDrawing, rings
+from asterism.studio.requests import LayerUse, PlaceDrawing
+from asterism.studio.uploads import MAX_CORNERS, UploadError
+from equilibrium.arrays import Floats
+from pattern.design.file_lines import FileLine
+from pattern.design.outline_file import OUTLINE_CURVE_MM
+
+# mm of fabric around a drawing on a sheet of its own
+SHEET_MARGIN_MM = 10.0
+DRAWING_DIGITS = 6
+# keys of the border that give an outline
+OUTLINE_KEYS = ("rings", "rectangle_mm", "polygon_mm", "file", "layer", "origin", "units", "rods")
+# keys of `[rods]` that a new pattern keeps
+KEPT_ROD_KEYS = ("rounding", "curve_mm", "join_mm")
+
+
+def with_drawing(
+    table: Mapping[str, Any], drawing: SentDrawing, choice: PlaceDrawing, outline: Floats
+) -> dict[str, Any]:
+    """The table of a design with a drawing.
+
+    Lines are stored in the design, so that no file is needed. A section that all layers share becomes that of `[rods]`,
+    where the pattern is new: a profile over the sheet can take its place.
+
+    Parameters
+    ----------
+    outline : (B, 2) mm of the sheet, for borders whose outline depends on the stars that are replaced.
+
+    Raises
+    ------
+    UploadError
+        The choice names no layer of the drawing, or the layers of the outline hold no closed line.
+    """
+    chosen = {name: layer for name, layer in choice.layers.items() if name in drawing.layers}
+    if not chosen:
+        raise UploadError("choose a layer for the rods or for the outline")
+    rods = [name for name, layer in chosen.items() if layer.use in ("rods", "both")]
+    edges = [name for name, layer in chosen.items() if layer.use == "outline"]
+    rim = next((name for name, layer in chosen.items() if layer.use == "both"), None)
+    outer = rings(drawing.lines_of(edges or [rim] if rim else edges))
+    if (edges or rim) and not outer:
+        raise UploadError(f"{drawing.name}: {', '.join(edges) or rim}: an outline must have a closed line")
+    box = outer[0] if outer else np.concatenate([line.points for line in drawing.lines_of(rods)])
+    shift = 0.5 * (box.min(axis=0) + box.max(axis=0)) if choice.origin == "middle" else np.zeros(2)
+    changed = dict(table)
+    if rods:
+        changed = _with_rods(changed, drawing, {name: chosen[name] for name in rods}, shift, choice)
+    border = _border(changed, rim, [ring - shift for ring in outer] if edges else [])
+    if not edges and rim is None:
+        border = _kept_border(changed, outline) if choice.sheet == "kept" else _around(changed, box - shift)
+    changed["border"] = border
+    return changed
+
+
+def _with_rods(
+    table: dict[str, Any], drawing: SentDrawing, layers: dict[str, LayerUse], shift: Floats, choice: PlaceDrawing
+) -> dict[str, Any]:
+    lines = drawing.lines_of(layers)
+    sizes: dict[str, dict[str, Any]] = {name: {"thickness_mm": layer.thickness} for name, layer in layers.items()}
+    entry: dict[str, Any] = {"file": drawing.name, "layers": sizes}
+    if choice.strokes:
+        entry["width"] = "stroke"
+    else:
+        for name, layer in layers.items():
+            sizes[name]["width_mm"] = layer.width
+    shown = dict(table)
+    if choice.keep:
+        rods = dict(table.get("rods", {}))
+    else:
+        rods = {key: value for key, value in table.get("rods", {}).items() if key in KEPT_ROD_KEYS}
+        for key in ("stars", "fit"):
+            shown.pop(key, None)
+        for key in ("thickness_mm", "width_mm"):
+            values = {size.get(key) for size in sizes.values()}
+            if len(values) == 1 and (value := values.pop()) is not None:
+                rods[key] = value
+                for size in sizes.values():
+                    del size[key]
+    entry["lines"] = [_stored(line, shift, choice.strokes) for line in lines]
+    shown["rods"] = {**rods, "import": [*rods.get("import", ()), entry]}
+    return shown
+
+
+def _stored(line: FileLine, shift: Floats, has_width: bool) -> dict[str, Any]:
+    stored = {"points_mm": np.round(line.points - shift, DRAWING_DIGITS).tolist(), "layer": line.layer}
+    return stored | ({"width_mm": round(line.width_mm, DRAWING_DIGITS)} if has_width and line.width_mm else {})
+
+
+def _border(table: Mapping[str, Any], rim: str | None, outer: list[Floats]) -> dict[str, Any]:
+    """The border whose outline is the largest ring, with the others as holes, or a closed rod of this name."""
+    kept = {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}
+    if not outer:
+        return {**kept, "rods": rim}
+    corners, *inner = [_corners(ring) for ring in outer]
+    sheet = shapely.polygons(corners)
+    if beside := [ring for ring in inner if not shapely.contains(sheet, shapely.polygons(ring))]:
+        x, y = np.mean(beside[0], axis=0)
+        raise UploadError(f"the outline must be one: a closed line lies beside it, about ({x:.1f}, {y:.1f}) mm")
+    holes = [{"polygon_mm": ring} for ring in inner]
+    return {**kept, "polygon_mm": corners, **({"holes": holes} if holes else {})}
+
+
+def _corners(ring: Floats) -> list[list[float]]:
+    """The corners of a ring, with as few as a print can show."""
+    closed = shapely.LineString(np.concatenate([ring, ring[:1]])).simplify(OUTLINE_CURVE_MM)
+    corners = shapely.get_coordinates(closed)[:-1]
+    if len(corners) > MAX_CORNERS:
+        raise UploadError(f"the outline has {len(corners)} corners; at most {MAX_CORNERS} are allowed")
+    listed: list[list[float]] = corners.round(DRAWING_DIGITS).tolist()
+    return listed
+
+
+def _kept_border(table: Mapping[str, Any], outline: Floats) -> dict[str, Any]:
+    """The border as it is; an outline that stars or rods give becomes a polygon where these may have gone."""
+    border = dict(table["border"])
+    if ("rings" in border and "stars" not in table) or "rods" in border:
+        border = {key: value for key, value in border.items() if key not in OUTLINE_KEYS}
+        border["polygon_mm"] = outline.round(DRAWING_DIGITS).tolist()
+    return border
+
+
+def _around(table: Mapping[str, Any], box: Floats) -> dict[str, Any]:
+    """A rectangle around the points (n, 2) of a drawing."""
+    kept = {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}
+    low, high = box.min(axis=0) - SHEET_MARGIN_MM, box.max(axis=0) + SHEET_MARGIN_MM
+    corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
+    return {**kept, "polygon_mm": np.round(corners, 3).tolist()}

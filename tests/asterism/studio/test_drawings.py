@@ -1,0 +1,155 @@
+"""Drawings that become rods, the outline, or both: units, layers, what stays, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from asterism.studio.document import Document
+from asterism.studio.drawing import Drawings, read_drawing
+from asterism.studio.placed_drawing import with_drawing
+from asterism.studio.requests import PlaceDrawing
+from asterism.studio.uploads import UploadError
+from pattern.design.errors import DesignError
+from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.test_uploads import SQUARE, dxf
+
+SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="60mm" viewBox="0 0 100 60">
+<g id="cut" fill="none" stroke="black" stroke-width="0.1">
+<rect x="10" y="10" width="80" height="40"/><circle cx="70" cy="20" r="4"/></g>
+<g id="ribs" fill="none" stroke="black" stroke-width="1.6"><path d="M20 30H80"/><path d="M40 20V45"/></g>
+<g id="rim" fill="none" stroke="black" stroke-width="2"><ellipse cx="40" cy="30" rx="25" ry="15"/></g>
+<g id="notes" fill="none" stroke="red"><path d="M0 0L3 0"/></g>
+<g id="beside" fill="none" stroke="red"><circle cx="4" cy="4" r="2"/></g></svg>"""
+
+
+@pytest.fixture
+def document(folder: Path) -> Document:
+    return Document.open(folder / "dome.toml")
+
+
+def placed(document: Document, tmp_path: Path, name: str, content: bytes | str, **choice: Any) -> dict[str, Any]:
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    drawing = read_drawing(path, name)
+    request = PlaceDrawing.model_validate({"type": "drawing", "drawing": 1, **choice})
+    document.apply(with_drawing(document.table, drawing, request, document.layout.outline), None, name)
+    document.end_gesture()
+    return document.table
+
+
+@pytest.mark.slow
+def test_layers_become_rods_and_the_outline_with_its_holes(document: Document, tmp_path: Path) -> None:
+    layers = {"cut": {"use": "outline"}, "ribs": {"use": "rods", "thickness": 0.5, "width": 1.4}}
+    table = placed(document, tmp_path, "plan.svg", SVG, layers=layers)
+    assert "stars" not in table and table["rods"]["thickness_mm"] == 0.5 and table["rods"]["width_mm"] == 1.4
+    layout = document.layout
+    assert np.ptp(layout.outline, axis=0) == pytest.approx([80.0, 40.0]) and len(layout.holes) == 1
+    low, high = layout.holes[0].min(axis=0), layout.holes[0].max(axis=0)
+    assert (low + high) / 2 == pytest.approx([20.0, 10.0], abs=0.01)  # y points upwards
+    assert sum(rod.length for rod in layout.drawn_rods) == pytest.approx(60 + 25)
+    document.undo()
+    assert "rods" not in document.table and document.text == document.path.read_text(encoding="utf-8")
+
+
+def test_the_saved_design_needs_no_file(document: Document, tmp_path: Path) -> None:
+    placed(document, tmp_path, "plan.svg", SVG, layers={"ribs": {"use": "rods"}}, sheet="around", strokes=True)
+    (tmp_path / "plan.svg").unlink()
+    document.save()
+    again = Document.open(document.path).layout
+    assert [rod.width[0] for rod in again.drawn_rods] == pytest.approx([1.6] * 4, abs=1e-5)
+    assert np.ptp(again.outline, axis=0) == pytest.approx([80.0, 45.0])  # 10 mm around
+
+
+def test_a_closed_line_can_be_rod_and_outline(document: Document, tmp_path: Path) -> None:
+    layers = {"rim": {"use": "both", "width": 2.0}, "ribs": {"use": "rods", "width": 1.0}}
+    table = placed(document, tmp_path, "leaf.svg", SVG, layers=layers)
+    assert table["border"]["rods"] == "rim" and "width_mm" not in table["rods"]
+    assert np.ptp(document.layout.outline, axis=0) == pytest.approx([50.0, 30.0], abs=0.001)
+    assert document.layout.rim
+
+
+@pytest.mark.slow
+def test_the_pattern_that_is_there_can_stay(document: Document, tmp_path: Path) -> None:
+    circle = dxf(lambda space: space.add_circle((0, 0), 58, dxfattribs={"layer": "ring"}))
+    table = placed(document, tmp_path, "ring.dxf", circle, layers={"ring": {"use": "outline"}}, keep=True)
+    assert table["stars"] == Document.open(document.path).table["stars"] and "rods" not in table
+    with pytest.raises(DesignError, match="crosses"):
+        line = dxf(lambda space: space.add_line((-20, 0), (20, 0)))
+        placed(document, tmp_path, "line.dxf", line, layers={"0": {"use": "rods"}}, keep=True)
+    assert document.table == table
+
+
+def test_loose_lines_of_a_cad_program_are_an_outline(document: Document, tmp_path: Path) -> None:
+    def loose(space: Any) -> None:
+        for start, end in zip(SQUARE, SQUARE[1:] + SQUARE[:1], strict=True):
+            space.add_line(end, start)
+
+    placed(document, tmp_path, "a.dxf", dxf(loose), layers={"0": {"use": "outline"}})
+    assert np.ptp(document.layout.outline, axis=0) == pytest.approx([100.0, 60.0])
+
+
+@pytest.mark.parametrize(
+    "layers, problem",
+    [
+        ({"ribs": {"use": "outline"}}, "plan.svg: ribs: an outline must have a closed line"),
+        ({"other": {"use": "rods"}}, "choose a layer"),
+        ({"ribs": {"use": "rods", "width": 30.0}}, "width_mm"),
+        ({"cut": {"use": "outline"}, "beside": {"use": "outline"}}, "a closed line lies beside it"),
+    ],
+)
+def test_a_refused_drawing_changes_nothing(document: Document, tmp_path: Path, layers: Any, problem: str) -> None:
+    before = document.table
+    with pytest.raises((UploadError, DesignError), match=problem) as refusal:
+        placed(document, tmp_path, "plan.svg", SVG, layers=layers)
+    assert document.table == before and "\n" not in str(refusal.value)
+
+
+def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestClient, page: Page) -> None:
+    content = dxf(lambda space: space.add_line((-2, 0), (2, 0), dxfattribs={"layer": "ribs"}), unit=0)
+    headers = {"origin": f"http://{HOST}", "x-name": "ribs.dxf"}
+    asked = client.post(f"/{TOKEN}/upload?kind=drawing", content=content, headers=headers).json()
+    assert asked["units"] == ["mm", "cm", "in", "px"]
+    told = client.post(f"/{TOKEN}/upload?kind=drawing&units=cm", content=content, headers=headers).json()["drawing"]
+    assert told["name"] == "ribs.dxf" and told["size_mm"] == [40.0, 0.0]
+    (layer,) = told["layers"]
+    assert layer["name"] == "ribs" and layer["count"] == 1 and layer["widths_mm"] is None and not layer["has_rings"]
+    page.until("document")
+    page.send(type="drawing", gesture=1, drawing=told["number"], layers={"ribs": {"use": "rods"}})
+    shown = page.until("document", gesture=1)
+    assert [drawing["file"] for drawing in shown["design"]["rods"]["import"]] == ["ribs.dxf"]
+    assert "lines" not in shown["design"]["rods"]["import"][0]  # pages draw the plan
+    page.send(type="drawing", gesture=2, drawing=77, layers={"ribs": {"use": "rods"}})
+    assert "choose its file again" in page.until("problem")["text"]
+
+
+@pytest.mark.parametrize(
+    "name, content",
+    [("a.svg", b"<svg"), ("a.dxf", b"AutoCAD Binary DXF\r\n\x1a\x00" + b"\xff" * 100), ("a.png", b"x")],
+)
+def test_files_that_are_no_drawing_are_refused_in_one_line(client: TestClient, name: str, content: bytes) -> None:
+    headers = {"origin": f"http://{HOST}", "x-name": name}
+    answer = client.post(f"/{TOKEN}/upload?kind=drawing", content=content, headers=headers)
+    text = answer.json()["problem"]["text"]
+    assert answer.status_code == 422 and text.startswith(f"{name}: ") and "\n" not in text and "upload" not in text
+
+
+@pytest.mark.parametrize("key", ["rods.import", "border", "border.file"])
+def test_pages_cannot_read_files_elsewhere(document: Document, key: str) -> None:
+    file = "/etc/passwd.svg"
+    value: Any = {"rods.import": [{"file": file}], "border": {"file": file}, "border.file": file}[key]
+    with pytest.raises(DesignError, match="below the design's folder"):
+        document.change({key: value})
+
+
+def test_the_last_drawings_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "plan.svg").write_text(SVG, encoding="utf-8")
+    drawing, kept = read_drawing(tmp_path / "plan.svg", "plan.svg"), Drawings()
+    numbers = [kept.add(drawing) for _ in range(6)]
+    assert kept.get(numbers[-1]) is drawing
+    with pytest.raises(UploadError):
+        kept.get(numbers[0])
