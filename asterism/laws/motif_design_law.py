@@ -7,12 +7,12 @@ from pathlib import Path
 from shlex import quote
 
 from asterism.laws.design_law import chosen_law_path, design_law_path
-from homogenize.campaign.campaign import CampaignProgress
-from homogenize.campaign.motif_law_of_cells import solve_motif_law
+from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.motif_law import MotifLaw
 from homogenize.law.motif_law_file import load_motif_law
 from pattern.design.design import Design
+from pattern.layout.print_layout import print_layout
 
 
 def motif_law_for_design(
@@ -20,8 +20,7 @@ def motif_law_for_design(
     law: Path | None = None,
     file: Path | None = None,
     other: Path | None = None,
-    jobs: int = 1,
-    report: Callable[[CampaignProgress], None] | None = None,
+    say: Callable[[str], None] = lambda text: None,
 ) -> MotifLaw:
     """The law in a file, if it fits the design; without a file the design's cells are solved.
 
@@ -29,21 +28,19 @@ def motif_law_for_design(
     ----------
     law : None for the law that the design names; of designs that name none, the cells are solved.
     file, other : files of the design and of the material that replaces its own; for messages.
-    jobs : processes of this machine for the cells.
-    report : called at the beginning and after every cell.
+    say : called with a line of progress while cells are solved.
 
     Raises
     ------
     DesignError
         There is no law of such a design.
     LawError
-        The file is not the law of a motif, or does not fit; the message names the command that makes one.
-    CampaignError
-        The cells have no law; the message has the reason.
+        The file is not the law of a motif, or does not fit, and the message names the command that makes one; or the
+        cells have no law, and the message has the reason.
     """
     path = chosen_law_path(design, law)
     if path is None:
-        return solve_motif_law(design, jobs=jobs, report=report)
+        return serving_motif_law(design, print_layout(design), say=say)
     own = load_motif_law(path)
     try:
         own.check(design)

@@ -8,16 +8,20 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from asterism.laws import calibrate_motif as module
+from asterism.laws import motif_design_law
 from asterism.laws.motif_design_law import motif_law_for_design
-from homogenize.errors import CampaignError, LawError
-from homogenize.law.motif_law_file import load_motif_law
+from asterism.previews.motifs.serving_motif_law import serving_motif_law
+from homogenize.cell.motif_responses import MotifResponses
+from homogenize.errors import LawError
+from homogenize.law.motif_law_file import load_motif_law, motif_law_bytes
+from pattern.design.design import Design
 from pattern.layout.load_design import load_design
 from tests.asterism.commands import Outcome, command
 from tests.homogenize import same_process
@@ -160,24 +164,19 @@ def test_designs_without_a_law_are_refused(
 
 
 def test_without_a_file_the_cells_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from homogenize.campaign import motif_law_of_cells
+    calls: list[Design] = []
 
-    same_process.use(monkeypatch)
-    calls: list[Any] = []
+    def solve(sheet: Design, edge_mm: float, say: Callable[[str], None]) -> MotifResponses:
+        calls.append(sheet)
+        return made_up(sheet, edge_mm)
 
-    def campaign(*arguments: Any) -> Any:
-        calls.append(arguments)
-        return module.run_motif_campaign(*arguments, respond=made_up)
-
-    monkeypatch.setattr(motif_law_of_cells, "run_motif_campaign", campaign)
-    monkeypatch.setattr(motif_law_of_cells, "_kept", {})
+    monkeypatch.setattr(motif_design_law, "serving_motif_law", functools.partial(serving_motif_law, solve=solve))
     (tmp_path / "net.toml").write_text(design())
     sheet = load_design(tmp_path / "net.toml")
-    progress: list[int] = []
-    law = motif_law_for_design(sheet, report=lambda each: progress.append(each.done))
-    assert progress == [0, 1] and law is motif_law_for_design(sheet) and len(calls) == 1
+    first, again = motif_law_for_design(sheet), motif_law_for_design(sheet)
+    assert len(calls) == 1 and motif_law_bytes(first) == motif_law_bytes(again)
     (tmp_path / "thin.toml").write_text(design("0.3"))
-    with pytest.raises(CampaignError, match="the motif has no law of one cell"):
+    with pytest.raises(LawError, match=r"rods.motif: the motif has no law of one cell"):
         motif_law_for_design(load_design(tmp_path / "thin.toml"))
 
 
