@@ -74,7 +74,19 @@ def preview(
             "asterism.simulate(design, near=shape)"
         )
     elif warnings:
-        options = {"--law": law, "--material": material}
-        words = [str(design), *(word for option, file in options.items() if file for word in (option, str(file)))]
-        run.warn(f"check with the exact model:  asterism verify {join(words)}")
+        run.warn(f"check with the exact model:  {check_command(design, law, material, edge)}")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER
+
+
+def check_command(design: Path, law: Path | None, material: Path | None, edge: str | None) -> str:
+    """The command that compares a preview of these options with the exact shape.
+
+    >>> check_command(Path("dome.toml"), None, None, "0.7")
+    'asterism verify dome.toml --edge 0.7'
+    """
+    from asterism.cli.common.asked_edge import IN_THE_LIMIT
+
+    # no exact mesh is infinitely fine: the design's own is taken
+    options = {"--law": law, "--material": material, "--edge": None if edge == IN_THE_LIMIT else edge}
+    words = [str(word) for option, value in options.items() if value is not None for word in (option, value)]
+    return join(["asterism", "verify", str(design), *words])

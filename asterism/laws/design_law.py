@@ -13,6 +13,7 @@ from homogenize.law.axes import law_coordinates
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
 from homogenize.law.material import PAPER_MATERIAL, Material, load_material
+from homogenize.universal.groups import MIN_FABRIC_TO_EDGE
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.files import read_table
@@ -98,10 +99,27 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
         if isinstance(error, ForeignLaw):
             refused += f" ({law})" if law else ""
             refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
-            refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
-            refused += f", for --law {quote(str(design_law_path(file, other)))}"
+            calibration = f"asterism calibrate {quote(str(file))}{material}"
+            if is_too_thin(design):
+                edge = design.fabric.thickness_mm / MIN_FABRIC_TO_EDGE
+                refused += f"; the law of {calibration} would miss its cells, as so thin a fabric buckles in them: it "
+                refused += f"takes a material's file with plan.edge_mm of at most {edge:.3g}"
+            else:
+                refused += f"; {calibration} makes its law, for --law {quote(str(design_law_path(file, other)))}"
         raise LawError(refused, error.stars, error.place_mm, error.field) from None
     return own_law
+
+
+def is_too_thin(design: Design) -> bool:
+    """Whether the fabric buckles between the stars as the mesh of its own law's cells lets it, so that the law misses.
+
+    See docs/explanation/unit-cells.md, thin fabrics.
+    """
+    try:
+        edge = material_for_design(design).plan.edge_mm
+    except DesignError:  # it has no law of its own
+        return False
+    return design.fabric.thickness_mm < MIN_FABRIC_TO_EDGE * edge
 
 
 def chosen_law_path(design: Design, law: Path | None) -> Path | None:

@@ -116,6 +116,34 @@ def test_a_stretch_the_law_does_not_have(
     assert "asterism calibrate d.toml makes its law" in refused.line
 
 
+def test_an_own_star_at_a_finer_spacing_has_one_verdict(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither each star nor each law that does not serve has a line."""
+    table = DESIGN.replace("17.320508", "12.0").replace("rings = 1", "rings = 3")
+    (folder / "fine.toml").write_text(table.format(thickness=0.8, bending="paper").replace("= 0.5", "= 0.9"))
+    refused = command(["preview", "fine.toml"], capsys, monkeypatch)
+    assert refused.status == 2 and refused.out == ""
+    assert "spacing_mm = 12.0" in refused.line and "does not serve for 37 of 37 stars" in refused.line
+
+
+@pytest.mark.parametrize(("thickness", "is_advised"), [(0.5, False), (0.6, True)])
+def test_no_law_is_advised_whose_cells_buckle(
+    thickness: float,
+    is_advised: bool,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With edges of 1.15 mm, fabric below 0.52 mm buckles between the stars, as the mesh lets it."""
+    (folder / "d.toml").write_text(
+        DESIGN.format(thickness=thickness, bending="paper").replace("[fabric]", "[fabric]\nstretch = 2.5")
+    )
+    refused = command(["preview", "d.toml"], capsys, monkeypatch)
+    assert ("asterism calibrate d.toml makes its law" in refused.line) == is_advised
+    assert refused.line.endswith("plan.edge_mm of at most 1.11") != is_advised
+
+
 @pytest.mark.parametrize("word", ["preview", "verify", "calibrate"])
 def test_a_fabric_that_does_not_bend_has_no_law(
     word: str, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
