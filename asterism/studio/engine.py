@@ -290,6 +290,10 @@ class Engine:
             return
         ranges, statement = {}, None
         self._limits = None
+        if design.stars is None:
+            self._limits = key
+            self._send(Limits(self._bounds.seq, ranges, ()))  # cells of motifs are solved where the sizes are
+            return
         try:
             law = serving_law(design)
             ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement

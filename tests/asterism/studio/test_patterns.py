@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
 from asterism.studio.job_messages import Computed
-from asterism.studio.messages import NO_PREVIEW, Edit, ShownMesh
+from asterism.studio.messages import NO_PREVIEW, Edit, Limits, ShownMesh
 from asterism.studio.page_data import document_data
 from asterism.studio.ribbon_stations import NO_SITE, ribbon_stations
 from asterism.studio.verifier import run_verification
 from pattern.design.design import Design
 from pattern.layout.print_layout import print_layout
+from tests.asterism.previews.motifs.nets import net, net_law
 from tests.asterism.studio.engine_pipe import EnginePipe
 from tests.asterism.studio.test_verifier import Sent
 
@@ -97,3 +99,19 @@ def test_instead_of_a_verification_comes_the_exact_shape(tmp_path: Path, cross: 
     assert result.frame.height_mm > 1.0 and result.summary["is_minimum"]
     assert result.shown.numbers["extent_mm"] == result.summary["extent_mm"]
     assert all(Path(name).is_file() and Path(name).parent.name == "out-exact" for name in result.files)
+
+
+@pytest.mark.slow
+def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motif_kind, "serving_motif_law", lambda design, plan, known, say: net_law(design, known, say))
+    engine.send(Edit(1, net().to_dict()))
+    frame = engine.frame(1)
+    (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
+    (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
+    assert not limits.law and not limits.stretches  # a motif has cells where its sizes are
+    assert frame.is_minimum and frame.height_mm > 1.0 and len(frame.arms) == len(mesh.arm_site) > 20
+    summary = engine.summary(1)
+    assert summary.numbers["expected_rms_percent"] > 0.0
+    engine.send(Edit(2, net(0.5).to_dict()))
+    linear, final = engine.frame(2, "linear"), engine.frame(2)
+    assert linear.mesh == final.mesh and final.height_mm != pytest.approx(frame.height_mm, rel=1e-3)
