@@ -288,12 +288,12 @@ class Engine:
         key = (design.fabric, design.lattice, design.plastic, design.material)
         if key == self._limits:
             return
-        ranges, statement = {}, None
-        self._limits = None
         if design.stars is None:
             self._limits = key
-            self._send(Limits(self._bounds.seq, ranges, ()))  # cells of motifs are solved where the sizes are
+            self._send(Limits(self._bounds.seq, {}, ()))  # cells of motifs are solved where the sizes are
             return
+        ranges, statement = {}, None
+        self._limits = None
         try:
             law = serving_law(design)
             ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement
