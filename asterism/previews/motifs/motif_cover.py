@@ -2,16 +2,18 @@
 
 In an endless pattern no place is farther from a rod than a certain reach: half the distance of parallel lines. A rim is
 as wide as that, or narrower, wherever the outline cuts the pattern; it belongs to the motif, as the fabric between rods
-does. Beyond, the sheet turns to bare fabric over half of that reach, since the shell's fields have no jumps.
+does. Beyond, the fabric is bare; this is averaged over the neighbourhood, since the shell's mesh is coarse.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import shapely
+from scipy.ndimage import gaussian_filter, map_coordinates
 
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
+from pattern.geometry.planar import inside
 from pattern.layout.layout import Layout
 from pattern.rods.curves import polyline
 
@@ -19,8 +21,10 @@ from pattern.rods.curves import polyline
 SAMPLES = 40
 # copies of the motif on each side of a cell
 COPIES = 2
-# of the reach, over which the sheet turns to bare fabric
-TURN_SHARE = 0.5
+# points of the grid along the longer side of a sheet, at most
+MAX_GRID = 600
+# relative: places at the reach but for rounding belong to the pattern
+REACH_TOLERANCE = 1e-3
 
 
 def reach_mm(design: Design) -> float:
@@ -45,9 +49,27 @@ def reach_mm(design: Design) -> float:
     return float(shapely.distance(drawn, shapely.points(places)).max())
 
 
-def bare_share(layout: Layout, reach: float, points: Floats) -> Floats:
-    """(n,) from 0 in the pattern to 1 on bare fabric, at printed points (n, 2) mm."""
+def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -> Floats:
+    """(n,) from 0 in the pattern to 1 on bare fabric, at printed points (n, 2) mm.
+
+    Parameters
+    ----------
+    reach : mm, from `reach_mm`; places farther from all rods are bare.
+    smoothing : mm, standard deviation of the Gaussian over which that is averaged on the sheet.
+    """
+    low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
+    step = max(min(reach / 5.0, 0.5 * smoothing), float((high - low).max()) / MAX_GRID)
+    x, y = (np.arange(a - 0.5 * step, b + step, step) for a, b in zip(low, high, strict=True))
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    on_sheet = inside(grid.reshape(-1, 2), layout.outline).reshape(grid.shape[:2])
     drawn = shapely.MultiLineString([rod.points for rod in layout.graph.rods])
     shapely.prepare(drawn)
-    away = shapely.distance(drawn, shapely.points(points))
-    return np.asarray(np.clip((away - reach) / (TURN_SHARE * reach), 0.0, 1.0))
+    away = shapely.distance(drawn, shapely.points(grid[on_sheet]))
+    is_bare = np.zeros(on_sheet.shape)
+    is_bare[on_sheet] = away > (1.0 + REACH_TOLERANCE) * reach
+    if not is_bare.any():
+        return np.zeros(len(points))
+    bare, whole = (gaussian_filter(each, smoothing / step, mode="constant") for each in (is_bare, on_sheet * 1.0))
+    share = np.divide(bare, whole, out=np.zeros_like(bare), where=whole > 1e-9)
+    at = (points - [x[0], y[0]]) / step
+    return np.clip(map_coordinates(share, at.T, order=1, mode="nearest"), 0.0, 1.0)

@@ -7,25 +7,35 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.motifs.bare_fabric import bare_fabric, fabric_tension
 from asterism.previews.motifs.motif_cover import bare_share, reach_mm
 from asterism.previews.motifs.motif_values import MotifFieldValues
+from asterism.previews.motifs.rim_tension import Rims, rims_of
 from asterism.previews.print_sheet import EDGE_SPACINGS, MIN_TRIANGLES, PrintSheet, elements_of, usual_triangles
 from asterism.previews.supports.point_pins import with_point_softness
 from equilibrium.arrays import Floats
 from fem.shell.density import Density, isotropic, on_metric
 from fem.shell.fields import FieldError, Fields
 from fem.supports.loads import area_load
+from homogenize.cell.rod_bending import GAUSSIAN
 from homogenize.errors import LawError
 from homogenize.law.motif_plan import rounded, source_of
 from homogenize.law.tensor_forms import TO_VOIGT
 from pattern.design.design import Design
 from pattern.design.materials import Fabric
 from pattern.design.sizing.field import sample
+from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
 from pattern.rods.curves import polyline
 
 # most triangles of the shell's mesh, unless the caller gives a number: motifs may be far finer than the sheet's form
 MAX_MOTIF_TRIANGLES = 150
+# width of the Gaussian over which bare fabric is smeared, over the side of a square with the area of a triangle
+SMOOTHING_EDGES = 0.2
+# of the motif's stiffness that remains on bare fabric, so that no direction is without any
+MIN_MOTIF_SHARE = 1e-3
+# most of the modulus at which the bending energy becomes indefinite; only sheets with far wider rims have more
+MAX_GAUSSIAN_FACTOR = 5.0
 # keys of a drawn line that change the sizes of rods, not their places
 ROD_SIZES = {"name", "thickness_mm", "width_mm"}
 
@@ -37,11 +47,13 @@ class MotifSheet(PrintSheet):
     Attributes
     ----------
     bare : (T, Q) share of bare fabric at the quadrature points.
+    rims : the sides of the sheet, at which the tension of the fabric bends it.
 
     For the others, see `PrintSheet`.
     """
 
     bare: Floats
+    rims: Rims
 
     def with_pattern(self, design: Design, layout: Layout) -> MotifSheet:
         """The same sheet with other sizes of the rods; `is_same_print` must hold."""
@@ -77,11 +89,14 @@ class MotifSheet(PrintSheet):
         at = values.at(self.table.points.reshape(-1, 2))
         stiffness, metric = at.stiffness.reshape(*shape, 6, 6), at.metric.reshape(*shape, 3)
         curvature = at.curvature.reshape(*shape, 3)
+        density = Density(stiffness)
         if self.bare.any():
-            stiffness, metric, curvature = _beside_bare(stiffness, metric, curvature, self.bare, self.design.fabric)
-        fields = Fields(Density(stiffness), metric, curvature)
+            stiffness, curvature = _beside_bare(stiffness, curvature, self.bare, self.design.fabric)
+            density = Density(stiffness, term=bare_fabric(self.design.fabric, metric, self.bare))
+        fields = Fields(density, metric, curvature, self.gaussian(metric, stiffness))
         if self.pin_softness is not None:
-            model = self.model if self.bare.any() else replace(self.model, has_neo_hookean_fabric=False)
+            # the law of stretched stars is not that of rods
+            model = replace(self.model, has_neo_hookean_fabric=False)
             fields = with_point_softness(fields, self.pin_softness, self.bare, model)
         try:
             fields.rest(self.table.points)
@@ -90,6 +105,22 @@ class MotifSheet(PrintSheet):
             message = f"rods: the sizes differ too much near [{x:.1f}, {y:.1f}]: {error}"
             raise LawError(message, place_mm=(x, y), field="rods") from None
         return fields
+
+    def gaussian(self, metric: Floats, stiffness: Floats) -> Floats:
+        """(T, Q) N mm, Gaussian modulus on a metric (T, Q, 3) with a stiffness (T, Q, 6, 6)."""
+        tension = fabric_tension(self.design.fabric, metric).reshape(-1, 3)
+        modulus = self.rims.gaussian(tension, self.table.points.reshape(-1, 2)).reshape(self.bare.shape)
+        low, high = gaussian_limits(stiffness[..., 3:, 3:])
+        return np.asarray(np.clip(modulus, MAX_GAUSSIAN_FACTOR * low, MAX_GAUSSIAN_FACTOR * high))
+
+    def gaussian_share(self, values: MotifFieldValues) -> float:
+        """Largest Gaussian modulus over the one at which the bending energy becomes indefinite."""
+        at = values.at(self.table.points.reshape(-1, 2))
+        shape = self.bare.shape
+        stiffness = at.stiffness.reshape(*shape, 6, 6)
+        modulus = self.gaussian(at.metric.reshape(*shape, 3), stiffness)
+        low, high = gaussian_limits(stiffness[..., 3:, 3:])
+        return float(np.maximum(modulus / low, modulus / high).max())
 
     def loads(self) -> Floats:
         """(N, 3) N, the weight of fabric and plastic: as much plastic as is printed, where the motif is."""
@@ -142,8 +173,10 @@ def motif_sheet_of(
     edge = EDGE_SPACINGS * design.lattice.spacing_mm
     usual = usual_triangles(layout, edge, MIN_TRIANGLES, MAX_MOTIF_TRIANGLES)
     mesh, space, table = elements_of(layout, usual, triangles)
-    bare = bare_share(layout, reach_mm(design), table.points.reshape(-1, 2)).reshape(table.weights.shape)
-    return MotifSheet(design, layout, model, mesh, space, table, bare)
+    smoothing = SMOOTHING_EDGES * float(np.sqrt(polygon_area(layout.outline) / len(mesh.triangles)))
+    reach = reach_mm(design)
+    bare = bare_share(layout, reach, smoothing, table.points.reshape(-1, 2)).reshape(table.weights.shape)
+    return MotifSheet(design, layout, model, mesh, space, table, bare, rims_of(design, layout, reach))
 
 
 def _lines(design: Design) -> object:
@@ -151,25 +184,38 @@ def _lines(design: Design) -> object:
     return [line.model_dump(mode="json", exclude=ROD_SIZES) for line in design.required_rods.motif]
 
 
-def _beside_bare(
-    stiffness: Floats, metric: Floats, curvature: Floats, bare: Floats, fabric: Fabric
-) -> tuple[Floats, Floats, Floats]:
-    """Stiffness (..., 6, 6), metric (..., 3) and rest curvature (..., 3) of a motif beside a share of bare fabric."""
-    of_fabric, at_rest = fabric_sheet(fabric)
-    share = bare[..., None]
-    mixed = (1.0 - share[..., None]) * stiffness + share[..., None] * of_fabric
-    moment = (1.0 - share) * np.einsum("...ij,...j->...i", stiffness[..., 3:, 3:], curvature * TO_VOIGT)
-    bent = np.linalg.solve(mixed[..., 3:, 3:], moment[..., None])[..., 0] / TO_VOIGT
-    return mixed, (1.0 - share) * metric + share * at_rest, bent
+def gaussian_limits(bending: Floats) -> tuple[Floats, Floats]:
+    """Lowest and highest Gaussian modulus (...,) with which a bending stiffness (..., 3, 3) is positive definite.
+
+    Examples
+    --------
+    >>> low, high = gaussian_limits(np.diag([4.0, 9.0, 4.0]))
+    >>> float(low.round(6)), float(high.round(6))
+    (-6.0, 6.0)
+    """
+    inverse = np.linalg.inv(np.linalg.cholesky(bending))
+    sizes = np.linalg.eigvalsh(inverse @ GAUSSIAN @ np.swapaxes(inverse, -1, -2))
+    return np.asarray(-1.0 / sizes[..., -1]), np.asarray(-1.0 / sizes[..., 0])
 
 
-def fabric_sheet(fabric: Fabric) -> tuple[Floats, Floats]:
-    """Stiffness (6, 6), N/mm and N mm per printed area, and rest metric (3,) of bare fabric."""
-    along, across = (1.0 / stretch**2 for stretch in fabric.stretch_xy)
-    metric = np.array([along, across, 0.0])
+def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fabric) -> tuple[Floats, Floats]:
+    """Stiffness (..., 6, 6) and rest curvature (..., 3) of a motif beside a share of bare fabric.
+
+    The fabric bends with its own stiffness. Its membrane is left to `bare_fabric`.
+    """
+    share = bare[..., None, None]
+    mixed = np.maximum(1.0 - share, MIN_MOTIF_SHARE) * stiffness
+    moment = np.einsum("...ij,...j->...i", mixed[..., 3:, 3:], curvature * TO_VOIGT)
+    mixed[..., 3:, 3:] += share * fabric_bending(fabric)
+    return mixed, np.linalg.solve(mixed[..., 3:, 3:], moment[..., None])[..., 0] / TO_VOIGT
+
+
+def fabric_bending(fabric: Fabric) -> Floats:
+    """(3, 3) N mm, bending stiffness of bare fabric per printed area."""
+    metric = np.array([*(1.0 / stretch**2 for stretch in fabric.stretch_xy), 0.0])
     plane = fabric.modulus_mpa / (1.0 - fabric.poisson**2)
     bending = plane * fabric.bending_thickness_mm**3 / 12.0
-    return on_metric(isotropic(plane * fabric.thickness_mm, bending, fabric.poisson), metric), metric
+    return on_metric(isotropic(plane * fabric.thickness_mm, bending, fabric.poisson), metric)[3:, 3:]
 
 
 def _mean_of_product(first: Floats, second: Floats) -> Floats:

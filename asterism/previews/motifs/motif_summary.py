@@ -15,6 +15,9 @@ from asterism.shape.shape import Shape
 from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.mesh.mesh import Mesh
 
+# largest Gaussian modulus over the one at which bending becomes indefinite without a warning
+MAX_RIM_SHARE = 1.5
+
 
 def motif_summary(
     state: AnyPreviewState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
@@ -59,6 +62,11 @@ def _warnings(
         yield (
             f"{share:.0f} % of the rods are outside the law's range, such as {values.outside[0]}; the preview "
             "takes the nearest size in the range"
+        )
+    if state.sheet.gaussian_share(values) > MAX_RIM_SHARE:
+        yield (
+            "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
+            "describes roughly; check with the exact model"
         )
     yield from support_warnings(state, estimate, height_mm)
     yield from side_warnings(state)

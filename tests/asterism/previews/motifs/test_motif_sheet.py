@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 
-from asterism.previews.motifs.motif_cover import bare_share, reach_mm
-from asterism.previews.motifs.motif_sheet import fabric_sheet, motif_sheet_of
+from asterism.previews.motifs.bare_fabric import fabric_tension, neo_hookean
+from asterism.previews.motifs.motif_cover import reach_mm
+from asterism.previews.motifs.motif_sheet import motif_sheet_of
 from asterism.previews.motifs.motif_values import MotifFieldValues
 from pattern.design.materials import Fabric
 from pattern.layout.print_layout import print_layout
@@ -36,28 +38,43 @@ def test_a_net_reaches_half_a_mesh_and_its_rim_belongs_to_it() -> None:
 def test_a_wide_rim_is_bare_fabric() -> None:
     design = net(border={"rectangle_mm": (60.0, 60.0), "tip_margin_mm": 9.0})
     plan = print_layout(design)
-    tip = max(rod.points[:, 1].max() for rod in plan.graph.rods)
-    at = np.array([[5.0, tip - 1.0], [5.0, tip + 5.0], [5.0, tip + 6.25], [5.0, tip + 8.0]])
-    assert bare_share(plan, reach_mm(design), at) == pytest.approx([0.0, 0.0, 0.5, 1.0])
     sheet = motif_sheet_of(design, plan, triangles=400)
-    fields = sheet.fields(MotifFieldValues.of(design, plan, net_law(design)))
-    barest = np.unravel_index(sheet.bare.argmax(), sheet.bare.shape)
-    stiffness, metric = fabric_sheet(design.fabric)
-    assert sheet.bare[barest] == 1.0
-    assert np.asarray(fields.metric)[barest] == pytest.approx(metric)
-    assert np.asarray(fields.density.stiffness)[barest] == pytest.approx(stiffness)  # type: ignore[union-attr]
+    drawn = shapely.MultiLineString([rod.points for rod in plan.graph.rods])
+    points = shapely.points(np.random.default_rng(0).uniform(-30.0, 30.0, (20000, 2)))
+    is_bare = shapely.distance(drawn, points) > reach_mm(design)
+    weights = sheet.table.weights
+    assert (sheet.bare * weights).sum() / weights.sum() == pytest.approx(is_bare.mean(), abs=0.01)
+    assert sheet.bare.max() == pytest.approx(1.0, abs=1e-6) and sheet.bare.min() == 0.0
 
 
-def test_bare_fabric_has_its_own_tension_on_the_print() -> None:
-    """The tension of fabric that is held as printed is that of Green's strain on its rest metric."""
-    fabric = Fabric(stretch=1.1)
-    stiffness, metric = fabric_sheet(fabric)
-    assert metric == pytest.approx([1.1**-2, 1.1**-2, 0.0])
-    strain = 0.5 * (1.0 - metric[0])  # in printed coordinates
-    of_rest = strain / metric[0]
-    plane = fabric.modulus_mpa / (1.0 - fabric.poisson)
-    energy = 0.5 * np.array([strain, strain]) @ stiffness[:2, :2] @ np.array([strain, strain])
-    assert energy == pytest.approx(plane * of_rest**2 * fabric.thickness_mm / 1.1**2)
+def test_the_energy_of_bare_fabric_has_its_derivatives() -> None:
+    rng = np.random.default_rng(0)
+    strains = rng.uniform(-0.15, 0.4, (5, 3))
+    energy, gradient, hessian = neo_hookean(strains, 1.3, 0.7)
+    assert (energy > 0.0).all()
+    for k in range(3):
+        step = 1e-6 * np.eye(3)[k]
+        high, low = (neo_hookean(strains + sign * step, 1.3, 0.7) for sign in (1.0, -1.0))
+        assert (high[0] - low[0]) / 2e-6 == pytest.approx(gradient[:, k], abs=1e-8)
+        assert (high[1] - low[1]) / 2e-6 == pytest.approx(hessian[:, k], abs=1e-7)
+
+
+def test_fabric_as_printed_has_its_tension() -> None:
+    """Of a neo-Hookean membrane with equal stretches: `t/s^2 (mu (s^2 - 1) + 2 lam ln s)` per printed length."""
+    fabric = Fabric(stretch=1.35)
+    mu = fabric.modulus_mpa / (2.0 * (1.0 + fabric.poisson))
+    lam = fabric.modulus_mpa * fabric.poisson / (1.0 - fabric.poisson**2)
+    tension = fabric.thickness_mm / 1.35**2 * (mu * (1.35**2 - 1.0) + 2.0 * lam * np.log(1.35))
+    assert fabric_tension(fabric, np.array([[1.0, 1.0, 0.0]]))[0] == pytest.approx([tension, tension, 0.0])
+
+
+def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
+    """A net that is cut midway between its rods has the Gaussian modulus `-N d^2/24`."""
+    design = net()
+    sheet = motif_sheet_of(design, print_layout(design))
+    assert sheet.rims.moment_mm2 == pytest.approx(4 * [100.0 / 24.0])
+    tension = np.array([[2.0, 2.0, 0.0]])
+    assert sheet.rims.gaussian(tension, np.array([[3.0, -4.0]])) == pytest.approx([-2.0 * 100.0 / 24.0])
 
 
 def test_the_sheet_weighs_what_is_printed() -> None:

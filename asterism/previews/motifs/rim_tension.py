@@ -1,0 +1,134 @@
+"""Gaussian modulus of a motif's sheet: work of the fabric's tension on Gaussian curvature.
+
+In a flat sheet the fabric is in tension, and its rods are in compression. Gaussian curvature K does the work `-phi K`
+on these forces. Airy's stress function phi vanishes at the rim, and so does its slope (`homogenize.cell.rod_bending`).
+From a side inwards, fabric of the tension N along the side raises phi to `N w^2/2` at the first rod, at the distance w.
+The rods then balance the fabric midway to the next rod, if their distance is d. So the mean of phi over a cell beside
+the side is
+
+    Phi = N (mean of w^2/2 - d^2/12),
+
+which is `N d^2/24` if the outline cuts the pattern midway between rods. The shell itself has the part `N s^2/2` of bare
+fabric of the width s (`asterism.previews.motifs.bare_fabric`), which is taken off. At sides along which no rods run,
+Phi is zero in the mean. Smeared rods need carry no other forces between the sides; so phi there is taken as the mean of
+the sides' values, weighted by length over distance.
+
+Phi may exceed the bending stiffness. The membrane then keeps the sheet stable, because Gaussian curvature stretches it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from equilibrium.arrays import Floats
+from pattern.design.design import Design
+from pattern.geometry.planar import distance_to_segment
+from pattern.layout.layout import Layout
+from pattern.rods.curves import polyline
+
+# distance of the places of a side at which rims are measured, in spacings of the lattice
+SAMPLE_SPACINGS = 0.05
+# how far inwards rods are looked for, in their mean distances
+REACH_DISTANCES = 3.0
+# of the places of a side: with fewer places that have a rod inwards, rods end at this side and lie along no part of it
+MIN_MET_SHARE = 0.8
+
+
+@dataclass(frozen=True)
+class Rims:
+    """The sides of a sheet.
+
+    Attributes
+    ----------
+    start, end : (B, 2) mm, of each side of the outline.
+    along : (B, 2) unit vectors along them.
+    moment_mm2 : (B,) Phi over N.
+    """
+
+    start: Floats
+    end: Floats
+    along: Floats
+    moment_mm2: Floats
+
+    def gaussian(self, tension: Floats, points: Floats) -> Floats:
+        """(n,) N mm, the Gaussian modulus -phi at printed points (n, 2) mm.
+
+        Parameters
+        ----------
+        tension : (n, 3) N/mm, of the fabric in the flat sheet, components 11, 22, 12, in printed coordinates.
+        """
+        x, y = self.along.T
+        across = np.stack([x * x, y * y, 2.0 * x * y])  # of the tension along each side
+        length = np.linalg.norm(self.end - self.start, axis=1)
+        away = distance_to_segment(points[:, None], self.start, self.end)
+        weight = length / np.maximum(away, 1e-3 * length.max())
+        return -np.asarray((weight * (tension @ across) * self.moment_mm2).sum(axis=1) / weight.sum(axis=1))
+
+
+def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
+    """The sides of the sheet of a motif.
+
+    Parameters
+    ----------
+    reach : mm, from `asterism.previews.motifs.motif_cover.reach_mm`.
+
+    Examples
+    --------
+    Lines 5 mm apart, of which the outermost are 4 mm from two sides and end at the others:
+
+    >>> from pattern.layout.print_layout import print_layout
+    >>> lines = Design.from_dict({
+    ...     "rods": {"motif": [{"line_mm": [(0, 0), (5, 0)]}]}, "lattice": {"kind": "square", "spacing_mm": 5.0},
+    ...     "border": {"rectangle_mm": (40, 38)},
+    ... })
+    >>> rims_of(lines, print_layout(lines), 2.5).moment_mm2.round(2).tolist()
+    [4.79, 0.0, 4.79, 0.0]
+    """
+    start, end = layout.outline, np.roll(layout.outline, -1, axis=0)
+    length = np.linalg.norm(end - start, axis=1)
+    along = (end - start) / length[:, None]
+    inwards = np.column_stack([-along[:, 1], along[:, 0]])
+    spacing = design.lattice.spacing_mm
+    drawn = shapely.MultiLineString([rod.points for rod in layout.graph.rods])
+    shapely.prepare(drawn)
+    moment = np.zeros(len(start))
+    for side, normal in enumerate(inwards):
+        distance = _distance_along(design, normal)
+        if not np.isfinite(distance):
+            continue
+        count = max(int(np.ceil(length[side] / (SAMPLE_SPACINGS * spacing))), 2)
+        places = start[side] + (np.arange(count) + 0.5)[:, None] / count * (end - start)[side]
+        width = _to_first_rod(places, normal, drawn, REACH_DISTANCES * distance)
+        met = np.isfinite(width)
+        if met.mean() < MIN_MET_SHARE:
+            continue
+        square = float((width[met] ** 2).mean())
+        bare = np.maximum(shapely.distance(drawn, shapely.points(places)) - reach, 0.0)
+        moment[side] = 0.5 * (square - float((bare**2).mean())) - distance**2 / 12.0
+    return Rims(start, end, along, moment)
+
+
+def _distance_along(design: Design, direction: Floats) -> float:
+    """mm, mean distance of the rods of the endless pattern along a line of a direction (2,)."""
+    area = abs(float(np.linalg.det(np.asarray(design.lattice.vectors))))
+    rods = design.required_rods
+    crossed = sum(
+        float(np.abs(np.diff(polyline(line, rods.curve_mm), axis=0) @ [-direction[1], direction[0]]).sum())
+        for line in rods.motif
+    )
+    return area / crossed if crossed > 0.0 else np.inf
+
+
+def _to_first_rod(places: Floats, direction: Floats, drawn: shapely.MultiLineString, most: float) -> Floats:
+    """(n,) mm, distance from places (n, 2) to the first rod along a direction (2,); inf without one within `most`."""
+    rays = shapely.linestrings(np.stack([places, places + most * direction], axis=1))
+    met = shapely.intersection(rays, drawn)
+    return np.array(
+        [
+            np.inf if hit.is_empty else float(shapely.distance(hit, shapely.Point(place)))
+            for hit, place in zip(met, places, strict=True)
+        ]
+    )
