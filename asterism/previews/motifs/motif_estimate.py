@@ -36,7 +36,7 @@ MAX_OUTSIDE_SHARE = 0.1
 
 @dataclass(frozen=True)
 class MotifErrorModel:
-    """Constants of the estimate for motifs, fitted to the working half of `benchmarks.motif_previews`.
+    """Constants of the estimate for motifs, judged from a few sheets of `benchmarks.motif_shells` and not fitted.
 
     Attributes
     ----------
