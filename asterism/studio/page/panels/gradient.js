@@ -184,6 +184,13 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw")) ?? [0, 20];
     const shown = Math.min(most, { length: 20, thickness: 1.2, width: 4 }[settings.quantity]);
     for (const one of [from, to, number, low, high]) one.limits(least, shown);
+    for (const [key, share] of [
+      ["from", 0.5],
+      ["to", 0.25],
+    ]) {
+      // the values of another size would be refused
+      if (settings[key] < least || settings[key] > shown) settings[key] = Number((least + share * (shown - least)).toFixed(2));
+    }
     from.set(settings.from);
     to.set(settings.to);
     power.set(settings.power);

@@ -28,5 +28,8 @@ def test_a_drawing_rises_by_the_exact_model_and_lies_flat_again_after_an_edit(sh
     shared.page.keyboard.press("Enter")
     shared.wait("studio.document.design.rods.thickness_mm === 0.6 && studio.stage === 'equilibrium'")
     assert shared.item("engine").inner_text() == "Shown as printed"
+    shared.item("gradient-kind-linear").click()
+    shared.wait("studio.document.design.rods.thickness_mm.profile === 'linear'")
+    shared.item("undo").click()
     shared.item("undo").click()
     shared.wait("studio.document.design.rods.thickness_mm === 0.4")
