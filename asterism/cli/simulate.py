@@ -55,8 +55,10 @@ def simulate(
     from asterism.results.doubts import doubts
     from asterism.verification.both_starts import BOTH_STARTS
     from asterism.verification.both_starts import simulate as compute
+    from asterism.verification.mesh_limit import has_mesh_limit
     from discrete.energies.contact import ipc_toolkit
     from equilibrium.linear.backends import check_backend
+    from homogenize.law.motif_law import MotifLaw
 
     changed = with_overrides(
         read_design(design, material, run.warn),
@@ -82,4 +84,8 @@ def simulate(
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     run.warn(*shape.summary["warnings"])
+    # laws of motifs have cells of one mesh
+    is_unknown = shape.summary["mesh_error_percent"] is None and changed.rods is None
+    if is_unknown and not isinstance(given_law, MotifLaw) and has_mesh_limit(changed, given_law):
+        run.warn("the meshes show no mesh error: asterism verify estimates it from the law's cells of finer meshes")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER

@@ -12,6 +12,7 @@ from dataclasses import replace
 from asterism.previews.mesh_law import LIMIT, has_edge, law_on_mesh
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
+from asterism.previews.serving_law import serving_law
 from asterism.results.records.mesh_limit import MeshLimitRecord
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
@@ -64,6 +65,21 @@ def mesh_limit(design: Design, law: Law, shown: Shape, plan: Layout) -> MeshLimi
         distance_percent=comparison.rms_percent,
         wall_s=time.perf_counter() - begun,
     )
+
+
+def has_mesh_limit(design: Design, law: Law | None = None) -> bool:
+    """Whether the law has the cells for `mesh_limit`: of the design's edges, and of finer ones that show an order.
+
+    Parameters
+    ----------
+    law : by default the one that serves the design.
+    """
+    plan = layout(design)
+    try:
+        law = law if law is not None else serving_law(design, plan)
+        return all(law_on_mesh(law, design, plan, edge_mm) for edge_mm in (design.mesh.edge_mm, LIMIT))
+    except Error:
+        return False
 
 
 def design_and_law(design: Design, law: Law, edge_mm: float | None) -> tuple[Design, Law]:

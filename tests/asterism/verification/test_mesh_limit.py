@@ -8,7 +8,13 @@ from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.results.records.exact import ExactRecord
 from asterism.verification.mesh_error import verified_mesh_error
-from asterism.verification.mesh_limit import design_and_law, is_on_exact_mesh, mesh_limit, with_mesh_limit
+from asterism.verification.mesh_limit import (
+    design_and_law,
+    has_mesh_limit,
+    is_on_exact_mesh,
+    mesh_limit,
+    with_mesh_limit,
+)
 from homogenize.errors import LawError
 from pattern import gallery
 from pattern.layout.build import layout
@@ -44,3 +50,8 @@ def test_stars_without_an_order_have_no_limit() -> None:
     assert shown.summary["mesh_limit"] is None
     with pytest.raises(LawError, match=r"no limit for .* of 37 stars"):
         design_and_law(dome, paper_law(), 0.0)
+
+
+@pytest.mark.parametrize(("name", "is_known"), [("tube", True), ("dome", False)])
+def test_whether_a_verification_has_a_limit_is_known_without_a_preview(name: str, is_known: bool) -> None:
+    assert has_mesh_limit(gallery.load(name)) == has_mesh_limit(gallery.load(name), paper_law()) == is_known
