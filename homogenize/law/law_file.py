@@ -9,8 +9,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import tokenize
-import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -20,30 +18,19 @@ from typing import Any
 import numpy as np
 
 from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.errors import LawError, UnreadableLaw
+from homogenize.errors import LawError
 from homogenize.law.anisotropy import anisotropy_size
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
+from homogenize.law.law_file_errors import law_file_errors
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, to_stored
 from homogenize.law.material import Material
 from homogenize.law.mesh_edges import EdgeTables
-from pattern.design.errors import DesignError
 from pattern.design.files import check_regular
 
 # raise it when the arrays or quantities of a file change their meaning
 LAW_FORMAT = 4
 PAPER_LAW = Path(__file__).parents[1] / "data" / "paper.npz"
-# what numpy and zipfile raise for files that are damaged, or no archives
-DAMAGED_FILE_ERRORS = (
-    KeyError,
-    TypeError,
-    ValueError,
-    EOFError,
-    RuntimeError,
-    tokenize.TokenError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
 _REMEDY = "make it again: asterism calibrate"
 _TEXTS = ("material", "residuals", "made")
 # an array that only the files of other laws have
@@ -137,7 +124,7 @@ def load_law(path: str | Path | None = None) -> Law:
     array([0.0258])
     """
     path = PAPER_LAW if path is None else Path(path)
-    try:
+    with law_file_errors(path, "material", _REMEDY):
         check_regular(path)
         with np.load(path, allow_pickle=False) as archive:
             if KIND in archive:
@@ -163,16 +150,6 @@ def load_law(path: str | Path | None = None) -> Law:
         if columns and not all("symmetry" in kinds for kinds in residuals.values()):
             raise LawError(f"{path}: its cells lack the symmetry of star and lattice; {_REMEDY}")
         return law
-    except OSError as error:
-        if error.filename is None:  # no error of the disk: the archive points to places outside of its file
-            raise LawError(f"{path}: is not a law, or damaged") from None
-        raise UnreadableLaw(f"{path}: cannot be read: {error.strerror or error}") from None
-    except DesignError as error:
-        raise LawError(f"{path}: its material cannot be read: {error}; {_REMEDY}") from None
-    except DAMAGED_FILE_ERRORS as error:
-        if isinstance(error, LawError):
-            raise
-        raise LawError(f"{path}: is not a law, or damaged") from None
 
 
 def _check_whole(law: Law) -> None:

@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from homogenize.errors import LawError, UnreadableLaw
-from homogenize.law.law_file import DAMAGED_FILE_ERRORS, KIND, PackedRows
+from homogenize.errors import LawError
+from homogenize.law.law_file import KIND, PackedRows
+from homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS, law_file_errors
 from homogenize.law.motif_law import MotifLaw
 from homogenize.law.motif_plan import MotifPlan
 from homogenize.law.motif_table import MotifTable
@@ -62,20 +63,10 @@ def load_motif_law(path: str | Path) -> MotifLaw:
     UnreadableLaw
         The file is missing, or cannot be read.
     """
-    try:
+    with law_file_errors(path, "plan", _REMEDY):
         check_regular(Path(path))
         with np.load(path, allow_pickle=False) as archive:
             return _law(archive, path)
-    except OSError as error:
-        if error.filename is None:  # no error of the disk: the archive points to places outside of its file
-            raise LawError(f"{path}: is not a law, or damaged") from None
-        raise UnreadableLaw(f"{path}: cannot be read: {error.strerror or error}") from None
-    except DesignError as error:
-        raise LawError(f"{path}: its plan cannot be read: {error}; {_REMEDY}") from None
-    except DAMAGED_FILE_ERRORS as error:
-        if isinstance(error, LawError):
-            raise
-        raise LawError(f"{path}: is not a law, or damaged") from None
 
 
 def is_motif_law(path: str | Path) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from homogenize.errors import LawError
-from homogenize.law.law_file import DAMAGED_FILE_ERRORS
+from homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS
 from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.groups import GROUP_KEYS, GROUPS
 from homogenize.universal.kriging import Kriging

@@ -11,12 +11,11 @@ from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.motifs.motif_sheet import MotifSheet
 from asterism.previews.motifs.motif_values import MotifFieldValues
 from asterism.previews.surface.places import Places
+from asterism.previews.surface.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import cell_fields
 from equilibrium.arrays import Floats
 from pattern.mesh.mesh import Mesh
-from pattern.mesh.meshing import mesh_layout
 
 # largest edge of the triangles of a preview's shape, over the spacing of the lattice
 MAX_SHOWN_MOTIF_EDGE = 1 / 3
@@ -66,34 +65,14 @@ class MotifLens:
 
 
 def shown_motif_mesh(sheet: MotifSheet) -> Mesh:
-    """The mesh of a preview's shape, with rods along its edges: the design's, or a coarser one if that is fine enough.
-
-    The edge length is that of the design, but at least `MAX_SHOWN_MOTIF_EDGE` spacings.
-    """
-    design = sheet.design
-    edge = max(design.mesh.edge_mm, MAX_SHOWN_MOTIF_EDGE * design.lattice.spacing_mm)
-    return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+    """The mesh of a preview's shape, see `mesh_to_show`."""
+    return mesh_to_show(sheet, MAX_SHOWN_MOTIF_EDGE)
 
 
 def motif_shape_of(sheet: MotifSheet, mesh: Mesh, places: Places) -> Shape:
-    """The shape, without a summary. Normals, curvatures and strains are those of the smooth surface."""
-    return Shape(
-        printed=mesh.points,
-        positions=places.smooth,
-        triangles=mesh.triangles,
-        star=np.full(len(mesh.points), -1, dtype=np.int64),
-        rods=mesh.rods,
-        star_vertices=mesh.star_vertices,
-        point_fields={
-            "bump_mm": places.bumps,
-            "normal": places.surface.normals,
-            "mean_curvature_per_mm": places.surface.mean_curvature,
-            "gaussian_curvature_per_mm2": places.surface.gaussian_curvature,
-        },
-        cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, sheet.design.fabric.stretch_xy),
-        rod_fields=_fields_of_rods(sheet, mesh),
-        held=bool(sheet.layout.pins),
-        plan=sheet.layout,
+    """The shape, without a summary. It has no bumps."""
+    return shape_on_mesh(
+        sheet, mesh, places, np.full(len(mesh.points), -1, dtype=np.int64), _fields_of_rods(sheet, mesh)
     )
 
 

@@ -14,13 +14,12 @@ from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.sheet import Sheet
 from asterism.previews.surface.places import Places
+from asterism.previews.surface.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import cell_fields
 from equilibrium.arrays import Floats
 from homogenize.cell.corrugation_waves import CorrugationWaves
 from pattern.mesh.mesh import Mesh
-from pattern.mesh.meshing import mesh_layout
 
 # largest edge of the triangles of a preview's shape, over the spacing of the stars
 MAX_SHOWN_EDGE = 1 / 6
@@ -96,41 +95,15 @@ class Lens:
 
 
 def shown_mesh(sheet: Sheet) -> Mesh:
-    """The mesh of a preview's shape, with arms along its edges: the design's, or a coarser one if that is fine enough.
-
-    The edge length is that of the design, but at least `MAX_SHOWN_EDGE` spacings.
-    """
-    design = sheet.design
-    edge = max(design.mesh.edge_mm, MAX_SHOWN_EDGE * design.lattice.spacing_mm)
-    return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+    """The mesh of a preview's shape, see `mesh_to_show`."""
+    return mesh_to_show(sheet, MAX_SHOWN_EDGE)
 
 
 def shape_of(sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
-    """The shape with bumps, without a summary.
-
-    The field `bump_mm` holds the vectors from the smooth surface to the shape. Normals, curvatures and strains are
-    those of the smooth surface.
-    """
+    """The shape with bumps, without a summary; see `shape_on_mesh`."""
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = sheet.layout.star_number
-    return Shape(
-        printed=mesh.points,
-        positions=places.bumpy,
-        triangles=mesh.triangles,
-        star=star,
-        rods=mesh.rods,
-        star_vertices=mesh.star_vertices,
-        point_fields={
-            "bump_mm": places.bumps,
-            "normal": places.surface.normals,
-            "mean_curvature_per_mm": places.surface.mean_curvature,
-            "gaussian_curvature_per_mm2": places.surface.gaussian_curvature,
-        },
-        cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, sheet.design.fabric.stretch_xy),
-        rod_fields=_rod_fields(sheet, mesh),
-        held=bool(sheet.layout.pins),
-        plan=sheet.layout,
-    )
+    return shape_on_mesh(sheet, mesh, places, star, _rod_fields(sheet, mesh))
 
 
 def _rod_fields(sheet: Sheet, mesh: Mesh) -> dict[str, np.ndarray]:
