@@ -25,6 +25,8 @@ MAX_LIKELIHOOD_STEPS = 80
 MAX_LIKELIHOOD_CELLS = 800
 # seed of the choice of these cells
 _CHOICE_SEED = 0
+# places that are evaluated together; with 64, or all at once, 4458 cells take 1.3 and 3.1 times as long
+_BLOCK = 16
 
 
 @dataclass(frozen=True)
@@ -43,9 +45,8 @@ class Kriging:
     --------
     >>> x = np.linspace(0.0, 1.0, 9)[:, None]
     >>> line = Kriging.through(x, np.ones(9), 3.0 * x - 1.0, np.array([1.0]), 1e-8)
-    >>> value, slope = line(np.array([[0.43]]), np.ones(1), np.zeros((1, 1)))
-    >>> value.round(3), slope.round(2)
-    (array([[0.29]]), array([[[3.]]]))
+    >>> line.values(np.array([[0.43]]), np.ones(1)).round(3)
+    array([[0.29]])
     """
 
     places: Floats
@@ -62,27 +63,27 @@ class Kriging:
 
     def values(self, places: Floats, factors: Floats) -> Floats:
         """(N, C) at places (N, G) with the factors (N,)."""
-        kernel, _ = _kernel(places, self.places, self.lengths)
-        return np.asarray(factors[:, None] * (kernel @ (self.factors[:, None] * self.weights)))
-
-    def __call__(self, places: Floats, factors: Floats, factor_slopes: Floats) -> tuple[Floats, Floats]:
-        """Values (N, C) and derivatives by the coordinates (N, G, C).
-
-        Parameters
-        ----------
-        factor_slopes : (N, G) derivatives of the factors by the coordinates.
-        """
-        kernel, scaled = _kernel(places, self.places, self.lengths)
+        # one product gives the squared distances (times 5) of a block of places, which stays in the processor's cache
+        own, asked = (np.sqrt(5.0) * each / self.lengths for each in (self.places, places))
+        ones = np.ones((len(own), 1))
+        others = np.hstack([-2.0 * own, ones, (own**2).sum(axis=1)[:, None]]).T.copy()
+        ones = np.ones((len(asked), 1))
+        asked = np.hstack([asked, (asked**2).sum(axis=1)[:, None], ones])
         rows = self.factors[:, None] * self.weights
-        bare = kernel @ rows
-        # dk/dx = -(5/3) (1 + r) exp(-r) (x - x')/length^2
-        fall = -(5.0 / 3.0) * (1.0 + scaled) * np.exp(-scaled)
-        slopes = np.empty((len(places), places.shape[1], rows.shape[1]))
-        weighted = fall @ rows
-        for axis, length in enumerate(self.lengths):
-            inner = places[:, axis, None] * weighted - fall @ (self.places[:, axis, None] * rows)
-            slopes[:, axis] = factors[:, None] * inner / length**2 + factor_slopes[:, axis, None] * bare
-        return factors[:, None] * bare, slopes
+        found = np.empty((len(asked), rows.shape[1]))
+        for first in range(0, len(asked), _BLOCK):
+            block = slice(first, first + _BLOCK)
+            kernel = asked[block] @ others
+            np.maximum(kernel, 0.0, out=kernel)
+            scaled = np.sqrt(kernel)
+            # (1 + r + r^2/3) exp(-r), as in `_kernel`
+            kernel *= 1.0 / 3.0
+            kernel += scaled
+            kernel += 1.0
+            np.exp(np.negative(scaled, out=scaled), out=scaled)
+            kernel *= scaled
+            np.matmul(kernel, rows, out=found[block])
+        return factors[:, None] * found
 
     def left_out(self, values: Floats) -> Floats:
         """(n, C) what the other cells give at each cell, with the lengths of all; `values` are those of the cells."""

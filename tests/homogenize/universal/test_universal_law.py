@@ -95,16 +95,16 @@ def test_left_out_values_are_those_of_a_law_without_the_cell() -> None:
     np.testing.assert_allclose(whole.left_out(values[:, None])[0], without.values(places[:1], arms[:1])[0], rtol=1e-6)
 
 
-def test_kriging_has_the_derivatives_of_its_values() -> None:
+def test_blocks_of_places_have_the_values_of_the_plain_sum_of_kernels() -> None:
     rng = np.random.default_rng(1)
     places, arms = rng.random((25, 3)), 0.2 + rng.random(25)
-    law = Kriging.through(places, arms, rng.normal(size=(25, 2)), np.array([0.7, 1.2, 2.0]), 1e-6)
-    asked, slope = rng.random((4, 3)), np.tile([0.0, 0.0, 1.0], (4, 1))
-    _, slopes = law(asked, 0.3 + asked[:, 2], slope)
-    for axis in range(3):
-        step = 1e-6 * np.eye(3)[axis]
-        ends = [law.values(asked + sign * step, 0.3 + (asked + sign * step)[:, 2]) for sign in (-1.0, 1.0)]
-        np.testing.assert_allclose(slopes[:, axis], (ends[1] - ends[0]) / 2e-6, rtol=1e-5, atol=1e-5)
+    lengths = np.array([0.7, 1.2, 2.0])
+    law = Kriging.through(places, arms, rng.normal(size=(25, 2)), lengths, 1e-6)
+    asked, own = np.vstack([rng.random((36, 3)), places[:1]]), 0.3 + rng.random(37)
+    r = np.sqrt(5.0 * (((asked[:, None] - places) / lengths) ** 2).sum(axis=-1))
+    plain = own[:, None] * (((1.0 + r + r**2 / 3.0) * np.exp(-r)) @ (arms[:, None] * law.weights))
+    np.testing.assert_allclose(law.values(asked, own), plain, rtol=0.0, atol=1e-12 * np.abs(law.weights).sum())
+    assert np.array_equal(law.values(asked[:0], own[:0]), np.empty((0, 2)))
 
 
 def test_stars_without_arms_are_bare_fabric(law: UniversalLaw) -> None:
