@@ -32,7 +32,7 @@ def show(
     ] = None,
     output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
-    """Print a law as a table, and draw it with its errors in law.png."""
+    """Print a law and its errors as tables, and draw it in law.png."""
     from asterism.laws.show_law import law_doubts, show_law
 
     lines = show_law(path, output)

@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.motif_law_record import motif_law_record
 from asterism.previews.law_warnings import MAX_HELD_OUT_ERROR_PERCENT
 from asterism.process.count_line import without_numbers
@@ -18,8 +19,6 @@ from homogenize.law.motif_law import MotifLaw
 LISTED_NODES = 4
 # characters of a label in the first lines
 LABEL_COLUMN = 11
-# of two squares of principal stretches that print as one
-EVEN_SQUARES = 1e-4
 _HEADER = "lambda        angle  A along/across N/mm   D along/across N mm   curvature along/across 1/mm"
 
 
@@ -59,16 +58,11 @@ def _values(law: MotifLaw) -> list[str]:
         if not inside[0]:
             lines.append(f"    {shown}   no law")
             continue
-        xx, yy, xy = tensors.metric[0]
-        squares, axes = np.linalg.eigh([[xx, xy], [xy, yy]])
-        if np.ptp(squares) < EVEN_SQUARES:  # all axes are principal
-            axes = np.eye(2)
-        angle = round(float(np.degrees(np.arctan2(axes[1, 0], axes[0, 0])))) % 180
-        forms = [np.array([x * x, y * y, 2.0 * x * y]) for x, y in axes.T]
-        stiffness = tensors.stiffness[0]
-        a, d = ([float(form @ part @ form) for form in forms] for part in (stiffness[:3, :3], stiffness[3:, 3:]))
-        k = [-float(form @ tensors.curvature[0]) for form in forms]
-        smaller, larger = np.sqrt(squares)
+        axes = stretch_axes(tensors.metric)
+        x, y = axes[0, 0]
+        angle = round(float(np.degrees(np.arctan2(y, x)))) % 180
+        values = values_along(tensors, axes)
+        (smaller, larger), a, d, k = values.stretch[0], values.membrane[0], values.bending[0], values.curvature[0]
         lines.append(
             f"    {shown}   {smaller:.4f} {larger:.4f} {angle:3d} deg  {a[0]:8.4g} {a[1]:8.4g}     "
             f"{d[0]:8.4g} {d[1]:8.4g}     {k[0]:8.5f} {k[1]:8.5f}"

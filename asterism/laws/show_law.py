@@ -9,6 +9,7 @@ from asterism.laws.cells_csv import cells_csv
 from asterism.laws.law_picture import draw_law
 from asterism.laws.law_record import law_record
 from asterism.laws.law_text import law_lines
+from asterism.laws.motif_law_picture import draw_motif_law
 from asterism.laws.motif_law_record import motif_cells_csv, motif_law_record
 from asterism.laws.motif_law_text import motif_law_doubts, motif_law_lines
 from asterism.previews.law_warnings import held_out_warning
@@ -20,7 +21,7 @@ from homogenize.law.motif_law import MotifLaw
 
 
 def show_law(path: Path | None, output: Path | None) -> list[str]:
-    """Write cells.csv and summary.json, of a law of stars also law.png; the lines to print.
+    """Write law.png, cells.csv and summary.json; the lines to print.
 
     Parameters
     ----------
@@ -38,14 +39,14 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
     with staged_result(directory) as folder:
         if isinstance(law, MotifLaw):
             record, cells, lines = motif_law_record(law).to_json(), motif_cells_csv(law), motif_law_lines(law)
+            draw_motif_law(law, folder / "law.png")
         else:
             record, cells, lines = law_record(law).to_json(), cells_csv(law), law_lines(law)
             draw_law(law, folder / "law.png")
         (folder / "cells.csv").write_text(cells, encoding="utf-8")
         text = json.dumps(record, indent=1, allow_nan=False) + "\n"
         (folder / "summary.json").write_text(text, encoding="utf-8")
-        files = ", ".join(name for name in ("law.png", "cells.csv", "summary.json") if (folder / name).exists())
-    return [*lines, f"{directory}: {files}"]
+    return [*lines, f"{directory}: law.png, cells.csv, summary.json"]
 
 
 def law_doubts(path: str | Path | None = None) -> list[str]:

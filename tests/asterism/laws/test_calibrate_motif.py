@@ -91,7 +91,7 @@ def test_show_prints_range_values_and_errors(
     shown = run(["law", "show", "net-law.npz"], capsys, monkeypatch)
     assert shown.status == 0, shown.err
     assert "held out, 4 cells" in shown.out and "    curvature " in shown.out
-    assert shown.out.splitlines()[-1] == "net-law: cells.csv, summary.json"
+    assert shown.out.splitlines()[-1] == "net-law: law.png, cells.csv, summary.json"
     summary = json.loads((place / "net-law" / "summary.json").read_text())
     assert summary["cells"] == 7 and summary["held_out"]["count"] == 4 and summary["cells_without_law"] == []
     assert len((place / "net-law" / "cells.csv").read_text().splitlines()) == 8
