@@ -30,6 +30,7 @@ from asterism.fitting.residual import FitPlaces
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.print.profiles import load_printer
+from benchmarks.chosen_names import chosen_names
 from benchmarks.fit_gallery import SHOWN, keep
 from benchmarks.fit_own_shape import own_shape
 from benchmarks.fit_targets import TARGETS
@@ -156,9 +157,10 @@ def main() -> None:
     parser.add_argument("--first-guess", action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
     given = parser.parse_intermixed_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
     names = [*TARGETS, *OWN_SHAPES]
-    for name in given.names or names:
+    chosen = chosen_names(parser, given.names, names)
+    given.folder.mkdir(parents=True, exist_ok=True)
+    for name in chosen:
         file = given.folder / f"{name.replace(' ', '-')}.json"
         if not file.exists():
             data = (

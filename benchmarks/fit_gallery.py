@@ -25,6 +25,7 @@ from asterism.reports.fit_plots import signed_distance_map
 from asterism.reports.fit_views import fit_views
 from asterism.reports.html import png
 from asterism.results.files import write_file
+from benchmarks.chosen_names import chosen_names
 from benchmarks.fit_targets import TARGETS
 from benchmarks.report import markdown, write_report
 from benchmarks.small_pictures import write_small
@@ -54,7 +55,7 @@ def main() -> None:
     parser.add_argument("--no-exact", action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
     given = parser.parse_intermixed_args()
-    for name in given.names or SHOWN:
+    for name in chosen_names(parser, given.names, SHOWN):
         folder = given.folder / _file(name)
         if not (folder / "summary.json").exists():
             make, needles = TARGETS[name]

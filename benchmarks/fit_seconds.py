@@ -15,6 +15,7 @@ from collections.abc import Callable
 from asterism.fitting.fit import fit
 from asterism.fitting.target import TargetSurface
 from asterism.print.profiles import load_printer
+from benchmarks.chosen_names import chosen_names
 from benchmarks.fit_targets import TARGETS, ellipsoid
 from benchmarks.report import markdown, write_report
 
@@ -57,7 +58,7 @@ def main() -> None:
     """Take the times, and write the report."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME")
-    names = parser.parse_args().names or list(ROWS)
+    names = chosen_names(parser, parser.parse_args().names, ROWS)
     row(names[0])
     rows, lines = [], []
     for name in names:

@@ -24,6 +24,7 @@ from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
+from benchmarks.chosen_names import chosen_names
 from benchmarks.fit_targets import TARGETS
 from benchmarks.report import markdown, write_report
 from equilibrium.arrays import Floats
@@ -168,7 +169,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME")
     done: list[dict[str, Any]] = []
-    for name in parser.parse_args().names or ROWS:
+    for name in chosen_names(parser, parser.parse_args().names, ROWS):
         done.append(row(name))
         print(*cells(done[-1]), sep=" | ", flush=True)
         write_report("fit_unknowns", done, markdown(HEADER, [cells(data) for data in done]))

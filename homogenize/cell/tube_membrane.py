@@ -41,7 +41,7 @@ def _strain_rates(cell: UnitCell, tube: Tube) -> Array:
     """(3, dofs) derivative of E11, E22 and 2 E12 of the mean surface, along the tube and around it."""
     n = cell.mesh.n_base
     x = tube.state.positions
-    rates = np.zeros((3, x.size + len(cell.edges)))
+    rates = np.zeros((3, cell.n_dofs))  # twists of rods and turns of joints leave the mean surface as it is
     rows = rates[:, : x.size].reshape(3, *x.shape)
     # axial shifts tau_m = A_m . s, with s = (axial stretch, shear) in the axes of the tube
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)

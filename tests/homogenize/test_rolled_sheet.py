@@ -11,12 +11,15 @@ from scipy.spatial.transform import Rotation
 from homogenize.cell.arm_segments import arm_segments
 from homogenize.cell.corrugation_waves import CorrugationWaves
 from homogenize.cell.effective_stiffness import effective_stiffness
+from homogenize.cell.flat_cell import relax_flat_cell
 from homogenize.cell.isotropy import distance_from_isotropy, isotropic_constants
 from homogenize.cell.rolling import heights_over_mean_surface, roll_cell, unrolled_flat_cell
 from homogenize.cell.sample import Sample, solve_cell
 from homogenize.cell.tube_membrane import tube_membrane_stiffness
+from homogenize.cell.unit_cell import UnitCell
 from pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, design, relaxed
+from tests.homogenize.motifs import Pattern, diamonds, grid, motif_design, waves
 
 SPACING = 10.0 * np.sqrt(3.0)
 
@@ -28,6 +31,16 @@ def test_membrane_of_hardly_curved_tubes_is_that_of_the_flat_cell(length: float,
     expected = effective_stiffness(cell, flat)
     moment = abs(expected.moment).max() / flat.stretch**2  # a fixed moment's share
     found = tube_membrane_stiffness(cell, roll_cell(cell, unrolled_flat_cell(flat, angle), 1e-5, angle))
+    np.testing.assert_allclose(found, expected.stiffness[:3, :3], atol=1e-4 * found.max() + 1e-3 * moment)
+
+
+@pytest.mark.parametrize("pattern", [grid(), diamonds(), waves()], ids=["grid", "diamonds", "waves"])
+def test_membrane_of_hardly_curved_tubes_of_motifs_is_that_of_the_flat_cell(pattern: Pattern) -> None:
+    cell = UnitCell(motif_design(pattern), 2.5)
+    flat = relax_flat_cell(cell)[0]
+    expected = effective_stiffness(cell, flat)
+    found = tube_membrane_stiffness(cell, roll_cell(cell, unrolled_flat_cell(flat, 0.3), 1e-5, 0.3))
+    moment = abs(expected.moment).max() / flat.stretch**2  # a fixed moment's share
     np.testing.assert_allclose(found, expected.stiffness[:3, :3], atol=1e-4 * found.max() + 1e-3 * moment)
 
 
