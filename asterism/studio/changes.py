@@ -20,7 +20,7 @@ def with_changes(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
 
     Parameters
     ----------
-    changes : dotted keys of the design file, as `fabric.stretch` or `border`, and their values.
+    changes : dotted keys of the design file, as `fabric.stretch`, `border` or `rods.draw.0.width_mm`, and their values.
 
     Raises
     ------
@@ -31,6 +31,8 @@ def with_changes(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
     --------
     >>> with_changes({"name": "a", "fabric": {"stretch": 1.35}}, {"fabric.stretch": 1.75, "name": None})
     {'fabric': {'stretch': 1.75}}
+    >>> with_changes({"rods": {"draw": [{"width_mm": 1.0}]}}, {"rods.draw.0.width_mm": 2.0})
+    {'rods': {'draw': [{'width_mm': 2.0}]}}
     """
     changed = dict(table)
     for key, value in changes.items():
@@ -41,20 +43,27 @@ def with_changes(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
     return changed
 
 
-def _set(table: dict[str, Any], parts: list[str], value: Any, key: str) -> None:
-    """Set one key; tables on the way are copied, so that the old table stays as it was."""
+def _set(table: dict[str, Any] | list[Any], parts: list[str], value: Any, key: str) -> None:
+    """Set one key; tables and lists on the way are copied, so that the old table stays as it was."""
     first, *rest = parts
-    if not rest:
-        if value is None:
-            table.pop(first, None)
-        else:
-            table[first] = value
-        return
-    inner = table.get(first, {})
-    if not isinstance(inner, dict):
+    if isinstance(table, list):
+        if not rest or not first.isdecimal() or int(first) >= len(table):
+            raise DesignError(key, f"{first} is not the number of a table in a list of {len(table)}")
+        place: Any = int(first)
+        inner = table[place]
+    else:
+        place = first
+        if not rest:
+            if value is None:
+                table.pop(first, None)
+            else:
+                table[first] = value
+            return
+        inner = table.get(first, {})
+    if not isinstance(inner, dict | list):
         raise DesignError(key, f"{first} is not a table of keys")
-    table[first] = dict(inner)
-    _set(table[first], rest, value, key)
+    table[place] = inner.copy()
+    _set(table[place], rest, value, key)
 
 
 def check_files(value: Any, folder: Path) -> None:

@@ -13,10 +13,14 @@ from asterism.studio.changes import check_files, with_changes
 from asterism.studio.design_text import edited_text
 from asterism.studio.disk_file import check_unchanged
 from asterism.studio.history import History, Step
+from asterism.studio.painted_field import Brush, PaintedField
 from asterism.studio.thumbnails import Thumbnails
 from asterism.studio.watcher import file_text
+from homogenize.law.motif_plan import RodSizeKey
 from pattern.design.design import Design
+from pattern.design.errors import DesignError
 from pattern.design.files import read_table, table_text
+from pattern.design.section import Point
 from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
 
@@ -49,6 +53,8 @@ class Document:
         self._base_text = text  # the last text that was read or written; edits keep its comments
         self._disk_text = text  # the same of the file at `path`
         self._is_checked = False
+        # revision, size and field of the last stroke: the next one goes on from values that are not rounded
+        self._painted: tuple[int, str, PaintedField | None] = (-1, "", None)
         self.thumbnails = Thumbnails()
         self.autosave = autosave or Autosave(path)
         self.layout: Layout = self.check()
@@ -185,6 +191,24 @@ class Document:
     def paint(self, sites: Sequence[painted.Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
         """Other sizes (mm) of stars at lattice sites."""
         self._stars(painted.painted(self._entries(), sites, sizes), gesture, "sizes")
+
+    def brush(self, key: RodSizeKey, brush: Brush, places: Sequence[Sequence[Point]], gesture: Any = None) -> None:
+        """Paint a size of the rods, see `PaintedField.brushed`. The design file keeps 256 values of it.
+
+        Raises
+        ------
+        DesignError
+            The pattern has no rods, or a value is out of range; the document stays as it is.
+        """
+        rods = self.design().rods
+        if rods is None:
+            raise DesignError("rods", "is missing: the brush paints sizes of rods")
+        revision, known_key, field = self._painted
+        if (revision, known_key) != (self.revision, key) or field is None:
+            field = PaintedField.of(getattr(rods, key), self.layout.outline)
+        field = field.brushed(brush, places)
+        self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture, "sizes")
+        self._painted = self.revision, key, field
 
     def remove(self, sites: Sequence[painted.Site], gesture: Any = None) -> None:
         """Remove stars."""

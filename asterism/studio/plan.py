@@ -53,7 +53,12 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
         "lattice": {"vectors_mm": _plain(layout.lattice_vectors), "origin_mm": _plain(layout.lattice_origin)},
         "sites": sites,
         "rods": [
-            {"points_mm": _plain(rod.points), "thickness_mm": _plain(rod.thickness), "width_mm": _plain(rod.width)}
+            {
+                "name": rod.name,
+                "points_mm": _plain(rod.points),
+                "thickness_mm": _plain(rod.thickness),
+                "width_mm": _plain(rod.width),
+            }
             for rod in layout.drawn_rods
         ],
         "holes_mm": [_plain(ring) for ring in layout.holes],

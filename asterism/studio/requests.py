@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
+from asterism.studio.painted_field import Brush
 from equilibrium.errors import Error
+from homogenize.law.motif_plan import RodSizeKey
 
 MAX_REQUEST_BYTES = 4_000_000
 MAX_SITES = 20_000
@@ -16,6 +18,7 @@ Name = Annotated[str, Field(min_length=1, max_length=200)]
 SiteIndex = Annotated[int, Field(ge=-100_000, le=100_000)]
 Sites = Annotated[list[tuple[SiteIndex, SiteIndex]], Field(max_length=MAX_SITES)]
 SizesOfSites = Annotated[list[float | None], Field(max_length=MAX_SITES)]
+PlaceMm = tuple[Annotated[float, Field(ge=-1e5, le=1e5)], Annotated[float, Field(ge=-1e5, le=1e5)]]
 Slot = Literal["A", "B", "C"]
 # what holds a fitted sheet: `auto` chooses between needles and the whole border
 Hold = Literal["auto", "border", "nothing"]
@@ -125,6 +128,33 @@ class Paint(GestureRequest):
             if values is not None and len(values) != len(self.sites):
                 raise RequestError(f"sizes: {key} must have one value for each of the {len(self.sites)} sites")
         return {key: values for key, values in given.items() if values is not None}
+
+
+class BrushRequest(GestureRequest):
+    """Paint a size of rods.
+
+    Attributes
+    ----------
+    size : that is painted.
+    places : printed mm, each with its images under the symmetries of the brush.
+
+    For the others, see `asterism.studio.painted_field.Brush`.
+    """
+
+    type: Literal["brush"]
+    size: RodSizeKey
+    mode: Literal["set", "add", "smooth"]
+    radius: Annotated[float, Field(ge=0.5, le=1000)]
+    strength: Annotated[float, Field(ge=0, le=1)]
+    value: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    low: Annotated[float, Field(ge=0, le=100)]
+    high: Annotated[float, Field(ge=0, le=100)]
+    places: Annotated[list[Annotated[list[PlaceMm], Field(min_length=1, max_length=24)]], Field(max_length=1000)]
+
+    @property
+    def brush(self) -> Brush:
+        """The brush of this request."""
+        return Brush(self.mode, self.radius, self.strength, self.value, self.low, self.high)
 
 
 class StarsRequest(GestureRequest):
@@ -268,6 +298,7 @@ AnyRequest = Annotated[
     | Recover
     | Change
     | Paint
+    | BrushRequest
     | StarsRequest
     | PlaceDrawing
     | Weigh

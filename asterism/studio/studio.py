@@ -248,6 +248,8 @@ class Studio:
                 document.change(request.changes, gesture)
             case ask.Paint():
                 document.paint(request.sites, request.sizes, gesture)
+            case ask.BrushRequest():
+                document.brush(request.size, request.brush, request.places, gesture)
             case ask.PlaceDrawing():
                 drawing = self.drawings.get(request.drawing)
                 table = with_drawing(document.table, drawing, request, document.layout.outline)

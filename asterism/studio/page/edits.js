@@ -1,6 +1,7 @@
 // Changes of the document: drawn at once, sent at most every 30 ms, one gesture number from pointer down to up.
 
 import { QUANTITIES } from "./format.js";
+import { brushed } from "./rods.js";
 import { emptyLocal, Sheet } from "./sheet.js";
 
 const INTERVAL_MS = 30;
@@ -47,6 +48,15 @@ export class Edits {
     const pending = this.#waiting.get(`sizes ${quantity}`)?.values ?? new Map();
     for (const [key, value] of values) pending.set(key, value);
     this.#later(`sizes ${quantity}`, { kind: "sizes", quantity, values: pending });
+    this.#draw();
+  }
+
+  /** The brush over rods: {size, mode, radius, strength, value, low, high}, put down at the images of one place. Rods of the names `kept` keep their sizes. */
+  brush(brush, images, kept) {
+    this.#local.rods = brushed(this.store.get("sheet").rods, brush, images, kept);
+    const name = `brush ${brush.value}`; // Alt changes its sign
+    const places = this.#waiting.get(name)?.places ?? [];
+    this.#later(name, { kind: "brush", brush, places: [...places, images] });
     this.#draw();
   }
 
@@ -162,6 +172,7 @@ export class Edits {
   #send(message, end) {
     const fields = { gesture: this.#gesture, end };
     if (message.kind === "drawing") Object.assign(fields, message.fields);
+    else if (message.kind === "brush") Object.assign(fields, message.brush, { places: message.places });
     else if (message.kind === "edit") fields.changes = message.changes;
     else if (message.kind === "sizes") {
       fields.sites = [...message.values.keys()].map(siteOf);

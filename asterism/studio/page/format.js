@@ -1,17 +1,18 @@
 // Numbers as people read them: always with a unit, always the same number of digits.
 
 export const QUANTITIES = {
-  length: { key: "length_mm", name: "Length", column: 0, step: 0.5, digits: 1, more: "longer", less: "shorter" },
+  length: { key: "length_mm", name: "Length", column: 0, step: 0.5, digits: 1, usual: 20, more: "longer", less: "shorter" },
   thickness: {
     key: "thickness_mm",
     name: "Thickness",
     column: 1,
     step: 0.05,
     digits: 2,
+    usual: 1.2,
     more: "thicker",
     less: "thinner",
   },
-  width: { key: "width_mm", name: "Width", column: 2, step: 0.1, digits: 2, more: "wider", less: "narrower" },
+  width: { key: "width_mm", name: "Width", column: 2, step: 0.1, digits: 2, usual: 4, more: "wider", less: "narrower" },
 };
 
 export function fixed(value, digits = 1) {

@@ -47,7 +47,7 @@ studio.edits = new Edits(store, studio.connection);
 studio.plan = new PlanCanvas($("plan-canvas"), store);
 studio.tools = {
   select: { title: "Select", icon: "select", keys: "V", tool: new SelectTool(studio), needsStars: true },
-  brush: { title: "Brush", icon: "brush", keys: "B", tool: new BrushTool(studio), needsStars: true },
+  brush: { title: "Brush", icon: "brush", keys: "B", tool: new BrushTool(studio) },
   gradient: { title: "Sizes", icon: "gradient", keys: "G", tool: new GradientTool(studio) },
   outline: { title: "Outline", icon: "outline", keys: "O", tool: new OutlineTool(studio) },
   needles: { title: "Needles", icon: "needles", keys: "N", tool: new NeedleTool(studio) },
@@ -170,6 +170,7 @@ const shown = {
   camera: () => (view ? { turn: view.camera.turn, pitch: view.camera.pitch, distance: view.camera.distance } : null),
   weights: () => store.get("sheet")?.stars.map((star) => star.weight) ?? [],
   sizes: () => store.get("sheet")?.stars.map((star) => [...star.sizes]) ?? [],
+  rods: () => structuredClone(store.get("sheet")?.rods ?? []),
   screenOf: () => (point) => studio.plan.toScreen(point),
   viewOf: () => (point) => view?.toScreen(point),
   measured: () => store.get("measured") ?? null,

@@ -1,6 +1,6 @@
 // The plan of a document together with what is being changed right now, before the server has answered.
 
-import { bounds, centroid, distance, isInside, nearestIndex, rayLength } from "./geometry.js";
+import { bounds, centroid, distance, isInside, nearestIndex, nearestOnSegment, rayLength } from "./geometry.js";
 import { QUANTITIES } from "./format.js";
 
 const MIN_ARM_MM = 1; // shorter arms are not printed
@@ -9,9 +9,55 @@ const TIP_MARGIN_MM = 0.5;
 /** The section of the design file that holds the sizes of its pattern. */
 export const patternOf = (design) => (design.stars || !design.rods ? "stars" : "rods");
 
+/** What sizes can be given to: stars, all rods, and the lines or layers that can have sizes of their own. `name`: of its rods in the plan. */
+export function sizeTargets(design) {
+  const targets = design.stars || !design.rods ? [{ path: "stars", text: "Stars" }] : [];
+  if (!design.rods) return targets;
+  const { draw = [], motif = [], import: drawings = [] } = design.rods;
+  const lines = [
+    ...draw.map(({ name }, k) => ({
+      path: `rods.draw.${k}`,
+      text: name || `Line ${k + 1}`,
+      name: name || `draw[${k}]`,
+    })),
+    ...motif.map(({ name }, k) => ({
+      path: `rods.motif.${k}`,
+      text: name || `Line ${k + 1} of the motif`,
+      name: name || `motif[${k}]`,
+    })),
+    ...drawings.flatMap(({ file, layers = {} }, k) =>
+      Object.keys(layers)
+        .filter((layer) => layer && !layer.includes(".")) // dots part the keys of a change
+        .map((layer) => ({ path: `rods.import.${k}.layers.${layer}`, text: `${layer}, ${file}`, name: layer })),
+    ),
+  ];
+  return [...targets, { path: "rods", text: "All lines without sizes of their own" }, ...lines];
+}
+
+/** Names of rods that do not have the size of all rods, but one of their own. */
+export function namesWithOwn(design, key) {
+  const strokes = (design.rods?.import ?? []).map(({ width }) => key === "width_mm" && width === "stroke");
+  const hasStroke = (path) => strokes.some((has, k) => has && path.startsWith(`rods.import.${k}.`));
+  const own = sizeTargets(design).filter(({ path, name }) => name && (sizeAt(design, path, key).isOwn || hasStroke(path)));
+  return new Set(own.map(({ name }) => name));
+}
+
+/** The path of what gets sizes: the chosen one if the design has it. */
+export function sizeTarget(design, chosen) {
+  const targets = sizeTargets(design);
+  return (targets.find(({ path }) => path === chosen) ?? targets[0]).path;
+}
+
+/** The size at a path of the design; a line without its own has that of all rods. `isOwn`: whether it has. */
+export function sizeAt(design, path, key) {
+  const own = path.split(".").reduce((table, part) => table?.[part], design)?.[key];
+  const isOwn = own !== undefined;
+  return { value: isOwn ? own : path.startsWith("rods.") ? design.rods[key] : undefined, isOwn };
+}
+
 export const keyOf = (site) => `${site[0]},${site[1]}`;
 
-/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, outline, pins}. */
+/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, rods, outline, pins}. */
 export class Sheet {
   constructor(document, local = emptyLocal()) {
     const { plan, design, limits } = document;
@@ -28,7 +74,7 @@ export class Sheet {
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
-    this.rods = plan.rods ?? [];
+    this.rods = local.rods ?? plan.rods ?? [];
     this.holes = plan.holes_mm ?? [];
     this.byKey = new Map(this.stars.map((star) => [star.key, star]));
     this.box = bounds(this.outline.concat(this.outline.length ? [] : [[0, 0]]));
@@ -117,6 +163,19 @@ export class Sheet {
     return Number(Math.min(Math.max(kept, low), high).toFixed(4));
   }
 
+  /** Path of the line or layer whose rod is at a place, or null. */
+  rodTargetAt(point, within) {
+    const reach = (rod) =>
+      rod.points_mm.slice(1).reduce((least, end, k) => {
+        const { distance: away } = nearestOnSegment(point, rod.points_mm[k], end);
+        return Math.min(least, away - Math.max(...rod.width_mm) / 2);
+      }, Infinity);
+    const { index, distance: away } = leastOf(this.rods.map(reach));
+    if (index < 0 || away > within) return null;
+    const named = sizeTargets(this.design).filter(({ name }) => name === this.rods[index].name);
+    return named.length === 1 ? named[0].path : null; // lines of one name are told apart in the list only
+  }
+
   starAt(point, within = this.spacing * 0.6) {
     const { index, distance: away } = nearestIndex(
       point,
@@ -145,6 +204,11 @@ export class Sheet {
   }
 }
 
+function leastOf(values) {
+  const distance = Math.min(Infinity, ...values);
+  return { index: values.indexOf(distance), distance };
+}
+
 /** Edges that a table holds while the outline is dragged. */
 function heldEdges(table, outline) {
   const numbers = table.where === "border" ? outline.map((_, k) => k) : (table.edges ?? []);
@@ -152,7 +216,7 @@ function heldEdges(table, outline) {
 }
 
 export function emptyLocal() {
-  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), outline: null, pins: null };
+  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), rods: null, outline: null, pins: null };
 }
 
 function readLimits(limits) {

@@ -2,16 +2,17 @@
 
 import { check, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES } from "../format.js";
+import { namesWithOwn } from "../sheet.js";
 import { numberField } from "./fields.js";
 
 const MODES = {
-  set: { text: "Set", title: "Set to a value", says: "Draws the stars under the brush towards the target." },
+  set: { text: "Set", title: "Set to a value", says: "Draws the sizes under the brush towards the target." },
   add: {
     text: "Add",
     title: "Add or subtract",
-    says: "Makes the stars under the brush larger. Alt, or a negative amount, makes them smaller.",
+    says: "Makes the sizes under the brush larger. Alt, or a negative amount, makes them smaller.",
   },
-  smooth: { text: "Smooth", title: "Smooth", says: "Draws every star towards the mean of its neighbours." },
+  smooth: { text: "Smooth", title: "Smooth", says: "Draws every size towards the mean around it." },
   erase: {
     text: "Erase",
     title: "Erase painted sizes",
@@ -32,7 +33,7 @@ export function brushPanel({ store }, { on }) {
     testid: "quantity",
     options: Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: name })),
     value: brush().quantity,
-    onchange: (value) => change({ quantity: value, target: middle(value), amount: 2 * QUANTITIES[value].step }),
+    onchange: (value) => change(valuesFor(store.get("sheet"), value)),
   });
   const mode = segments({
     label: "Brush mode",
@@ -91,23 +92,21 @@ export function brushPanel({ store }, { on }) {
     onchange: (value) => store.set({ inLaw: value }),
   });
   const range = hint("");
+  const own = hint("");
 
-  function middle(name) {
-    const sheet = store.get("sheet");
-    const [low, high] = sheet?.range(name, true) ?? [0, 10];
-    const { column, step } = QUANTITIES[name];
-    const present = sheet?.printed.map((star) => star.sizes[column]).sort((a, b) => a - b);
-    const value = present?.length ? present[present.length >> 1] : (low + high) / 2;
-    return Math.round(value / step) * step;
-  }
   function update() {
+    const isOfRods = Boolean(store.get("sheet")?.isOfRods);
+    for (const name of ["quantity-length", "mode-erase", "mode-remove"]) {
+      for (const one of [quantity, mode]) one.element.querySelector(`[data-testid='${name}']`)?.toggleAttribute("hidden", isOfRods);
+    }
     const { quantity: name, mode: way, target: wanted, amount: more, radius: reach, strength: share } = brush();
     const sheet = store.get("sheet");
     const [low, high] = sheet?.range(name, store.get("inLaw")) ?? [0, 20];
     says.textContent = MODES[way].says;
     const printable = sheet?.printable(name);
-    target.limits(low, high);
-    target.set(Math.min(Math.max(wanted, low), high));
+    const most = isOfRods ? Math.min(high, QUANTITIES[name].usual) : high;
+    target.limits(low, most);
+    target.set(Math.min(Math.max(wanted, low), most));
     amount.limits(-10 * QUANTITIES[name].step, 10 * QUANTITIES[name].step);
     amount.set(more);
     radius.set(reach);
@@ -118,9 +117,12 @@ export function brushPanel({ store }, { on }) {
     amount.element.hidden = way !== "add";
     strength.element.hidden = way === "erase" || way === "remove";
     quantity.element.hidden = way === "erase" || way === "remove";
-    inLaw.element.hidden = range.hidden = quantity.element.hidden;
+    range.hidden = quantity.element.hidden;
+    own.hidden = !isOfRods || !namesWithOwn(sheet.design, QUANTITIES[name].key).size;
+    own.textContent = `Lines with a ${QUANTITIES[name].name.toLowerCase()} of their own keep it. The tool Sizes changes it.`;
+    inLaw.element.hidden = range.hidden || isOfRods; // cells of rods are solved for the sizes that are painted
     const text = `${trim(low)} to ${trim(high)} mm`;
-    range.textContent = `${store.get("inLaw") ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${trim(printable.step)} mm.` : ""}`;
+    range.textContent = `${store.get("inLaw") && !isOfRods ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${trim(printable.step)} mm.` : ""}`;
   }
   on(["brush", "inLaw", "sheet"], update);
   update();
@@ -134,8 +136,27 @@ export function brushPanel({ store }, { on }) {
     strength.element,
     inLaw.element,
     range,
+    own,
     ...symmetry({ store }, { on }),
   ];
+}
+
+/** What the brush paints with at first: the middle of the sizes that the sheet has. */
+function valuesFor(sheet, quantity) {
+  const { step } = QUANTITIES[quantity];
+  const [low, high] = sheet?.range(quantity, true) ?? [0, 10];
+  const present = sheet?.values(quantity).sort((a, b) => a - b);
+  const value = present?.length ? present[present.length >> 1] : (low + high) / 2;
+  return { quantity, target: Math.round(value / step) * step, amount: 2 * step };
+}
+
+/** Rods are drawn: they have no lengths, and the brush does not erase or remove them. */
+export function fitBrushToRods(store) {
+  const brush = store.get("brush");
+  if (brush.quantity === "length") {
+    const { target, amount } = valuesFor(store.get("sheet"), "thickness");
+    store.set({ brush: { ...brush, quantity: "thickness", mode: "set", target: target + amount, amount } });
+  } else if (brush.mode === "erase" || brush.mode === "remove") store.set({ brush: { ...brush, mode: "set" } });
 }
 
 /** Mirrors and sixfold symmetry while painting. */

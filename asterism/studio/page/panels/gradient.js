@@ -1,8 +1,8 @@
 // Panel of size fields: one value, gradients by dragging, a formula, a picture.
 
-import { button, h, hint, section, segments } from "../dom.js";
+import { button, choice, h, hint, refresh, section, segments } from "../dom.js";
 import { QUANTITIES } from "../format.js";
-import { patternOf } from "../sheet.js";
+import { sizeAt, sizeTargets } from "../sheet.js";
 import { sizeChanges } from "../plan/tools/gradient.js";
 import { numberField } from "./fields.js";
 
@@ -14,11 +14,13 @@ const KINDS = [
   { value: "image", text: "Image" },
 ];
 
+const MAX_LISTED = 200; // lines; others are chosen in the plan
+
 export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const { tool } = tools.gradient;
   const { settings } = tool;
   const send = (value) =>
-    edits.once(() => edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)));
+    edits.once(() => edits.design(sizeChanges(store.get("sheet").design, tool.path, settings.quantity, value)));
   const quantity = segments({
     label: "Size",
     testid: "gradient-quantity",
@@ -66,16 +68,17 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     testid: "gradient-number",
     onchange: (value, isFinal) => (
       edits.begin(),
-      edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)),
-      edits.preview(
-        settings.quantity,
-        new Map(
-          store
-            .get("sheet")
-            .stars.filter((star) => !star.removed)
-            .map((star) => [star.key, value]),
+      edits.design(sizeChanges(store.get("sheet").design, tool.path, settings.quantity, value)),
+      tool.path === "stars" &&
+        edits.preview(
+          settings.quantity,
+          new Map(
+            store
+              .get("sheet")
+              .stars.filter((star) => !star.removed)
+              .map((star) => [star.key, value]),
+          ),
         ),
-      ),
       isFinal && edits.end()
     ),
   });
@@ -168,11 +171,38 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   let known;
   const profileText = () => {
     const { design = {} } = store.get("sheet") ?? {};
-    return JSON.stringify(design[patternOf(design)]?.[QUANTITIES[settings.quantity].key]);
+    return JSON.stringify([tool.path, sizeAt(design, tool.path, QUANTITIES[settings.quantity].key)]);
   };
+  const targets = h("div", { class: "sizes-of" });
+  const own = button({
+    text: "Same as all lines",
+    kind: "wide",
+    testid: "drop-own-size",
+    onclick: () => send(null),
+  });
+  /** What the sizes are of, if there is a choice. */
+  function offer() {
+    const design = store.get("sheet")?.design ?? {};
+    const all = sizeTargets(design);
+    refresh(targets, [all, tool.path], () =>
+      all.length < 2
+        ? []
+        : choice({
+            label: "Sizes of",
+            testid: "sizes-of",
+            options: all
+              .filter(({ path }, k) => k < MAX_LISTED || path === tool.path)
+              .map(({ path, text }) => ({ value: path, text })),
+            value: tool.path,
+            onchange: (path) => store.set({ sizesOf: path }),
+          }).element,
+    );
+    own.hidden = !tool.path.startsWith("rods.") || !sizeAt(design, tool.path, QUANTITIES[settings.quantity].key).isOwn;
+  }
   /** Shows what the design has. */
   function read() {
-    const isOfRods = Boolean(store.get("sheet")?.isOfRods);
+    offer();
+    const isOfRods = tool.path !== "stars";
     quantity.element.querySelector("[data-testid='gradient-quantity-length']").hidden = isOfRods; // rods are drawn
     if (isOfRods && settings.quantity === "length") settings.quantity = "thickness";
     quantity.set(settings.quantity);
@@ -181,8 +211,8 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     if (typeof profile === "number") ((settings.kind = "number"), number.set(profile));
     else if (profile?.formula) ((settings.kind = "formula"), (text.value = profile.formula));
     else if (profile?.image || profile?.pixels) settings.kind = "image";
-    const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw")) ?? [0, 20];
-    const shown = Math.min(most, { length: 20, thickness: 1.2, width: 4 }[settings.quantity]);
+    const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw") && !isOfRods) ?? [0, 20];
+    const shown = Math.min(most, QUANTITIES[settings.quantity].usual);
     for (const one of [from, to, number, low, high]) one.limits(least, shown);
     for (const [key, share] of [
       ["from", 0.5],
@@ -223,6 +253,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     to.set(settings.to);
     count();
   });
+  on(["sizesOf"], read);
   // what is chosen stays until the design gets other sizes
   on(["document"], () => edits.isWaiting || profileText() === known || read());
   on(
@@ -232,6 +263,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   read();
   count();
   return [
+    targets,
     quantity.element,
     section("Sizes over the sheet"),
     kind.element,
@@ -242,6 +274,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     number.element,
     formula,
     image,
+    own,
     painted,
   ];
 }

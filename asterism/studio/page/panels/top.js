@@ -2,6 +2,7 @@
 
 import { button, h } from "../dom.js";
 import { icon } from "../icons.js";
+import { fitBrushToRods } from "./brush.js";
 
 export function buildTop(element, { store, actions }) {
   const name = h("input", {
@@ -159,6 +160,7 @@ export function buildTools(element, { store, tools, actions }) {
   const update = () => {
     const isOfRods = Boolean(store.get("sheet")?.isOfRods);
     if (isOfRods && tools[store.get("tool")].needsStars) return actions.choose("gradient");
+    if (isOfRods) fitBrushToRods(store);
     for (const one of buttons) {
       one.setAttribute("aria-checked", String(one.dataset.tool === store.get("tool")));
       one.hidden = isOfRods && Boolean(tools[one.dataset.tool].needsStars);

@@ -17,8 +17,9 @@ def test_a_drawing_rises_by_the_exact_model_and_lies_flat_again_after_an_edit(sh
     (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
     shared.open("file-cross.toml")
     shared.wait("studio.state.problem?.kind === 'no preview' && studio.shownRevision === studio.revision")
-    assert shared.get("studio.tool") == "gradient"  # tools for stars are not offered
-    assert not shared.item("tool-brush").is_visible() and shared.item("stars").inner_text() == "4 rods"
+    assert not shared.item("tool-select").is_visible() and not shared.item("tool-weight").is_visible()  # for stars
+    assert shared.item("stars").inner_text() == "4 rods"
+    shared.item("tool-gradient").click()
     shared.item("compute").click()
     shared.wait("studio.stage === 'exact'")
     assert shared.get("studio.height") > 1.0 and "certified" in shared.item("verdict").inner_text()
@@ -27,9 +28,53 @@ def test_a_drawing_rises_by_the_exact_model_and_lies_flat_again_after_an_edit(sh
     shared.item("gradient-number").fill("0.6")
     shared.page.keyboard.press("Enter")
     shared.wait("studio.document.design.rods.thickness_mm === 0.6 && studio.stage === 'equilibrium'")
-    assert shared.item("engine").inner_text() == "Shown as printed"
+    shared.wait("document.querySelector('[data-testid=engine]').innerText === 'Shown as printed'")
     shared.item("gradient-kind-linear").click()
     shared.wait("studio.document.design.rods.thickness_mm.profile === 'linear'")
     shared.item("undo").click()
     shared.item("undo").click()
     shared.wait("studio.document.design.rods.thickness_mm === 0.4")
+
+
+def test_the_brush_paints_rods_while_it_is_dragged(shared: StudioPage, folder: Path) -> None:
+    (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
+    shared.open_without_shape("file-cross.toml")
+    shared.item("tool-brush").click()
+    assert not shared.item("quantity-length").is_visible() and not shared.item("mode-remove").is_visible()
+    shared.item("quantity-width").click()
+    for name, value in (("target", 3), ("radius", 6), ("strength", 100)):
+        shared.fill(name, value)
+    widest = "Math.max(...studio.rods.flatMap((rod) => rod.width_mm))"
+    mouse = shared.page.mouse
+    mouse.move(*shared.point((-10.0, 0.0)))
+    mouse.down()
+    shared.wait(f"{widest} > 2.9")  # drawn before the server answers
+    mouse.up()
+    shared.wait("studio.document.design.rods.width_mm?.image && !studio.isWaiting")
+    drawn = shared.get("studio.document.plan.rods")
+    widths = {tuple(at): width for rod in drawn for at, width in zip(rod["points_mm"], rod["width_mm"], strict=True)}
+    assert widths[-10.0, 0.0] == pytest.approx(3.0, abs=0.1) and widths[14.0, 0.0] == pytest.approx(1.2)
+    assert widths[0.0, 9.0] == 2.0  # the line has a width of its own
+    shared.item("undo").click()
+    shared.wait("studio.document.design.rods.width_mm === undefined")
+
+
+def test_one_line_gets_sizes_of_its_own_and_loses_them(shared: StudioPage, folder: Path) -> None:
+    (folder / "two-lines.toml").write_text(CROSS, encoding="utf-8")
+    shared.open("file-two-lines.toml")
+    shared.item("tool-gradient").click()
+    assert shared.item("sizes-of").input_value() == "rods"
+    shared.page.mouse.click(*shared.point((0.0, 7.0)))  # on the second line, which has a width of its own
+    shared.wait("document.querySelector('[data-testid=sizes-of]').value === 'rods.draw.1'")
+    assert not shared.item("drop-own-size").is_visible() and not shared.get("studio.document.can_undo")
+    shared.fill("gradient-number", 0.7)
+    shared.wait("studio.document.design.rods.draw[1].thickness_mm === 0.7 && !studio.isWaiting")
+    assert sorted(shared.get("studio.document.plan.rods.map((rod) => rod.thickness_mm[0])")) == [0.4, 0.4, 0.7, 0.7]
+    shared.item("gradient-kind-linear").click()
+    shared.wait("studio.document.design.rods.draw[1].thickness_mm.profile === 'linear' && !studio.isWaiting")
+    shared.item("drop-own-size").click()
+    shared.wait("studio.document.design.rods.draw[1].thickness_mm === undefined")
+    for _ in range(3):
+        shared.item("undo").click()
+    shared.wait("studio.document.saved")
+    shared.item("sizes-of").select_option("rods")

@@ -1,7 +1,8 @@
-// The brush: paints sizes of stars along a stroke, or smooths, erases, removes and restores.
+// The brush: paints sizes of stars or rods along a stroke, or smooths them; erases, removes and restores stars.
 
 import { QUANTITIES, fixed } from "../../format.js";
-import { images } from "../../geometry.js";
+import { clamp, images } from "../../geometry.js";
+import { namesWithOwn } from "../../sheet.js";
 import { starsWithin } from "./common.js";
 import { StrokeTool } from "./stroke.js";
 
@@ -10,9 +11,20 @@ export class BrushTool extends StrokeTool {
     super(studio, "brush");
   }
 
+  down(event) {
+    const { quantity, mode } = this.store.get("brush");
+    const paints = mode !== "erase" && mode !== "remove";
+    // a plain plan shows lengths and widths only
+    if (paints && quantity === "thickness" && this.store.get("planColour") === "none") {
+      this.store.set({ planColour: "thickness" });
+    }
+    super.down(event);
+  }
+
   dab(at, event) {
     const { store, edits } = this;
     const sheet = store.get("sheet");
+    if (sheet.isOfRods) return this.#paintRods(sheet, at, event);
     const { quantity, mode, radius, strength, target, amount } = store.get("brush");
     const near = starsWithin(sheet, images(at, store.get("symmetry")), radius);
     if (!near.length) return;
@@ -38,6 +50,14 @@ export class BrushTool extends StrokeTool {
       if (Math.abs(kept - old) > 1e-4) values.set(star.key, kept);
     }
     if (values.size) edits.sizes(quantity, values);
+  }
+
+  #paintRods(sheet, at, event) {
+    const { quantity, mode, radius, strength, target, amount } = this.store.get("brush");
+    const [low, high] = sheet.range(quantity, this.store.get("inLaw"));
+    const value = mode === "add" ? (event.alt ? -amount : amount) : clamp(target, low, high);
+    const brush = { size: QUANTITIES[quantity].key, mode, radius, strength, value, low, high };
+    this.edits.brush(brush, images(at, this.store.get("symmetry")), namesWithOwn(sheet.design, brush.size));
   }
 
   #mean(sheet, star, column) {

@@ -2,7 +2,7 @@
 
 import { distance, roundPoint, round } from "../../geometry.js";
 import { QUANTITIES, fixed } from "../../format.js";
-import { patternOf } from "../../sheet.js";
+import { sizeAt, sizeTarget, sizeTargets } from "../../sheet.js";
 import { circle, polyline } from "./common.js";
 import { label } from "../draw.js";
 
@@ -20,13 +20,19 @@ export class GradientTool {
   }
 
   get hint() {
-    return "Drag from the first value to the second";
+    const isOfRods = this.path !== "stars";
+    return `Drag from the first value to the second${isOfRods ? " · click a rod to choose it" : ""}`;
+  }
+
+  /** Path of what gets sizes in the design file. */
+  get path() {
+    return sizeTarget(this.store.get("sheet")?.design ?? {}, this.store.get("sizesOf"));
   }
 
   /** Takes the profile that the design has. */
   read() {
     const sheet = this.store.get("sheet");
-    const profile = sheet?.design[patternOf(sheet.design)]?.[QUANTITIES[this.settings.quantity].key];
+    const profile = sheet && sizeAt(sheet.design, this.path, QUANTITIES[this.settings.quantity].key).value;
     this.#line = this.#begun = null;
     if (profile?.profile === "radial") {
       const centre = profile.centre_mm ?? [0, 0];
@@ -51,14 +57,16 @@ export class GradientTool {
       this.#line = [roundPoint(event.at, 1), roundPoint(event.at, 1)];
       this.#end = 1;
     }
-    this.edits.begin();
   }
 
   move(event) {
     if (this.#end < 0) return;
     const moved = roundPoint(event.at, 1);
     this.#line = this.#line.map((end, k) => (k === this.#end ? moved : end));
-    if (distance(...this.#line) > 1) this.apply();
+    if (distance(...this.#line) > 1) {
+      this.edits.begin(); // a click is no change
+      this.apply();
+    }
     this.plan.invalidate();
   }
 
@@ -66,7 +74,10 @@ export class GradientTool {
     if (this.#end < 0) return;
     this.#end = -1;
     this.edits.end();
-    if (distance(...this.#line) <= 1) this.read();
+    if (distance(...this.#line) > 1) return;
+    const rod = this.store.get("sheet").rodTargetAt(this.#line[0], this.plan.px(GRIP_PX) / 2);
+    this.read();
+    if (rod) this.store.set({ sizesOf: rod }); // a click chooses a rod
   }
 
   cancel() {
@@ -101,8 +112,8 @@ export class GradientTool {
     const profile = { profile: kind, from, to, ...(power === 1 ? {} : { power }) };
     if (kind === "radial") Object.assign(profile, { over_mm: round(over, 2), centre_mm: start });
     else Object.assign(profile, { start_mm: start, end_mm: end });
-    this.edits.design(sizeChanges(this.store.get("sheet").design, quantity, profile));
-    this.#show(start, end, over);
+    this.edits.design(sizeChanges(this.store.get("sheet").design, this.path, quantity, profile));
+    if (this.path === "stars") this.#show(start, end, over);
   }
 
   /** From the centre to the right end, or from end to end. */
@@ -126,7 +137,21 @@ export class GradientTool {
     this.edits.preview(quantity, values);
   }
 
+  /** A line along the rods that get the sizes, if that is not all of them. */
+  #drawChosen(context, plan, colour) {
+    const sheet = this.store.get("sheet");
+    const target = sheet && sizeTargets(sheet.design).find(({ path }) => path === this.path);
+    if (!target?.name) return;
+    context.strokeStyle = colour("accent");
+    context.lineWidth = 2;
+    for (const rod of sheet.rods.filter(({ name }) => name === target.name)) {
+      polyline(context, plan, rod.points_mm);
+      context.stroke();
+    }
+  }
+
   draw(context, plan, colour) {
+    this.#drawChosen(context, plan, colour);
     if (!this.#line) return;
     const [start, end] = this.#line;
     const { kind, from, to, quantity } = this.settings;
@@ -160,8 +185,8 @@ export class GradientTool {
 }
 
 /** Changes that give a quantity a new profile or number. A length in parts of the spacing is replaced. */
-export function sizeChanges(design, quantity, value) {
-  const changes = { [`${patternOf(design)}.${QUANTITIES[quantity].key}`]: value };
+export function sizeChanges(design, path, quantity, value) {
+  const changes = { [`${path}.${QUANTITIES[quantity].key}`]: value };
   if (quantity === "length" && design.stars?.length_fraction !== undefined) changes["stars.length_fraction"] = null;
   return changes;
 }
