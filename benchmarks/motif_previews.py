@@ -6,6 +6,8 @@ python -m benchmarks.motif_previews [working | held_out]
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,14 +39,15 @@ def drawn_sheets() -> dict[str, list[tuple[str, Design]]]:
                 large = bool((number + supported) % 2)
                 half = HALVES[(number + supported + graded) % 2]
                 words = ["supported" if supported else "free", "graded" if graded else "uniform"]
-                halves[half].append((f"{name}, {', '.join(words)}", _printable(rng, name, supported, graded, large)))
+                design = printable(partial(_drawn, rng, name, supported, graded, large))
+                halves[half].append((f"{name}, {', '.join(words)}", design))
     return halves
 
 
-def _printable(rng: np.random.Generator, name: str, supported: bool, graded: bool, large: bool) -> Design:
+def printable(drawn: Callable[[], Design]) -> Design:
     """The first sheet that can be printed: at some sizes the outline leaves rods too near to each other."""
     while True:
-        design = _drawn(rng, name, supported, graded, large)
+        design = drawn()
         try:
             print_layout(design)
         except DesignError:

@@ -7,10 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from asterism.shape.diameter import diameter
-from asterism.shape.off_sheet import off_sheet_mm
+from asterism.shape.off_sheet import off_curves_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import turning_angles
 
 # radius of a ball over the diameter of the sheet
 BALL_RADIUS_FACTOR = 0.011
@@ -33,14 +32,14 @@ def pin_marks(shape: Shape) -> Marks:
     plan = shape.layout if shape.held else None
     if plan is None or not plan.pins:
         return _together([])
-    size, border = diameter(shape.positions), plan.outline
+    size, border = diameter(shape.positions), plan.edges.start
     points = plan.pin_points
-    runs = [run for pin in plan.pins for run in pin.chains(len(border))]
+    runs = [run for pin in plan.pins for run in pin.chains(plan.edges)]
     lines = [_line(border, run, MAX_TUBE_STEP_RADII * TUBE_RADIUS_FACTOR * size) for run in runs]
-    sharp = np.flatnonzero(np.abs(turning_angles(border)) > MIN_JOINT_ANGLE_RAD)
+    sharp = np.flatnonzero(np.abs(plan.edges.turns) > MIN_JOINT_ANGLE_RAD)
     joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
-        off_sheet = off_sheet_mm(plan, len(shape.printed)) if plan.rim else 0.0
+        off_sheet = off_curves_mm(plan, len(shape.printed))
         there = shape.at(np.concatenate([points, *lines, *joints]), off_sheet)
     except ValueError:  # the layout belongs to another print
         return _together([])
@@ -54,7 +53,7 @@ def pin_marks(shape: Shape) -> Marks:
 
 
 def _line(border: Floats, corners: list[int], step: float) -> Floats:
-    """(k, 2) mm, points along the outline from corner to corner, at most `step` mm apart."""
+    """(k, 2) mm, points along edges from corner to corner, at most `step` mm apart."""
     sides = [border[[first, second]] for first, second in pairwise(corners)]
     counts = [max(int(np.ceil(np.linalg.norm(end - start) / step)), 1) for start, end in sides]
     parts = [np.linspace(start, end, count + 1)[:-1] for (start, end), count in zip(sides, counts, strict=True)]

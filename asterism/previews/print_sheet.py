@@ -24,7 +24,6 @@ from fem.shell.shell import QUADRATURE_ORDER, Shell
 from fem.supports.conditions import ConditionError, impose_conditions
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry, symmetries
 from pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
@@ -75,10 +74,10 @@ class PrintSheet(ABC):
         """Whether a design differs from this one only in its pattern, its material and the positions of its pins in
         space.
 
-        Outline, lattice, gravity and supported points are the same.
+        Outline, holes, lattice, gravity and supported points are the same.
         """
         return (
-            np.array_equal(layout.outline, self.layout.outline)
+            layout.edges.equals(self.layout.edges)
             and len(layout.pins) == len(self.layout.pins)
             # a pin beside a rod is moved onto the rod, so that it depends on the pattern
             and all(new.holds_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
@@ -89,11 +88,6 @@ class PrintSheet(ABC):
     def has_pins_of(self, layout: Layout) -> bool:
         """Whether another layout of this print has its pins at the same positions in space."""
         return all(new.stands_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
-
-    @property
-    def outline(self) -> Floats:
-        """(R, 2) mm, corners of the outline of the mesh."""
-        return np.asarray(self.mesh.points[self.mesh.rim[:, 0]])
 
     @cached_property
     def symmetries(self) -> list[Symmetry]:
@@ -147,22 +141,18 @@ def elements_of(layout: Layout, usual: float, triangles: int | None) -> tuple[Sh
 
     Raises
     ------
-    DesignError
-        The sheet has holes.
     MeshError
         The outline cannot be meshed.
     """
-    if layout.holes:
-        raise DesignError("border.holes", "must be empty for a preview; asterism simulate computes sheets with holes")
-    edge = float(np.sqrt(polygon_area(layout.outline) / (triangles or usual) / equilateral_area(1.0)))
-    mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups)
+    edge = float(np.sqrt(layout.area_mm2 / (triangles or usual) / equilateral_area(1.0)))
+    mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups, layout.holes)
     space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
     return mesh, space, space.tabulate(QUADRATURE_ORDER)
 
 
 def usual_triangles(layout: Layout, edge_mm: float, fewest: int = MIN_TRIANGLES, most: int = MAX_TRIANGLES) -> float:
     """Number of triangles with edges of about a length in mm, within limits."""
-    return float(np.clip(polygon_area(layout.outline) / equilateral_area(edge_mm), fewest, most))
+    return float(np.clip(layout.area_mm2 / equilateral_area(edge_mm), fewest, most))
 
 
 def equilateral_area(edge: float) -> float:

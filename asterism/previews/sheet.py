@@ -156,8 +156,6 @@ def sheet_of(
 
     Raises
     ------
-    DesignError
-        The sheet has holes.
     MeshError
         The outline cannot be meshed.
     """

@@ -12,8 +12,9 @@ import numpy as np
 from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
-from pattern.geometry.planar import distance_to_outline, distance_to_segment, turning_angles
+from pattern.geometry.planar import distance_to_outline, distance_to_segment
 from pattern.layout.layout import Layout
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.supports import PinSet
 from pattern.rods.graph import CORNER_DEG
 
@@ -66,7 +67,7 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     """
     placed: list[Needle] = []
     for pins in plan.pins:
-        along = [_along(line, spacing_mm) for line in _smooth_lines(pins, plan.outline)]
+        along = [_along(line, spacing_mm) for line in _smooth_lines(pins, plan.edges)]
         printed = np.concatenate([pins.points, *along])
         off_sheet = 0.0 if shape is None else off_sheet_mm(plan, len(shape.printed))
         places = _places(pins, printed, shape, off_sheet)
@@ -83,19 +84,18 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     return tuple(placed)
 
 
-def _smooth_lines(pins: PinSet, border: Floats) -> list[Floats]:
+def _smooth_lines(pins: PinSet, sheet: SheetEdges) -> list[Floats]:
     """Supported edges as polylines (n, 2) without corners, in the order of their edges."""
-    count = len(border)
-    is_corner = np.abs(turning_angles(border)) > np.radians(CORNER_DEG)
+    is_corner = np.abs(sheet.turns) > np.radians(CORNER_DEG)
     lines: list[tuple[int, Floats]] = []
-    for chain in pins.chains(count):
+    for chain in pins.chains(sheet):
         closed = len(chain) > 2 and chain[0] == chain[-1]
         stops = [k for k, corner in enumerate(chain) if is_corner[corner] or (not closed and k in (0, len(chain) - 1))]
         if closed:  # from its first corner on
             first = stops[0] if stops else 0
             chain = [*chain[first:-1], *chain[: first + 1]]
             stops = [0, *(k for k in range(1, len(chain) - 1) if is_corner[chain[k]]), len(chain) - 1]
-        lines += [(chain[a], border[chain[a : b + 1]]) for a, b in pairwise(stops)]
+        lines += [(chain[a], sheet.start[chain[a : b + 1]]) for a, b in pairwise(stops)]
     return [line for _, line in sorted(lines, key=lambda each: each[0])]
 
 

@@ -12,7 +12,7 @@ from matplotlib.tri import Triangulation
 from asterism.reports.views import DISTANCE_COLOURS, ORANGE
 from asterism.shape.comparison import Comparison
 from equilibrium.arrays import Floats
-from pattern.geometry.planar import inside
+from pattern.layout.sheet_edges import SheetEdges
 
 BLUE = "#4f6d92"
 # number of points of a profile
@@ -68,21 +68,21 @@ def profile_directions(comparison: Comparison) -> dict[str, Floats]:
 def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floats]:
     """(n, 3) mm, positions of both shapes along a straight line of the print through the mean of the star centres.
 
-    If this point is outside of the sheet, as for an L, the line passes through the nearest star.
+    If this point is outside of the sheet, as for an L, the line passes through the nearest star. It ends at holes.
     """
-    border, centres = comparison.layout.outline, comparison.layout.sample_points
+    layout, centres = comparison.layout, comparison.layout.sample_points
     middle = centres.mean(axis=0)
-    if not inside(middle[None], border)[0]:
+    if not layout.is_on_sheet(middle[None])[0]:
         middle = centres[np.linalg.norm(centres - middle, axis=1).argmin()]
-    printed = middle + np.linspace(*_ends(border, middle, direction), POINTS_PER_CUT)[:, None] * direction
+    printed = middle + np.linspace(*_ends(layout.edges, middle, direction), POINTS_PER_CUT)[:, None] * direction
     return comparison.reference.at(printed), comparison.other.at(printed)
 
 
-def _ends(border: Floats, middle: Floats, direction: Floats) -> tuple[float, float]:
-    """Distances in mm from the middle to the outline along the direction, backwards (negative) and forwards."""
+def _ends(edges: SheetEdges, middle: Floats, direction: Floats) -> tuple[float, float]:
+    """Distances in mm from the middle to the sheet's edge along the direction, backwards (negative) and forwards."""
     normal = np.array([-direction[1], direction[0]])
-    gap, along = (border - middle) @ normal, (border - middle) @ direction
-    after, beyond = np.roll(gap, -1), np.roll(along, -1)
+    gap, along = (edges.start - middle) @ normal, (edges.start - middle) @ direction
+    after, beyond = gap[edges.following], along[edges.following]
     crossing = (gap < 0.0) != (after < 0.0)
     way = gap[crossing] / (gap[crossing] - after[crossing])
     at = along[crossing] + way * (beyond - along)[crossing]

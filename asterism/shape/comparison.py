@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.diameter import diameter
+from asterism.shape.off_sheet import off_curves_mm
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
 from asterism.shape.tube import tube_radius
@@ -129,10 +130,10 @@ class Comparison:
         held = _held(self.layout)
         if len(held) < 2:
             return None
-        level = self.reference.at(held)[:, 2].mean()
+        level = self._at(self.reference, held)[:, 2].mean()
         own = self.reference.positions[:, 2] - level
         side = 1.0 if own.max() >= -own.min() else -1.0
-        others = self.other.positions[:, 2] - self.other.at(held)[:, 2].mean()
+        others = self.other.positions[:, 2] - self._at(self.other, held)[:, 2].mean()
         return float((side * own).max()), float((side * others).max())
 
     @cached_property
@@ -148,7 +149,7 @@ class Comparison:
         size = float((weights @ own**2).sum())
         if size == 0.0:
             return None
-        other = self.other.at(self.reference.printed) - self.other_mean
+        other = self._at(self.other, self.reference.printed) - self.other_mean
         return float(100.0 * np.sqrt((weights @ (other - own) ** 2).sum() / size))
 
     @cached_property
@@ -209,6 +210,9 @@ class Comparison:
             return self.reference.star_vertices
         return np.asarray(cKDTree(self.reference.printed).query(self.layout.sample_points)[1])
 
+    def _at(self, shape: Shape, printed: Floats) -> Floats:
+        return shape.at(printed, off_curves_mm(self.layout, len(shape.printed)))
+
     def _percent(self, length: float) -> float:
         return float(100.0 * length / self.diameter_mm)
 
@@ -247,14 +251,14 @@ def compare_shapes(
     ----------
     Kabsch 1976 for free sheets, weights: printed area; `pattern.layout.free_motions` for supported ones.
     """
-    supports = support_samples(layout)
-    symmetry = _nearest(reference, other, symmetries, supports, gravity)
+    supports, off_sheet = support_samples(layout), off_curves_mm(layout, len(other.printed))
+    symmetry = _nearest(reference, other, symmetries, supports, gravity, off_sheet)
     if mean is None or not mean.serves(reference.printed, reference.weights):
         mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)
     reference_mean = mean(reference.positions)
     near = image(other, symmetry)
-    near_mean = mean(near.at(reference.printed))
-    free = free_motions(supports, near.at(supports.printed), gravity)
+    near_mean = mean(near.at(reference.printed, off_sheet))
+    free = free_motions(supports, near.at(supports.printed, off_sheet), gravity)
     rotation, shift = free.fit(near_mean, reference_mean, reference.weights)
     return Comparison(
         reference,
@@ -274,8 +278,8 @@ def compare_shapes(
 def _held(layout: Layout) -> Floats:
     """(n, 2) mm, printed points that are held, and the ends of held sides."""
     sides = layout.supported_edges
-    ends = np.unique(np.concatenate([sides, (sides + 1) % len(layout.outline)]))
-    return np.concatenate([layout.pin_points, layout.outline[ends]])
+    ends = np.unique(np.concatenate([sides, layout.edges.following[sides]]))
+    return np.concatenate([layout.pin_points, layout.edges.start[ends]])
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:
@@ -309,6 +313,7 @@ def _nearest(
     symmetries: Sequence[Symmetry],
     supports: SupportSamples,
     gravity: Sequence[float] | None,
+    off_sheet_mm: float,
 ) -> Symmetry:
     """The symmetry whose image is nearest to the reference; all images have the same bumps, which need no mean."""
     some = slice(None, None, max(len(reference.printed) // MAX_IMAGE_SAMPLES, 1))
@@ -316,7 +321,7 @@ def _nearest(
 
     def off(symmetry: Symmetry) -> float:
         there, supported = (
-            symmetry.in_space(other.at(points @ symmetry.turn.T + symmetry.shift))
+            symmetry.in_space(other.at(points @ symmetry.turn.T + symmetry.shift, off_sheet_mm))
             for points in (printed, supports.printed)
         )
         rotation, shift = free_motions(supports, supported, gravity).fit(there, places)

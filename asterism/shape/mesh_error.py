@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.shape.diameter import diameter
-from asterism.shape.off_sheet import off_sheet_mm
+from asterism.shape.off_sheet import off_curves_mm
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from pattern.layout.free_motions import FreeMotions, free_motions
@@ -67,9 +67,7 @@ def mesh_error(
     """
     edge = 1.0 / np.sqrt(len(fine.printed))
     free = FreeMotions()
-    off_sheet = 0.0
-    if layout is not None and (layout.rim or layout.holes):  # curved edges of the meshes have different chords
-        off_sheet = off_sheet_mm(layout, len(fine.printed))
+    off_sheet = 0.0 if layout is None else off_curves_mm(layout, len(fine.printed))
     if layout is not None:
         supports = support_samples(layout)
         free = free_motions(supports, fine.at(supports.printed, off_sheet), gravity)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
 
 # a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
@@ -12,8 +11,13 @@ from pattern.layout.layout import Layout
 OFF_SHEET_EDGES = 0.2
 
 
+def off_curves_mm(layout: Layout, vertices: int) -> float:
+    """`off_sheet_mm` if the sheet has a printed rim or holes, which may be curved; 0 for straight edges."""
+    return off_sheet_mm(layout, vertices) if layout.rim or layout.holes else 0.0
+
+
 def off_sheet_mm(layout: Layout, vertices: int) -> float:
-    """Largest distance of points on the outline of a layout from a mesh with so many vertices, for `Shape.at`.
+    """Largest distance of points on the edges of a layout from a mesh with so many vertices, for `Shape.at`.
 
     Examples
     --------
@@ -22,4 +26,4 @@ def off_sheet_mm(layout: Layout, vertices: int) -> float:
     >>> round(off_sheet_mm(print_layout(load("dome")), 3781), 2)
     0.35
     """
-    return float(OFF_SHEET_EDGES * np.sqrt(polygon_area(layout.outline) / vertices))
+    return float(OFF_SHEET_EDGES * np.sqrt(layout.area_mm2 / vertices))

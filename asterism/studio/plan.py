@@ -65,7 +65,7 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
         "pins": [
             {
                 "points_mm": _plain(pins.points),
-                "edges": [_plain(np.array(segment)) for segment in pins.segments(layout.outline)],
+                "edges": [_plain(np.array(segment)) for segment in pins.segments(layout.edges)],
                 "places_mm": _plain(pins.places(pins.points)),
                 "fixed": list(pins.fixed),
                 "step": pins.step,

@@ -54,7 +54,7 @@ class SheetMarks:
         """(N, 2, 3) foot on the ground and tip in the sheet; along supported edges one in each spacing."""
         printed = [layout.pin_points]
         for edge in layout.supported_edges.tolist():
-            start, end = layout.outline[edge], layout.outline[(edge + 1) % len(layout.outline)]
+            start, end = layout.edges.start[edge], layout.edges.end[edge]
             count = max(int(np.linalg.norm(end - start) / (NEEDLE_SPACING * layout.spacing_mm)), 1)
             printed.append(start + np.arange(count)[:, None] / count * (end - start))
         points = np.concatenate(printed)

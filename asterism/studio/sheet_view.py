@@ -14,7 +14,7 @@ from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.shown_mesh import mesh_message
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
-from pattern.geometry.planar import polygon_area, triangle_areas
+from pattern.geometry.planar import triangle_areas
 from pattern.layout.layout import Layout
 from pattern.mesh.meshing import mesh_layout
 
@@ -40,15 +40,15 @@ class SheetView:
         self._arm_site: Ints = np.empty(0, dtype=np.int64)
         layout, design = preview.sheet.layout, preview.design
         spacings = FINE_EDGE_SPACINGS if is_fine else COARSE_EDGE_SPACINGS
-        shortest = float(np.sqrt(abs(polygon_area(layout.outline)) / (np.sqrt(0.75) * MAX_VERTICES_SHOWN)))
+        shortest = float(np.sqrt(layout.area_mm2 / (np.sqrt(0.75) * MAX_VERTICES_SHOWN)))
         edge = max(spacings * layout.spacing_mm, shortest)
         mesh = mesh_layout(layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
         self.printed, self.triangles = mesh.points, mesh.triangles
-        self._print = layout.outline, design.lattice
+        self._print = layout.edges, design.lattice
         self._follow(preview)
 
     def _follow(self, preview: Preview) -> None:
-        """See the sheet of a preview that has the same outline and lattice."""
+        """See the sheet of a preview that has the same edges and lattice."""
         self._space = preview.sheet.space
         self._lens = preview.lens(self.printed)
         self._marks = SheetMarks(self.printed, self.triangles)
@@ -56,10 +56,10 @@ class SheetView:
 
     def shows(self, preview: Preview) -> bool:
         """Whether the mesh is one of the preview's sheet."""
-        outline, lattice = self._print
+        edges, lattice = self._print
         if preview.sheet.space is self._space:
             return True
-        if lattice != preview.design.lattice or not np.array_equal(outline, preview.sheet.layout.outline):
+        if lattice != preview.design.lattice or not edges.equals(preview.sheet.layout.edges):
             return False
         self._follow(preview)
         return True

@@ -86,7 +86,7 @@ def _of_shape(path: Path) -> Iterator[str]:
     reach = _size(shape.printed)
     if shape.plan is not None:
         for pins in shape.plan.pins:
-            held = [pins.points, *(end[None] for segment in pins.segments(shape.plan.outline) for end in segment)]
+            held = [pins.points, *(end[None] for segment in pins.segments(shape.plan.edges) for end in segment)]
             places = np.concatenate([pins.places(points) for points in held if len(points)])
             reach = max(reach, _size(places) + _size(shape.printed) * (len(places) == 1))
     if _size(shape.positions) > MAX_GROWTH * reach:

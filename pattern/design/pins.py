@@ -22,6 +22,7 @@ class Pins(Section):
         tip or of an arm are moved onto it.
     edges, corners : numbers of edges or corners of the outline, counterclockwise. Edge i runs from corner i to corner
         i + 1. Corner 0 of a hexagon is at 30 deg, of a rectangle at the lower left.
+    holes : numbers of holes whose whole edges are supported: 0 is the first of `border.holes`.
     scale : the pins stand at `scale` times the printed place, about the origin, at the height z = 0.
     offset_mm : moves the pins from there.
     target_mm : places of the pins in space, one a point; in place of `scale` and `offset_mm`. For edges that follow
@@ -32,13 +33,15 @@ class Pins(Section):
 
     Notes
     -----
-    An entry has one of `where`, `points_mm`, `edges` and `corners`. `pattern.layout.pin_placement` finds their places.
+    An entry has one of `where`, `points_mm`, `edges`, `corners` and `holes`. `pattern.layout.pin_placement` finds their
+    places.
     """
 
     where: Literal["border", "corners"] | None = None
     points_mm: tuple[Point, ...] | None = Field(None, min_length=1, max_length=10000)
     edges: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
     corners: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
+    holes: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
     scale: Number = Field(1.0, ge=1e-3, le=10)
     offset_mm: Place = (0.0, 0.0, 0.0)
     target_mm: tuple[Place, ...] | None = None
@@ -56,7 +59,9 @@ class Pins(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Pins:
-        self._check_one_of("where", "points_mm", "edges", "corners")
+        self._check_one_of("where", "points_mm", "edges", "corners", "holes")
+        if self.target_mm is not None and self.holes is not None:
+            raise DesignError("target_mm", "does not go with holes, but scale and offset_mm do", self.target_mm)
         if self.target_mm is not None and (self.scale != 1 or any(self.offset_mm)):
             raise DesignError("target_mm", "stands alone, without scale and offset_mm", self.target_mm)
         components = [*self.offset_mm, *(component for place in self.target_mm or () for component in place)]

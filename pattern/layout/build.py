@@ -22,6 +22,7 @@ from pattern.layout.outline import outline
 from pattern.layout.pin_conflicts import check_conflicts
 from pattern.layout.pin_placement import pin_set, snapped_to_arms
 from pattern.layout.pin_reach import check_reach
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.star_cells import star_cells, star_margin_mm
 from pattern.layout.star_sizes import star_sizes
 from pattern.layout.supports import PinSet
@@ -199,8 +200,9 @@ def check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, .
         if in_hole:
             problem = "must be on the sheet, not in a hole"
             raise DesignError(f"pins[{number}]", problem, in_hole[0].round(4).tolist(), place_mm=in_hole[0])
-    check_conflicts(pins, corners)
-    check_reach(pins, corners)
+    edges = SheetEdges.of(corners, holes)
+    check_conflicts(pins, edges)
+    check_reach(pins, edges)
 
 
 def _in_hole(point: Floats, hole: Floats) -> bool:

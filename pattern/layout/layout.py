@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, inside, split_for_table
 from pattern.geometry.plane_lattice import PlaneLattice
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.supports import PinSet, all_points
 from pattern.rods.graph import Rod, RodGraph
 from pattern.rods.star_graph import star_graph
@@ -45,7 +46,7 @@ class Layout:
     drawn : all rods of a sheet with a drawing: the arms of its stars in their order, then the drawn rods; None for
         stars alone.
     rim : drawn rods that are the outline, in their order around it, all counterclockwise.
-    holes : (n, 2) mm each, edges of the holes in the sheet.
+    holes : (n, 2) mm each, edges of the holes in the sheet, in the order of `border.holes`.
     hole_rims : for each hole the drawn rods that are its edge, in their order; empty for a hole without a printed rim.
     meeting_mm : ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of
         different stars.
@@ -86,6 +87,23 @@ class Layout:
         sizes = self.arm_thickness, self.arm_width
         return star_graph(self.centres, self.arm_star, self.arm_tip, *sizes, self.meeting_mm)
 
+    @cached_property
+    def edges(self) -> SheetEdges:
+        """All edges of the sheet: those of the outline, then those of the holes."""
+        return SheetEdges.of(self.outline, self.holes)
+
+    @property
+    def area_mm2(self) -> float:
+        """Area of the sheet without its holes."""
+        return self.edges.area_mm2
+
+    def is_on_sheet(self, points: Floats) -> np.ndarray:
+        """(n,) bool, whether printed points (n, 2) mm are inside the outline and in no hole."""
+        on_sheet = inside(points, self.outline)
+        for hole in self.holes:
+            on_sheet &= ~inside(points, hole)
+        return on_sheet
+
     @property
     def lattice(self) -> PlaneLattice:
         """All places where stars can stand."""
@@ -125,11 +143,7 @@ class Layout:
     def _sample_cells(self) -> Ints:
         """(n, 2) cells of the lattice of a drawing whose sites are on the sheet."""
         cells = self.lattice.cells_within(self.outline.min(axis=0), self.outline.max(axis=0))
-        places = self.lattice.place(cells)
-        on_sheet = inside(places, self.outline)
-        for hole in self.holes:
-            on_sheet &= ~inside(places, hole)
-        return cells[on_sheet]
+        return cells[self.is_on_sheet(self.lattice.place(cells))]
 
     @cached_property
     def points_on_rods(self) -> Floats:
@@ -170,12 +184,12 @@ class Layout:
 
     @property
     def supported_edge_groups(self) -> list[tuple[int, ...]]:
-        """Supported edges of the outline, one group for each pin set that has any."""
+        """Supported edges of the outline and of holes, one group for each pin set that has any."""
         return [pin.edges for pin in self.pins if pin.edges]
 
     @property
     def supported_edges(self) -> Ints:
-        """(E,) numbers of the supported edges of the outline, one pin set after the other."""
+        """(E,) numbers of the supported edges, see `edges`, one pin set after the other."""
         return np.array([edge for group in self.supported_edge_groups for edge in group], dtype=np.int64)
 
     @property
@@ -200,7 +214,7 @@ class Layout:
     def distance_to_supports(self, points: Floats) -> Floats:
         """(n,) mm from printed points (n, 2) to the nearest supported place; infinite on a free sheet."""
         edges, pins = self.supported_edges, self.pin_points
-        start, end = self.outline[edges], np.roll(self.outline, -1, axis=0)[edges]
+        start, end = self.edges.start[edges], self.edges.end[edges]
 
         def nearest(chunk: Floats) -> Floats:
             distance = np.hstack([distance_to_segment(chunk, start, end), np.linalg.norm(chunk - pins, axis=-1)])

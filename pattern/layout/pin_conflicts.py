@@ -11,6 +11,7 @@ import shapely
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.layout.pin_placement import PIN_TOLERANCE_MM, rounded_place
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.supports import PinSet, all_points, set_of_point
 
 
@@ -21,12 +22,12 @@ class _Conflict(NamedTuple):
     error: DesignError
 
 
-def check_conflicts(sets: Sequence[PinSet], corners: Floats) -> None:
+def check_conflicts(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
     """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way.
 
     Parameters
     ----------
-    corners : (B, 2) mm, the outline.
+    sheet : the edges of the sheet.
 
     Raises
     ------
@@ -34,13 +35,13 @@ def check_conflicts(sets: Sequence[PinSet], corners: Floats) -> None:
         Of several conflicts, that of the first set.
     """
     sets = tuple(sets)
-    tolerance = 1e-6 * float(np.ptp(corners, axis=0).max())
+    tolerance = 1e-6 * float(np.ptp(sheet.start, axis=0).max())
     # corners of a finely drawn outline may be closer than a pin is thick
-    shortest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min())
+    shortest = float(np.linalg.norm(sheet.end - sheet.start, axis=1).min())
     distance = max(tolerance, min(PIN_TOLERANCE_MM, 0.99 * shortest))
     conflicts = [*_points_twice(sets, distance), *_edges_twice(sets)]
-    conflicts += _points_on_edges(sets, corners, distance, tolerance)
-    conflicts += _corners_differ(sets, corners, tolerance)
+    conflicts += _points_on_edges(sets, sheet, distance, tolerance)
+    conflicts += _corners_differ(sets, sheet, tolerance)
     if conflicts:
         raise min(conflicts, key=lambda conflict: conflict.number).error
 
@@ -84,7 +85,7 @@ def _edges_twice(sets: tuple[PinSet, ...]) -> Iterator[_Conflict]:
 
 
 def _points_on_edges(
-    sets: tuple[PinSet, ...], corners: Floats, distance: float, tolerance: float
+    sets: tuple[PinSet, ...], sheet: SheetEdges, distance: float, tolerance: float
 ) -> Iterator[_Conflict]:
     """Points closer to a held edge than `distance` (mm), or on it within `tolerance` (mm) for earlier points."""
     points, owner = all_points(sets), set_of_point(sets)
@@ -92,7 +93,7 @@ def _points_on_edges(
     holder = np.array([number for number, pins in enumerate(sets) for _ in pins.edges], dtype=int)
     if not (len(points) and len(edges)):
         return
-    lines = shapely.linestrings(np.stack([corners[edges], np.roll(corners, -1, axis=0)[edges]], axis=1))
+    lines = shapely.linestrings(np.stack([sheet.start[edges], sheet.end[edges]], axis=1))
     point, line = shapely.STRtree(lines).query(shapely.points(points), predicate="dwithin", distance=distance)
     away = shapely.distance(shapely.points(points[point]), lines[line])
     # an edge may begin beside a point of an earlier set
@@ -102,19 +103,19 @@ def _points_on_edges(
         yield _repeated(new, old, rounded_place(points[k]), points[k])
 
 
-def _corners_differ(sets: tuple[PinSet, ...], corners: Floats, tolerance: float) -> Iterator[_Conflict]:
+def _corners_differ(sets: tuple[PinSet, ...], sheet: SheetEdges, tolerance: float) -> Iterator[_Conflict]:
     """Corners between held edges of two sets that hold them in different directions or at different places."""
     holder: dict[int, int] = {}
     for number, new in enumerate(sets):
-        for corner in sorted({corner % len(corners) for edge in new.edges for corner in (edge, edge + 1)}):
+        for corner in sorted({corner for edge in new.edges for corner in (edge, int(sheet.following[edge]))}):
             first = holder.setdefault(corner, number)
             if first == number:
                 continue
             # along directions in which the sheet slides, the places may differ
-            old, place, fixed = sets[first], corners[[corner]], np.array(new.fixed)
+            old, place, fixed = sets[first], sheet.start[[corner]], np.array(new.fixed)
             new_place, old_place = (pins.places(place)[:, fixed] for pins in (new, old))
             if new.fixed != old.fixed or not np.allclose(new_place, old_place, atol=tolerance):
                 allowed = f"must hold the corner as pins[{first}] does"
-                shown = rounded_place(corners[corner])
-                error = DesignError(f"pins[{number}]", allowed, shown, place_mm=corners[corner])
+                shown = rounded_place(sheet.start[corner])
+                error = DesignError(f"pins[{number}]", allowed, shown, place_mm=sheet.start[corner])
                 yield _Conflict(number, error)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from equilibrium.arrays import Floats
 from pattern.design.errors import DesignError
 from pattern.design.pins import Pins
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.support_curve import SupportCurve
 from pattern.layout.supports import FIXED_BY_SLIDE, PinSet
 
@@ -32,8 +33,8 @@ def pin_set(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...] = 
     Raises
     ------
     DesignError
-        An edge or a corner does not exist, a point is off the sheet, points and targets differ in number, or edges
-        with targets do not follow each other.
+        An edge, a corner or a hole does not exist, a point is off the sheet, points and targets differ in number, or
+        edges with targets do not follow each other.
     """
     points, edges = _selected(pins, corners, name, holes)
     target = curve = None
@@ -72,6 +73,12 @@ def _selected(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...])
         return corners[list(_numbers(pins.corners, count, f"{name}.corners"))], ()
     if pins.edges is not None:
         return _NO_POINTS, _numbers(pins.edges, count, f"{name}.edges")
+    if pins.holes is not None:
+        sheet = SheetEdges.of(corners, holes)
+        if not holes:
+            raise DesignError(f"{name}.holes", "needs [[border.holes]]: the sheet has none", list(pins.holes))
+        numbers = _numbers(pins.holes, len(holes), f"{name}.holes")
+        return _NO_POINTS, tuple(edge for hole in numbers for edge in sheet.numbers(hole + 1).tolist())
     points = _snapped_to_outline(np.asarray(pins.points_mm), corners, f"{name}.points_mm")
     for hole in holes:
         points = _snapped_to_ring(points, hole, PIN_TOLERANCE_MM)
@@ -79,7 +86,7 @@ def _selected(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...])
 
 
 def _numbers(numbers: tuple[int, ...], count: int, field: str) -> tuple[int, ...]:
-    """Numbers of edges or corners, if all exist and differ."""
+    """Numbers of edges, corners or holes, if all exist and differ."""
     for k, number in enumerate(numbers):
         if not 0 <= number < count:
             raise DesignError(f"{field}[{k}]", f"must be from 0 to {count - 1}", number)

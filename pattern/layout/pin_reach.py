@@ -9,6 +9,7 @@ import shapely
 
 from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import DesignError
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.supports import PinSet
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be
@@ -19,19 +20,19 @@ MIN_PULLED_MM = 20.0
 MAX_COMPARED_PINS = 200
 
 
-def check_reach(sets: Sequence[PinSet], corners: Floats) -> None:
+def check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
     """Refuse pins so far apart that the sheet between them is longer than `MAX_PULL` times the printed length.
 
     Parameters
     ----------
-    corners : (B, 2) mm, the outline.
+    edges : of the sheet.
 
     Raises
     ------
     DesignError
         The message names the second pin of the pair that is pulled most.
     """
-    printed, places, owner = _samples(sets, corners)
+    printed, places, owner = _samples(sets, edges)
     if len(printed) < 2:
         return
     first, second = np.triu_indices(len(printed), k=1)
@@ -39,11 +40,11 @@ def check_reach(sets: Sequence[PinSet], corners: Floats) -> None:
     apart = np.linalg.norm(np.nan_to_num(places[first] - places[second]), axis=1)
     reach = np.linalg.norm(printed[first] - printed[second], axis=1)
     pull = np.where(apart > MIN_PULLED_MM, apart / np.maximum(reach, 1e-9), 0.0)
-    sheet = shapely.polygons(corners)
-    half_way_round = 0.5 * float(shapely.length(sheet))
+    sheet = shapely.Polygon(edges.rings[0], edges.rings[1:])
+    half_way_round = 0.5 * float(shapely.length(sheet.exterior))
     for pair in np.argsort(-pull)[: np.count_nonzero(pull > MAX_PULL)]:
         i, j = int(first[pair]), int(second[pair])
-        # the way through the sheet is the straight line, unless the outline is in between
+        # the way through the sheet is the straight line, unless the outline or a hole is in between
         line = shapely.linestrings([printed[i], printed[j]])
         if not shapely.covers(sheet.buffer(1e-6 * half_way_round), line) and apart[pair] <= MAX_PULL * half_way_round:
             continue
@@ -56,11 +57,11 @@ def check_reach(sets: Sequence[PinSet], corners: Floats) -> None:
         )
 
 
-def _samples(sets: Sequence[PinSet], corners: Floats) -> tuple[Floats, Floats, Ints]:
+def _samples(sets: Sequence[PinSet], edges: SheetEdges) -> tuple[Floats, Floats, Ints]:
     """Printed points (n, 2), their places (n, 3), not a number where the sheet slides, and the sets they belong to."""
     printed, places, owner = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
     for number, pins in enumerate(sets):
-        ends = np.array([end for segment in pins.segments(corners) for end in segment]).reshape(-1, 2)
+        ends = np.array([end for segment in pins.segments(edges) for end in segment]).reshape(-1, 2)
         for points in (pins.points, ends):
             if len(points):
                 printed.append(points)

@@ -35,7 +35,7 @@ def support_samples(layout: Layout) -> SupportSamples:
     for pin in layout.pins:
         fixed = np.asarray(pin.fixed)
         kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
-        stretches = pin.straight_stretches(layout.outline) if pin.curve is None else pin.segments(layout.outline)
+        stretches = pin.straight_stretches(layout.edges) if pin.curve is None else pin.segments(layout.edges)
         edges = [np.vstack([*ends, np.mean(ends, axis=0)]) for ends in stretches]
         for points, kind_of_points in [(pin.points, kind), *((edge, kind + 1) for edge in edges)]:
             if len(points):

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
+from pattern.geometry.planar import STRAIGHT_TURN_RAD
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.layout.support_curve import SupportCurve
 
 # Which of x, y, z are supported, by the value of `slide` in the design file.
@@ -26,8 +27,7 @@ class PinSet:
     Attributes
     ----------
     points : (P, 2) mm, single printed points (corners of the outline included).
-    edges : edges of the outline that are supported along their whole length. Edge `i` runs from `outline[i]` to
-        `outline[i + 1]`.
+    edges : edges of the outline and of holes that are supported along their whole length, numbered as in `SheetEdges`.
     fixed : which of x, y, z are supported. The sheet slides freely along the others.
     scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
     offset_mm : added to the place given by `scale`.
@@ -110,42 +110,45 @@ class PinSet:
         """Whether these pins support the sheet in a step."""
         return self.step <= step
 
-    def chains(self, corner_count: int) -> list[list[int]]:
-        """Corners of the outline along edges that follow each other, chain by chain.
+    def chains(self, sheet: SheetEdges) -> list[list[int]]:
+        """Corners along edges that follow each other, chain by chain.
 
-        A chain all around the outline ends with its first corner.
+        A chain all around the outline or a hole ends with its first corner.
 
         Examples
         --------
-        >>> PinSet(np.empty((0, 2)), (5, 0, 2), FIXED_BY_SLIDE[None]).chains(6)
+        >>> hexagon = SheetEdges.of(np.array([[2, 0], [1, 2], [-1, 2], [-2, 0], [-1, -2], [1, -2]]))
+        >>> PinSet(np.empty((0, 2)), (5, 0, 2), FIXED_BY_SLIDE[None]).chains(hexagon)
         [[5, 0, 1], [2, 3]]
         """
-        held = set(self.edges)
+        left = set(self.edges)
         chains = []
-        for first in [edge for edge in self.edges if (edge - 1) % corner_count not in held] or list(self.edges[:1]):
+        for first in [*(edge for edge in self.edges if int(sheet.preceding[edge]) not in left), *self.edges]:
             chain = [first]
-            while chain[-1] in held and not (len(chain) > 1 and chain[-1] == first):
-                chain.append((chain[-1] + 1) % corner_count)
-            chains.append(chain)
+            while chain[-1] in left:
+                left.remove(chain[-1])
+                chain.append(int(sheet.following[chain[-1]]))
+            if len(chain) > 1:
+                chains.append(chain)
         return chains
 
-    def segments(self, outline: Floats) -> Iterator[tuple[Floats, Floats]]:
+    def segments(self, sheet: SheetEdges) -> Iterator[tuple[Floats, Floats]]:
         """Both ends (2,) mm of every edge."""
         for edge in self.edges:
-            yield outline[edge], outline[(edge + 1) % len(outline)]
+            yield sheet.start[edge], sheet.end[edge]
 
-    def straight_stretches(self, outline: Floats) -> list[Floats]:
-        """(2, 2) mm, both ends of every straight stretch of edges; the outline (B, 2) may have corners on a stretch."""
-        held, count = set(self.edges), len(outline)
-        continues = np.abs(turning_angles(outline)) <= STRAIGHT_TURN_RAD  # at corner i, from edge i - 1 to edge i
+    def straight_stretches(self, sheet: SheetEdges) -> list[Floats]:
+        """(2, 2) mm, both ends of every straight stretch of edges; there may be corners on a stretch."""
+        held = set(self.edges)
+        continues = np.abs(sheet.turns) <= STRAIGHT_TURN_RAD  # at corner i, from the edge before to edge i
         stretches = []
         for edge in self.edges:
-            if continues[edge] and (edge - 1) % count in held:
+            if continues[edge] and int(sheet.preceding[edge]) in held:
                 continue
             last = edge
-            while continues[(last + 1) % count] and (last + 1) % count in held:
-                last = (last + 1) % count
-            stretches.append(np.array([outline[edge], outline[(last + 1) % count]]))
+            while continues[following := int(sheet.following[last])] and following in held:
+                last = following
+            stretches.append(np.array([sheet.start[edge], sheet.end[last]]))
         return stretches
 
 

@@ -27,8 +27,14 @@ def pins_on_sheet(layout: Layout) -> Floats:
     return points
 
 
-def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple[Ints, ...]:
-    """Vertices of each pin set: those at its points, in their order, then those on its edges of the outline."""
+def pin_vertices(layout: Layout, points: Floats, rim_vertices: Ints) -> tuple[Ints, ...]:
+    """Vertices of each pin set: those at its points, in their order, then those on its edges of the sheet.
+
+    Parameters
+    ----------
+    points : (V, 2) mm, vertices of the mesh.
+    rim_vertices : those of the outline and of the edges of holes.
+    """
     if not layout.pins:
         return ()
     tree = cKDTree(points)
@@ -39,9 +45,9 @@ def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple
             x, y = pin.points[np.argmax(distance)]
             raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
         held: list[Ints] = [np.asarray(at, dtype=np.int64)]
-        for a, b in pin.segments(layout.outline):
-            on = distance_to_segment(points[border_vertices], a, b) <= PIN_VERTEX_TOLERANCE_MM
-            held.append(border_vertices[on])
+        for a, b in pin.segments(layout.edges):
+            on = distance_to_segment(points[rim_vertices], a, b) <= PIN_VERTEX_TOLERANCE_MM
+            held.append(rim_vertices[on])
         vertices = np.concatenate(held)
         _, first = np.unique(vertices, return_index=True)
         # points keep their order and number: targets go with them

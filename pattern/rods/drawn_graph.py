@@ -38,7 +38,7 @@ class DrawnPattern:
     graph : the rods.
     outline : (B, 2) mm, counterclockwise.
     rim : rods that are the outline, in their order around it, all counterclockwise; empty if no rod is on the outline.
-    holes : (n, 2) mm each, edges of the holes.
+    holes : (n, 2) mm each, edges of the holes, in the order of `border.holes`.
     hole_rims : for each hole the rods that are its edge, in their order; empty for a hole without a printed rim.
     """
 
@@ -107,12 +107,12 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
         corners = np.concatenate([made[k].points[:-1] for k in on_rim])
     hole_rims = [tuple(k for k, piece in enumerate(pieces) if kept[piece.line] is drawn[line]) for line in hole_lines]
     edges_of_holes = [np.concatenate([made[k].points[:-1] for k in pieces_of]) for pieces_of in hole_rims]
+    printed = zip((name for name, _ in edges), edges_of_holes, hole_rims, strict=True)
+    rings = [*((name, ring, ()) for name, ring in holes), *printed]
+    order = {f"border.holes[{k}]": k for k in range(len(border.holes))}
+    rings.sort(key=lambda each: order[each[0]])
     return DrawnPattern(
-        graph,
-        corners,
-        tuple(on_rim),
-        (*(ring for _, ring in holes), *edges_of_holes),
-        (*(() for _ in holes), *hole_rims),
+        graph, corners, tuple(on_rim), tuple(ring for _, ring, _ in rings), tuple(rods_of for _, _, rods_of in rings)
     )
 
 

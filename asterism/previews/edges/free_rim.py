@@ -12,7 +12,7 @@ as bare. Without this term, the free rims of previews turn down less than those 
 
 A side has no rest curvature if it is supported along its length, or at a point of a sheet with several supported
 points: there the fabric is pulled straight along the rim. Points that slide along the print do not pull. A hole, bare
-sites enclosed by stars, has no side to turn to.
+sites enclosed by stars, has no side to turn to; a hole in the sheet has sides like the outline.
 
 Below arms that point outwards, the rim also curls along the arms (`asterism.previews.edges.rim_arms`).
 """
@@ -26,7 +26,7 @@ from asterism.previews.fields.holes import in_holes
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_segment, nearest_segment, turning_angles
+from pattern.geometry.planar import distance_to_segment, nearest_segment
 from pattern.layout.layout import Layout
 
 # a place with a smaller share of stars counts as far from all stars
@@ -39,7 +39,8 @@ def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_M
     A side is supported along its length, or at a point if supports fix at least two points of the sheet along the
     print.
     """
-    start, end = layout.outline, np.roll(layout.outline, -1, axis=0)
+    edges = layout.edges
+    start, end = edges.start, edges.end
     along = end - start
     nearest = nearest_segment(points, start, end)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
@@ -48,9 +49,7 @@ def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_M
     if len(pins) > 1:
         near = model.rim_pin_distance * layout.spacing_mm
         held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
-        # pieces of the outline that continue straight form one side
-        side = np.cumsum(np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD)
-        side[side == 0] = side[-1]
+        side = edges.straight_sides
         normal[np.isin(side, side[held])] = 0.0
     return np.where(in_holes(layout, points, model)[:, None], 0.0, normal[nearest])
 

@@ -40,7 +40,8 @@ def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel 
     start, full = model.rim_arm_start, model.rim_arm_full
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
-        width = distance_along(layout.centres, along, layout.outline) / layout.spacing_mm
+        to_rings = [distance_along(layout.centres, along, ring) for ring in layout.edges.rings]
+        width = np.min(to_rings, axis=0) / layout.spacing_mm
         last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape), model)
         part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), 0.0)
     return part

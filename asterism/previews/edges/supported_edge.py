@@ -25,7 +25,7 @@ class SupportedEdge:
     def __init__(self, sheet: PrintSheet, points: Floats) -> None:
         plan, width = sheet.layout, sheet.model.supported_rim_width
         held = plan.supported_edges
-        start, end = plan.outline[held], np.roll(plan.outline, -1, axis=0)[held]
+        start, end = plan.edges.start[held], plan.edges.end[held]
         self._count, self._moved = len(points), np.empty(0, dtype=np.int64)
         if width == 0.0 or not len(held) or not _is_round(sheet, start):
             return
@@ -51,10 +51,12 @@ class SupportedEdge:
 
 def _is_round(sheet: PrintSheet, start: Floats) -> bool:
     """Whether the shell misses the supported sides, which begin at points (s, 2): they are curved or replaced."""
-    turn = np.abs(turning_angles(sheet.outline))
+    rings = sheet.mesh.rings
+    turn = np.abs(np.concatenate([turning_angles(ring) for ring in rings]))
     if ((turn > STRAIGHT_TURN_RAD) & (turn <= np.radians(EdgeSupport.corner_deg))).any():
         return True
-    return bool((distance_to_outline(start, sheet.outline) > MAX_OUTLINE_GAP_SPACINGS * sheet.layout.spacing_mm).any())
+    away = np.min([distance_to_outline(start, ring) for ring in rings], axis=0)
+    return bool((away > MAX_OUTLINE_GAP_SPACINGS * sheet.layout.spacing_mm).any())
 
 
 def _feet(points: Floats, start: Floats, end: Floats) -> Floats:

@@ -47,13 +47,13 @@ class CellGrid:
         vectors = lattice.vectors
         at = self.origin - np.asarray(lattice.origin_mm)
         lattice_of = at, np.linalg.inv(vectors), vectors, first, star
-        _fill(step, *lattice_of, self.origin, layout.outline, self.owner, self.count, self.ends)
+        _fill(step, *lattice_of, self.origin, layout.edges.start, layout.edges.end, self.owner, self.count, self.ends)
 
 
 @loop
-def _fill(step, at, inverse, vectors, first, star, origin, border, owner, count, ends):  # type: ignore[no-untyped-def]
+def _fill(step, at, inverse, vectors, first, star, origin, edge_start, edge_end, owner, count, ends):  # type: ignore[no-untyped-def]
     _fill_owners(at, step, inverse, vectors, first, star, owner)
-    _fill_count(origin, step, border, count)
+    _fill_count(origin, step, edge_start, edge_end, count)
     _fill_ends(owner, count, ends)
 
 
@@ -88,21 +88,21 @@ def _fill_owners(origin, step, inverse, vectors, first, star, owner):  # type: i
 
 
 @formula
-def _fill_count(origin, step, border, count):  # type: ignore[no-untyped-def]
-    """Set the weight of each point inside the polygon (B, 2).
+def _fill_count(origin, step, edge_start, edge_end, count):  # type: ignore[no-untyped-def]
+    """Set the weight of each point on the sheet whose edges run from (N, 2) to (N, 2).
 
-    Its sides are intersected with two lines for each row of the grid, directly below and above the row.
+    These are intersected with two lines for each row of the grid, directly below and above the row.
     """
-    corners = border.shape[0]
-    crossings = np.empty(corners)
+    edges = edge_start.shape[0]
+    crossings = np.empty(edges)
     for i in range(count.shape[0]):
         for j in range(count.shape[1]):
             count[i, j] = 1.0
         for side in (-OUTLINE_TOLERANCE, OUTLINE_TOLERANCE):
             x, filled = origin[0] + (i + side) * step, 0
-            for k in range(corners):
-                x1, y1 = border[k]
-                x2, y2 = border[(k + 1) % corners]
+            for k in range(edges):
+                x1, y1 = edge_start[k]
+                x2, y2 = edge_end[k]
                 if (x1 <= x) != (x2 <= x):
                     y = y1 + (x - x1) / (x2 - x1) * (y2 - y1)
                     place = filled

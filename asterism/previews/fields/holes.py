@@ -1,9 +1,8 @@
-"""Holes in the star pattern: lattice sites without a star that are enclosed by stars."""
+"""Holes in the star pattern: lattice sites without a star that are enclosed by stars. The fabric is whole there."""
 
 from __future__ import annotations
 
 import numpy as np
-import shapely
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -40,9 +39,9 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     )
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors
     region = connected_sites(empty, np.argwhere(joined) - 1)
-    sheet = shapely.polygons(layout.outline)
     near = model.hole_rim_distance * layout.spacing_mm
-    rim = ~shapely.contains_xy(sheet, places) | (distance_to_outline(places, layout.outline) < near)
+    away = np.min([distance_to_outline(places, ring) for ring in layout.edges.rings], axis=0)
+    rim = ~layout.is_on_sheet(places) | (away < near)
     return np.asarray(places[~np.isin(region, region[rim])])
 
 

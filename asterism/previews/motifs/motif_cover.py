@@ -13,7 +13,6 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
-from pattern.geometry.planar import inside
 from pattern.layout.layout import Layout
 from pattern.rods.curves import polyline
 
@@ -61,7 +60,7 @@ def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -
     step = max(min(reach / 5.0, 0.5 * smoothing), float((high - low).max()) / MAX_GRID)
     x, y = (np.arange(a - 0.5 * step, b + step, step) for a, b in zip(low, high, strict=True))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-    on_sheet = inside(grid.reshape(-1, 2), layout.outline).reshape(grid.shape[:2])
+    on_sheet = layout.is_on_sheet(grid.reshape(-1, 2)).reshape(grid.shape[:2])
     drawn = shapely.MultiLineString([rod.points for rod in layout.graph.rods])
     shapely.prepare(drawn)
     away = shapely.distance(drawn, shapely.points(grid[on_sheet]))

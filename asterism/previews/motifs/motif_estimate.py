@@ -27,7 +27,6 @@ from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from fem.search.mean_fields import mean_fields
-from pattern.geometry.planar import polygon_area
 from pattern.layout.free_rotations import count_free_tilts
 
 # share of the places on rods: with more of them outside the law no estimate is available
@@ -67,8 +66,7 @@ def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock
     if equilibrium.is_minimum and has_height:
         doubts = clock("expected height", height_doubts, state, shape, up)
     across = diameter(shape.positions)
-    area = polygon_area(layout.outline)
-    amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, across)
+    amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, layout.area_mm2, across)
     means = mean_fields(state.shell) if is_supported else None
     size_ratio = means.chord / means.stretch if means else np.inf
     others = other_forms(state, across)

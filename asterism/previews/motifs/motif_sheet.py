@@ -24,7 +24,6 @@ from homogenize.law.tensor_forms import TO_VOIGT
 from pattern.design.design import Design
 from pattern.design.materials import Fabric
 from pattern.design.sizing.field import sample
-from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
 from pattern.rods.curves import polyline
 
@@ -47,7 +46,7 @@ class MotifSheet(PrintSheet):
     Attributes
     ----------
     bare : (T, Q) share of bare fabric at the quadrature points.
-    rims : the sides of the sheet, at which the tension of the fabric bends it.
+    rims : the sides of the sheet and of its holes, at which the tension of the fabric bends it.
 
     For the others, see `PrintSheet`.
     """
@@ -165,15 +164,13 @@ def motif_sheet_of(
 
     Raises
     ------
-    DesignError
-        The sheet has holes.
     MeshError
         The outline cannot be meshed.
     """
     edge = EDGE_SPACINGS * design.lattice.spacing_mm
     usual = usual_triangles(layout, edge, MIN_TRIANGLES, MAX_MOTIF_TRIANGLES)
     mesh, space, table = elements_of(layout, usual, triangles)
-    smoothing = SMOOTHING_EDGES * float(np.sqrt(polygon_area(layout.outline) / len(mesh.triangles)))
+    smoothing = SMOOTHING_EDGES * float(np.sqrt(layout.area_mm2 / len(mesh.triangles)))
     reach = reach_mm(design)
     bare = bare_share(layout, reach, smoothing, table.points.reshape(-1, 2)).reshape(table.weights.shape)
     return MotifSheet(design, layout, model, mesh, space, table, bare, rims_of(design, layout, reach))

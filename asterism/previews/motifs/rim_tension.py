@@ -11,7 +11,8 @@ the side is
 which is `N d^2/24` if the outline cuts the pattern midway between rods. The shell itself has the part `N s^2/2` of bare
 fabric of the width s (`asterism.previews.motifs.bare_fabric`), which is taken off. At sides along which no rods run,
 Phi is zero in the mean. Smeared rods need carry no other forces between the sides; so phi there is taken as the mean of
-the sides' values, weighted by length over distance.
+the sides' values, weighted by length over distance. The rim of a hole is a rim like the outer one. At each, phi is
+free up to a constant, whose work on K is one on the geodesic curvature of the rim (Gauss and Bonnet).
 
 Phi may exceed the bending stiffness. The membrane then keeps the sheet stable, because Gaussian curvature stretches it.
 """
@@ -43,7 +44,7 @@ class Rims:
 
     Attributes
     ----------
-    start, end : (B, 2) mm, of each side of the outline.
+    start, end : (B, 2) mm, of each side of the outline and of the holes.
     along : (B, 2) unit vectors along them.
     moment_mm2 : (B,) Phi over N.
     """
@@ -87,7 +88,7 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
     >>> rims_of(lines, print_layout(lines), 2.5).moment_mm2.round(2).tolist()
     [4.79, 0.0, 4.79, 0.0]
     """
-    start, end = layout.outline, np.roll(layout.outline, -1, axis=0)
+    start, end = layout.edges.start, layout.edges.end
     length = np.linalg.norm(end - start, axis=1)
     along = (end - start) / length[:, None]
     inwards = np.column_stack([-along[:, 1], along[:, 0]])

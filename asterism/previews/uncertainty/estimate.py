@@ -18,7 +18,6 @@ from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
 from fem.search.mean_fields import mean_fields
 from homogenize.cell.tube_directions import is_threefold, omitted_anisotropy
-from pattern.geometry.planar import polygon_area
 from pattern.layout.free_rotations import count_free_tilts
 
 # share of the stars: with more of them outside the law, strongly anisotropic or inverted no estimate is available
@@ -42,7 +41,7 @@ def estimate_error(state: StarState, shape: Shape, up: Floats, clock: Clock) -> 
         doubts = clock("expected height", height_doubts, state, shape, up)
     if equilibrium.is_minimum and not is_supported:
         sensitivity = clock("contrast", strain_sensitivity, state)
-    area, across = polygon_area(layout.outline), diameter(shape.positions)
+    area, across = layout.area_mm2, diameter(shape.positions)
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, across)
     means = mean_fields(state.shell) if is_supported else None
     size_ratio = means.chord / means.stretch if means else np.inf

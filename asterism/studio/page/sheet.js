@@ -69,7 +69,7 @@ export class Sheet {
     this.printer = plan.printer ?? null;
     this.tables = local.pins ?? design.pins ?? [];
     this.pins = (plan.pins ?? []).map((shown, k) =>
-      local.outline && this.tables[k] ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown,
+      local.outline && this.tables[k] && !this.tables[k].holes ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown,
     );
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;

@@ -109,6 +109,7 @@ export function titleOf(table, shown) {
   if (table.where === "border") return "Whole outline";
   if (table.where === "corners") return "All corners";
   if (table.edges) return `Edges ${table.edges.join(", ")}`;
+  if (table.holes) return `Edges of holes ${table.holes.join(", ")}`;
   if (table.corners) return `Corners ${table.corners.join(", ")}`;
   const count = pointsOf(table, shown).length;
   return count === 1 ? "1 needle" : `${count} needles`;

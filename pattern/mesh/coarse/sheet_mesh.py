@@ -4,20 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from equilibrium.arrays import Floats, Ints
 from pattern.design.errors import MeshError
-from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, mean_circumcentres
+from pattern.geometry.planar import (
+    dense_outline,
+    distance_to_outline,
+    distance_to_segment,
+    inside,
+    mean_circumcentres,
+    triangle_angles,
+)
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.mesh.coarse.coarse_outline import coarse_outline
+from pattern.mesh.free.line_points import place_within
 from pattern.mesh.free.triangulate import triangulate
 from pattern.mesh.outline_points import outline_points
 
 # inner points keep this distance from the outline and from supported points, in mesh edges
 CLEARANCE_EDGES = 0.6
 MAX_RELAXATION_SWEEPS = 4
+# flatter triangles beside holes are refined, and the angle that is aimed for then
+MIN_ANGLE_BESIDE_HOLES_DEG, ANGLE_BESIDE_HOLES_DEG = 15.0, 25.0
 
 
 @dataclass(frozen=True)
@@ -28,8 +40,8 @@ class SheetMesh:
     ----------
     points : (P, 2) mm; supported points are among them.
     triangles : (T, 3), counterclockwise.
-    rim : (R, 2) points at the ends of the outline's mesh edges.
-    side : (R,) the border's side each of them is on.
+    rim : (R, 2) points at the ends of the mesh edges of the outline and of the holes; the sheet lies to the left.
+    side : (R,) the edge of the sheet each of them is on, see `SheetEdges`.
     """
 
     points: Floats
@@ -37,22 +49,30 @@ class SheetMesh:
     rim: Ints
     side: Ints
 
+    @property
+    def rings(self) -> tuple[Floats, ...]:
+        """(n, 2) mm each, points around the outline and around each hole."""
+        ends = np.flatnonzero(self.rim[:, 1] < self.rim[:, 0]) + 1
+        return tuple(np.split(self.points[self.rim[:, 0]], ends[:-1]))
+
 
 def sheet_mesh(
     border: Floats,
     edge_mm: float,
     held_points: Floats | None = None,
     held_sides: Sequence[Sequence[int]] = (),
+    holes: Sequence[Floats] = (),
 ) -> SheetMesh:
-    """Mesh a polygon.
+    """Mesh a polygon with holes.
 
     Parameters
     ----------
     border : (B, 2) mm, simple polygon, counterclockwise.
-    edge_mm : length of the mesh's edges, about.
+    edge_mm : length of the mesh's edges, about; near holes that are smaller, edges are shorter.
     held_points : (n, 2) mm, supported points on the sheet; they become points of the mesh.
-    held_sides : groups of edges of the outline that are supported alike. Where a group ends, there is a point of the
-        mesh.
+    held_sides : groups of edges of the sheet that are supported alike, numbered as in `SheetEdges`. Where a group ends,
+        there is a point of the mesh.
+    holes : (n, 2) mm each, inside the polygon and apart from each other.
 
     Raises
     ------
@@ -61,20 +81,30 @@ def sheet_mesh(
     """
     held = np.empty((0, 2)) if held_points is None else np.asarray(held_points, dtype=float).reshape(-1, 2)
     near = 1e-6 * float(np.ptp(border, axis=0).max())
-    outline = np.asarray(border, dtype=float)
-    on = distance_to_outline(held, outline) <= near
-    ring, side = _ring(outline, edge_mm, held[on], held[~on], held_sides, near)
-    number = np.arange(len(ring))
-    rim = np.column_stack([number, np.roll(number, -1)])
-    fixed = np.concatenate([ring, held[~on]])
-    points, triangles = _relaxed(fixed, _filling(ring, fixed, edge_mm), rim, edge_mm)
-    return SheetMesh(points, triangles, rim, side)
+    edges = SheetEdges.of(border, holes)
+    on = np.array([distance_to_outline(held, ring) <= near for ring in edges.rings])
+    beside = held[~on.any(axis=0)]
+    rings, sides = [], []
+    for k, ring in enumerate(edges.rings):
+        others = [dense_outline(other, 0.25 * edge_mm) for n, other in enumerate(edges.rings) if n != k]
+        first = int(edges.numbers(k)[0])
+        groups = [[edge - first for edge in group if 0 <= edge - first < len(ring)] for group in held_sides]
+        points, side = _ring(ring, edge_mm, held[on[k]], np.concatenate([beside, *others]), groups, near)
+        rings.append(points)
+        sides.append(first + side)
+    starts = np.cumsum([0, *map(len, rings)])
+    numbers = [np.arange(a, b) for a, b in pairwise(starts)]
+    rim = np.concatenate([np.column_stack([each, np.roll(each, -1)]) for each in numbers])
+    fixed = np.concatenate([*rings, beside])
+    places = [place_within(ring) for ring in rings[1:]]
+    points, triangles = _relaxed(fixed, _filling(rings, fixed, edge_mm), rim, edge_mm, places)
+    return SheetMesh(points, triangles, rim, np.concatenate(sides))
 
 
 def _ring(
     ring: Floats, edge_mm: float, held: Floats, beside: Floats, groups: Sequence[Sequence[int]], near: float
 ) -> tuple[Floats, Ints]:
-    """Points along an outline, and the outline's side that each mesh edge from there to the next lies on."""
+    """Points along a ring, and the side of the ring that each mesh edge from there to the next lies on."""
     group = np.full(len(ring), -1)
     for one, its in enumerate(groups):
         group[list(its)] = one
@@ -96,8 +126,9 @@ def _ring(
     return fine, np.repeat(number[coarse.side], np.diff([*corner, len(fine)]))
 
 
-def _filling(ring: Floats, fixed: Floats, edge_mm: float) -> Floats:
+def _filling(rings: Sequence[Floats], fixed: Floats, edge_mm: float) -> Floats:
     """Inner points: those of the triangular lattice along the longest straight piece of the outline."""
+    ring, *holes = rings
     step = np.roll(ring, -1, axis=0) - ring
     longest = int(np.linalg.norm(step, axis=1).round(9).argmax())
     size = float(np.linalg.norm(step[longest]))
@@ -110,21 +141,27 @@ def _filling(ring: Floats, fixed: Floats, edge_mm: float) -> Floats:
     grid = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), -1)
     points = ring[longest] + grid.reshape(-1, 2) @ basis
     points = points[inside(points, ring)]
+    for hole in holes:
+        points = points[~inside(points, hole)]
     if not len(points):
         return np.empty((0, 2))
-    away = np.minimum(distance_to_outline(points, ring), cKDTree(fixed).query(points)[0])
+    away = np.min([cKDTree(fixed).query(points)[0], *(distance_to_outline(points, each) for each in rings)], axis=0)
     return np.asarray(points[away > CLEARANCE_EDGES * edge_mm])
 
 
-def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float) -> tuple[Floats, Ints]:
+def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float, holes: Sequence[Floats]) -> tuple[Floats, Ints]:
     """Points and triangles, the free points moved so that triangles are nearly equilateral."""
-    points, triangles = triangulate(np.concatenate([fixed, free]), rim)
+    points, triangles = triangulate(np.concatenate([fixed, free]), rim, holes=holes)
     for _ in range(MAX_RELAXATION_SWEEPS if len(free) else 0):
         moved = mean_circumcentres(points, triangles)[len(fixed) :]
         if np.abs(moved - points[len(fixed) :]).max() < 0.02 * edge_mm:
             break
         try:
-            points, triangles = triangulate(np.concatenate([fixed, moved]), rim)
-        except MeshError:  # a point left the outline
+            points, triangles = triangulate(np.concatenate([fixed, moved]), rim, holes=holes)
+        except MeshError:  # a point left the sheet
             break
+    if (
+        holes and triangle_angles(points, triangles).min() < MIN_ANGLE_BESIDE_HOLES_DEG
+    ):  # beside a hole smaller than the triangles
+        points, triangles = triangulate(points, rim, min_angle_deg=ANGLE_BESIDE_HOLES_DEG, holes=holes)
     return points, triangles

@@ -119,7 +119,7 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
         max_area=MAX_AREA_EDGES_SQUARED * edge_mm**2,
         holes=[place_within(points[hole]) for hole in holes],
     )
-    held = pin_vertices(layout, points, border)
+    held = pin_vertices(layout, points, np.concatenate([border, *holes]))
     return Mesh(points, triangles, tuple(rods), stars, border, held, "delaunay", tuple(holes))
 
 

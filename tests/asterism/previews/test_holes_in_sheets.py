@@ -1,0 +1,75 @@
+"""Sheets of stars with holes: fields, free rims and shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.previews.edges.free_rim import free_normals
+from asterism.previews.edges.rim_arms import rim_curvature_share
+from asterism.previews.fields.cell_grid import CellGrid
+from asterism.previews.fields.holes import hole_sites
+from asterism.previews.session import Preview
+from asterism.previews.sheet import sheet_of
+from asterism.shape.comparison import compare_shapes
+from pattern.design.design import Design
+from pattern.geometry.planar import inside
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
+from tests.asterism.previews.laws import plain_law
+
+ROUND = {"circle_mm": {"centre": [0, 0], "radius": 8}}
+
+
+def holed(holes: list[object], pins: list[object] | None = None) -> Design:
+    border = {"rings": 2, "holes": holes}
+    return Design.from_dict({"stars": {"length_mm": 7.0}, "border": border, "pins": pins or [], "mesh": {"edge_mm": 4}})
+
+
+def test_the_grid_of_cells_leaves_the_hole_out() -> None:
+    design = holed([{"polygon_mm": [[-9, -7], [8, -9], [9, 8], [0, 3], [-8, 9]]}])
+    plan = layout(design)
+    grid = CellGrid(plan, design.lattice, 0.7, 3.0)
+    places = grid.origin + 0.7 * np.stack(np.meshgrid(*map(np.arange, grid.count.shape), indexing="ij"), axis=-1)
+    on_sheet = plan.is_on_sheet(places.reshape(-1, 2)).reshape(grid.count.shape)
+    assert on_sheet.sum() < inside(places.reshape(-1, 2), plan.outline).sum()
+    np.testing.assert_array_equal(grid.count == 1.0, on_sheet)
+
+
+def test_the_rim_of_a_hole_turns_to_its_middle_and_its_bare_sites_are_no_hole_of_the_pattern() -> None:
+    plan = layout(holed([ROUND]))
+    assert len(plan.centres) == 18 and len(hole_sites(plan)) == 0
+    angle = np.radians([10.0, 100.0, 200.0])
+    places = 8.5 * np.column_stack([np.cos(angle), np.sin(angle)])
+    assert free_normals(plan, places) == pytest.approx(-places / 8.5, abs=0.1)
+    held = layout(holed([ROUND], [{"holes": [0], "scale": 0.8}]))
+    assert not free_normals(held, places).any()
+
+
+def test_arms_towards_a_hole_end_at_its_rim() -> None:
+    design = holed([ROUND])
+    directions = design.lattice.arm_directions
+    with_hole, whole = layout(design), layout(holed([]))
+    # bare sites in both: the star in the middle is removed from the sheet without a hole
+    data = holed([]).to_dict()
+    data["stars"]["override"] = [{"star": 0, "remove": True}]
+    bare = layout(Design.from_dict(data))
+    assert len(bare.centres) == len(with_hole.centres) == len(whole.centres) - 1
+    less = rim_curvature_share(bare, directions) - rim_curvature_share(with_hole, directions)
+    assert less.min() == pytest.approx(0.0) and less.max() > 0.2
+
+
+@pytest.mark.slow
+def test_a_sheet_with_a_hole_is_certified_and_compared_with_its_images() -> None:
+    design = holed([ROUND])
+    plan = layout(design)
+    sheet = sheet_of(design, plan)
+    assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
+    preview = Preview(design, plain_law())
+    shape = preview.shape()
+    assert preview.equilibrium.is_minimum
+    with pytest.raises(ValueError, match="off the sheet"):
+        shape.at(np.array([[0.0, 0.0]]))
+    same = symmetries(design, plan)
+    compared = compare_shapes(shape, shape, plan, same)
+    assert len(same) > 1 and compared.rms_percent == pytest.approx(0.0, abs=1e-9)
