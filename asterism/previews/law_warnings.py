@@ -67,5 +67,5 @@ def pleat_warning(law: Law) -> str | None:
         return None
     return (
         f"the natural tubes of {unstable} of the law's {count} cells are unstable on 2 x 2 stars: "
-        "such a sheet may form pleats, which the smooth surface cannot show"
+        "the exact model may take another form, with pleats, which the smooth surface cannot show"
     )

@@ -161,10 +161,17 @@ class PreviewModel:
         "fig8-h-decreasing, random-30, random-39, fig8-l-increasing",
     )  # fmt: skip
     rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
+    rim_fall_rad: float = _fitted(
+        0.3, "rad", "slope by which a free rim falls beyond long arms", "star, tube, fig8-h-increasing, random-10"
+    )
+    rim_fall_stretch: float = _derived(1.35, "-", "stretch of the fabric for which the fall was fitted")
     # arms that point into a free rim: edges/rim_arms.py
     has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")
     rim_arm_start: float = _fitted(0.7, "spacing", "border distance at which an arm carries none", "42 free sheets")
     rim_arm_full: float = _fitted(1.2, "spacing", "border distance at which an arm carries all", "42 free sheets")
+    rim_arm_among: float = _fitted(
+        0.2, "-", "share that an arm carries that leads to another star", "42 free sheets; 100x40, 100x85, tube"
+    )
     # supported sides of round outlines: edges/supported_edge.py
     supported_rim_width: float = _unknown(0.5, "spacing", "width of the rim moved to its supports; 0 moves none")
     # bumps: corrugation/bumps.py

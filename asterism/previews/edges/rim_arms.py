@@ -11,7 +11,7 @@ star to the border along its arm, in spacings, the arm carries this share of its
 
     (x - rim_arm_start) / (rim_arm_full - rim_arm_start), limited to the range from 0 to 1.
 
-An arm that leads to another star carries nothing into the rim.
+If an arm leads to another star, the rim beside it takes the share `rim_arm_among`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel 
         to_rings = [distance_along(layout.centres, along, ring) for ring in layout.edges.rings]
         width = np.min(to_rings, axis=0) / layout.spacing_mm
         last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape), model)
-        part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), 0.0)
+        part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), model.rim_arm_among)
     return part
 
 

@@ -90,6 +90,7 @@ def unstable(count: int) -> Law:
 def test_a_law_whose_stars_would_rise_and_fall_in_turn_says_so_wherever_it_is_used() -> None:
     line = pleat_warning(unstable(5))
     assert line is not None and "of 5 of the law's 40 cells" in line
+    assert "another form" in line
     assert f"  {line}" in law_lines(unstable(5))
     summary = asterism.preview(asterism.new("dome"), unstable(5)).summary
     assert line in summary["warnings"]

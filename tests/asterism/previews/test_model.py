@@ -23,13 +23,14 @@ ALWAYS = [
     "Gaussian curvature",
     "roll axis",
     "curl of free rims",
+    "fall of free rims",
     "arms into free rims",
     "bumps",
     "last arms",
     "arms that keep their length",
 ]
 FREE = {
-    "stars": {"length_mm": {"profile": "radial", "from": 9.0, "to": 6.0, "over_mm": 40.0}, "thickness_mm": 0.35},
+    "stars": {"length_mm": {"profile": "radial", "from": 6.0, "to": 12.0, "over_mm": 40.0}, "thickness_mm": 0.35},
     "border": {"rings": 2},
     "mesh": {"edge_mm": 4.0},
 }

@@ -18,7 +18,7 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
-NONE, ALL = PREVIEW_MODEL.rim_arm_start, PREVIEW_MODEL.rim_arm_full
+NONE, ALL, AMONG = PREVIEW_MODEL.rim_arm_start, PREVIEW_MODEL.rim_arm_full, PREVIEW_MODEL.rim_arm_among
 WITHOUT = replace(PREVIEW_MODEL, has_rim_arms=False)
 
 TUBE = gallery.load("tube")
@@ -61,16 +61,16 @@ def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
     # stars of a hexagon: arms that lead to others, and those of the last stars
     parts = rim_curvature_share(PLAN, np.asarray(TUBE.lattice.arm_directions))
     middle = int(np.linalg.norm(PLAN.centres, axis=1).argmin())
-    assert parts[middle] == pytest.approx(0.0)
+    assert parts[middle] == pytest.approx(AMONG)
     outwards = (np.sqrt(0.75) - NONE) / (ALL - NONE)
-    assert np.unique(parts.round(9)) == pytest.approx(np.sort([0.0, outwards]))
+    assert np.unique(parts.round(9)) == pytest.approx(np.sort([AMONG, outwards]))
 
 
 def test_arms_between_the_lattice_lines_lead_to_other_stars() -> None:
     design = Design.from_dict(TUBE.to_dict() | {"lattice": {"orientation_deg": 30.0}})
     plan = layout(design)
     middle = int(np.linalg.norm(plan.centres, axis=1).argmin())
-    assert rim_curvature_share(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(0.0)
+    assert rim_curvature_share(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(AMONG)
 
 
 @pytest.mark.slow
