@@ -54,18 +54,20 @@ def export(
     Thicknesses are rounded to layers and widths to lines; rounded.toml is the printed design. The command states the
     effect of rounding on the shape, by the preview, or by the exact model with --simulate.
     """
+    from asterism.laws.replace_material import with_material
+    from pattern.layout.load_design import load_design
+
+    plan = with_material(load_design(design), material, run.warn)  # before slower imports: many mistakes are here
+
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
     from asterism.laws.any_design_law import any_law_for_design
-    from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
     from asterism.print.write import export_file_names
     from asterism.results.files import EXPORT_SUMMARY_FILE
     from asterism.verification.both_starts import BOTH_STARTS
-    from pattern.layout.load_design import load_design
 
-    plan = with_material(load_design(design), material, run.warn)
     names = export_file_names(has_shape=preview or simulate or shape is not None)
     directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, *names)
     check_shape_request(directory, shape, preview, simulate)

@@ -38,11 +38,14 @@ def preview(
 
     Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
+    from asterism.laws.replace_material import read_design
+
+    chosen = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
+
     from asterism.cli.common.asked_edge import asked_edge
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.results_folder import results_folder
     from asterism.laws.any_design_law import any_law_for_design
-    from asterism.laws.replace_material import read_design
     from asterism.previews.run import preview as compute
     from asterism.print.known_printers import size_warning
     from asterism.reports.write_results import write_results
@@ -50,7 +53,6 @@ def preview(
     from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
     from homogenize.law.law import Law
 
-    chosen = read_design(design, material, run.warn)
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = any_law_for_design(chosen, law, design, material)
     asked = None if edge is None else asked_edge(edge)

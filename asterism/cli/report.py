@@ -30,14 +30,16 @@ def report(
     law: LawFile = None,
 ) -> None:
     """Write one page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
-    from asterism.laws.any_design_law import any_law_for_design
     from asterism.laws.replace_material import read_design
+
+    plan = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
+
+    from asterism.laws.any_design_law import any_law_for_design
     from asterism.reports.design_report import report as write
     from homogenize.errors import LawError
 
     if law and results:
         raise LawError("--law: is for a new preview, not with --results")
-    plan = read_design(design, material, run.warn)
     path = output or design.with_name(f"{design.stem}-report.pdf")
     written = write(
         plan,

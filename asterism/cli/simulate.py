@@ -46,11 +46,14 @@ def simulate(
     shape.obj and shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. The exit
     status is 1 if no minimum was found.
     """
+    from asterism.laws.replace_material import read_design
+
+    read = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
+
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
     from asterism.laws.any_design_law import any_law_for_design
-    from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
     from asterism.verification.both_starts import BOTH_STARTS
@@ -61,7 +64,7 @@ def simulate(
     from homogenize.law.motif_law import MotifLaw
 
     changed = with_overrides(
-        read_design(design, material, run.warn),
+        read,
         {
             "--edge": ("mesh.edge_mm", edge),
             "--start": ("solver.start", start),

@@ -31,18 +31,21 @@ def verify(
     Writes report.html, summary.json, exact.vtu and preview.vtu. The exit status is 1 if the exact model finds no
     minimum.
     """
+    from asterism.laws.replace_material import read_design
+
+    read = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
+
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
     from asterism.laws.any_design_law import any_law_for_design
-    from asterism.laws.replace_material import read_design
     from asterism.reports.verification_files import write_verification
     from asterism.results.doubts import doubts
     from asterism.verification.run import verify as compute
     from equilibrium.linear.backends import check_backend
 
     chosen = with_overrides(
-        read_design(design, material, run.warn),
+        read,
         {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
     )
     check_backend(backend)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from asterism.laws.design_law import chosen_law_path, law_for_design
-from asterism.laws.motif_design_law import motif_law_for_design
 from homogenize.errors import ForeignLaw
 from homogenize.law.any_law import AnyLaw
 from homogenize.law.motif_law_file import is_motif_law
@@ -27,4 +26,6 @@ def any_law_for_design(design: Design, law: Path | None, file: Path, other: Path
         return None
     if path.is_file() and not is_motif_law(path):
         raise ForeignLaw(f"{file}: {path}: is a law of stars, not of the motif of drawn rods", field="rods.motif")
+    from asterism.laws.motif_design_law import motif_law_for_design  # it loads the exact model, for cells of motifs
+
     return motif_law_for_design(design, law, file, other)

@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 
 import typer
 
+from asterism.cli.common.design_errors import with_design_file
 from asterism.cli.common.progress import Progress
 from asterism.process.collection import libraries_are_loaded
+from equilibrium.errors import Error
 
 if TYPE_CHECKING:
     from asterism.exact.cost import Cost
@@ -141,7 +143,11 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     def run_command(**arguments: Any) -> int:
         run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
         with run.progress:
-            status = function(run, **arguments) or DONE
+            try:
+                status = function(run, **arguments) or DONE
+            except Error as error:
+                design = arguments.get("design")
+                raise (with_design_file(error, design) if isinstance(design, Path) else error) from None
         return NO_ANSWER if status == DONE and run.strict and run.is_doubtful else status
 
     parameters = [*own, *common]

@@ -68,7 +68,7 @@ def test_without_the_package_a_design_with_contact_is_one_line(folder: Path, cap
     (folder / "d.toml").write_text(ROLLED + "[solver]\ncontact = true\n")
     refused = command(["simulate", "d.toml"], capsys, monkeypatch)
     assert refused.status == 2
-    assert refused.err == "asterism: solver.contact: needs the package ipctk: pip install ipctk\n"
+    assert refused.err == "asterism: d.toml: solver.contact: needs the package ipctk: pip install ipctk\n"
     assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
