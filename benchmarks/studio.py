@@ -23,8 +23,9 @@ import numpy as np
 
 from asterism.studio.child import ENGINE, StartedProcess
 from asterism.studio.engine import Engine
+from asterism.studio.engine_orders import Edit, Stop
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Edit, Frame, Ready, Stop, StudioProblem
+from asterism.studio.messages import Frame, Ready, StudioProblem
 from benchmarks.report import markdown, write_report
 from pattern import gallery
 from pattern.layout.build import layout

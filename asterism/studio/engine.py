@@ -23,9 +23,10 @@ from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
+from asterism.studio.engine_orders import Edit, FitTarget, Flip, Parts, ShowForm
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import NO_PREVIEW, Busy, Edit, FitTarget, Flip, Limits, Parts, ShowForm, StudioProblem
+from asterism.studio.messages import NO_PREVIEW, Busy, Limits, StudioProblem
 from asterism.studio.pattern_kinds import pattern_kinds
 from asterism.studio.rest_summary import blank_summary, printed_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded

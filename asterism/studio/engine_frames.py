@@ -8,8 +8,9 @@ from typing import Any
 
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
+from asterism.studio.engine_orders import Parts
 from asterism.studio.flat_sheet import blank_messages, printed_messages
-from asterism.studio.messages import Frame, Parts, StudioProblem
+from asterism.studio.messages import Frame, StudioProblem
 from asterism.studio.sheet_view import SheetView
 from asterism.studio.target_distance import TargetComparison
 from equilibrium.arrays import Floats

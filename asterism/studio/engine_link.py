@@ -8,22 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.studio.child import ENGINE, Child, StartedProcess
+from asterism.studio.engine_orders import Cancel, Edit, Flip, Parts, ShowForm, Stop
 from asterism.studio.inbox import merged
-from asterism.studio.messages import (
-    Busy,
-    Cancel,
-    Edit,
-    Flip,
-    Frame,
-    Parts,
-    Ready,
-    ShapeSummary,
-    ShowForm,
-    ShownMesh,
-    Stop,
-    StudioProblem,
-    TargetPose,
-)
+from asterism.studio.messages import Busy, Frame, Ready, ShapeSummary, ShownMesh, StudioProblem, TargetPose
 
 # An engine that owes an answer and gives no sign of life for so long is replaced.
 MAX_SILENCE_S = 30.0

@@ -8,20 +8,8 @@ from typing import Any, Protocol
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.engine_link import EngineLink
-from asterism.studio.messages import (
-    ANSWERS,
-    Busy,
-    Edit,
-    FitTarget,
-    Flip,
-    Frame,
-    Limits,
-    ShapeSummary,
-    ShowForm,
-    ShownMesh,
-    StudioProblem,
-    TargetPose,
-)
+from asterism.studio.engine_orders import Edit, FitTarget, Flip, ShowForm
+from asterism.studio.messages import ANSWERS, Busy, Frame, Limits, ShapeSummary, ShownMesh, StudioProblem, TargetPose
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.painted import split
 from asterism.studio.shown import Shown

@@ -7,9 +7,9 @@ from multiprocessing.connection import Connection
 from asterism.fitting.fit import fit
 from asterism.fitting.target import TargetSurface
 from asterism.print.profiles import load_printer
+from asterism.studio.engine_orders import Surface
 from asterism.studio.engine_problem import engine_problem
 from asterism.studio.job_messages import Fitted
-from asterism.studio.messages import Surface
 from asterism.studio.requests import Hold
 from asterism.studio.verifier import ProgressSender
 from asterism.studio.weights import SheetWeights

@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import Protocol
 
 from asterism.studio import requests as ask
+from asterism.studio.engine_orders import Parts
 from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.job_messages import Fitted
-from asterism.studio.messages import Parts, TargetPose
+from asterism.studio.messages import TargetPose
+from asterism.studio.request import RequestError
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.target import Target
@@ -71,7 +73,7 @@ class FrameParts:
     def place(self, request: ask.TargetRequest) -> None:
         """Do with the target what a page asks for."""
         if self.target is None:
-            raise ask.RequestError("target: send a file first")
+            raise RequestError("target: send a file first")
         if request.do == "remove":
             self.set_target(None)
             return

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.studio.messages import Cancel, Edit, Parts, Stop
+from asterism.studio.engine_orders import Cancel, Edit, Parts, Stop
 
 MERGED_FIELDS = ("design", "sites", "sizes_mm", "removed")
 

@@ -13,6 +13,7 @@ from asterism.studio.job_messages import VERIFIED, Computed, Fitted, JobProgress
 from asterism.studio.jobs import Jobs, RunningJob
 from asterism.studio.messages import StudioProblem
 from asterism.studio.page_data import engine_problem_data, failure_data
+from asterism.studio.request import Request, RequestError
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tabs
 from asterism.studio.weights import sheet_weights
@@ -57,7 +58,7 @@ class JobRequests:
         self._studio = studio
         self._jobs = Jobs(self._tell)
 
-    def start(self, request: ask.Request, document: Document) -> None:
+    def start(self, request: Request, document: Document) -> None:
         """Start a job.
 
         Raises
@@ -74,7 +75,7 @@ class JobRequests:
             case ask.FitRequest():
                 target = self._studio.parts.target
                 if target is None:
-                    raise ask.RequestError("target: send a file first")
+                    raise RequestError("target: send a file first")
                 weights = sheet_weights(table, document.layout, self._studio.shown.sheet, target)
                 arguments = (target.surface_of_file, target.name, request.hold, self._studio.printer, weights)
                 started = self._jobs.start("fit", document.revision, FIT_PROCESS, *arguments)
@@ -90,9 +91,9 @@ class JobRequests:
                     "report", document.revision, REPORT_PROCESS, table, folder, out, self._studio.printer
                 )
             case _:
-                raise ask.RequestError("the server does not do that")
+                raise RequestError("the server does not do that")
         if not started:
-            raise ask.RequestError("wait for the running job, or cancel it")
+            raise RequestError("wait for the running job, or cancel it")
 
     def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
         options = {"printer": self._studio.printer, **request.options}
@@ -102,11 +103,11 @@ class JobRequests:
             if value is not None
         }
         if unknown := sorted(set(options) - EXPORT_OPTIONS):
-            raise ask.RequestError(f"export: {unknown[0]!r} is not one of {', '.join(sorted(EXPORT_OPTIONS))}")
+            raise RequestError(f"export: {unknown[0]!r} is not one of {', '.join(sorted(EXPORT_OPTIONS))}")
         for name in ("printer", "plastic"):
             # a name, never a file: names come from outside
             if not isinstance(options.get(name, "x"), str) or not options.get(name, "x").replace("-", "").isalnum():
-                raise ask.RequestError(f"export: {name} must be the name of a profile")
+                raise RequestError(f"export: {name} must be the name of a profile")
         return options
 
     def cancel(self) -> None:

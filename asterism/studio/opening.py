@@ -9,6 +9,7 @@ from asterism.studio.autosave import autosave_path
 from asterism.studio.document import Document
 from asterism.studio.examples import NEW_SHEET, free_name
 from asterism.studio.local_files import file_below
+from asterism.studio.request import RequestError
 from pattern import gallery
 
 
@@ -24,7 +25,7 @@ def opened(folder: Path, request: ask.Open | ask.New) -> Document:
         return Document(NEW_SHEET, free_name(folder, "sheet"))
     if request.gallery is not None:
         if request.gallery not in (*gallery.names(), *gallery.pattern_names()):
-            raise ask.RequestError(f"{request.gallery!r} is not in the gallery")
+            raise RequestError(f"{request.gallery!r} is not in the gallery")
         return Document.copy_of(gallery.path(request.gallery), free_name(folder, request.gallery))
     path = design_path(folder, request.name or "")
     return Document.unsaved(path) if not path.exists() and autosave_path(path).exists() else Document.open(path)

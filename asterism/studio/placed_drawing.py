@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from asterism.studio.drawing import SentDrawing, rings
-from asterism.studio.requests import LayerUse, PlaceDrawing
+from asterism.studio.gesture_requests import LayerUse, PlaceDrawing
 from asterism.studio.uploads import MAX_CORNERS, UploadError
 from equilibrium.arrays import Floats
 from pattern.design.file_lines import FileLine

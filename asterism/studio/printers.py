@@ -7,7 +7,7 @@ from typing import Any
 
 from asterism.print.bed_placement import room_mm
 from asterism.print.profiles import load_printer, profile_names
-from asterism.studio.requests import RequestError
+from asterism.studio.request import RequestError
 
 DEFAULT_PRINTER = "ultimaker2"
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from asterism.results.compared import COMPARED_KEYS
 from asterism.studio.document import Document
-from asterism.studio.requests import RequestError
+from asterism.studio.request import RequestError
 from asterism.studio.shown import Shown
 
 SLOTS = ("A", "B", "C")

@@ -15,12 +15,22 @@ from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.examples import design_files, gallery_entries
 from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
+from asterism.studio.gesture_requests import (
+    BrushRequest,
+    Change,
+    GestureRequest,
+    Paint,
+    PlaceDrawing,
+    StarsRequest,
+    Weigh,
+)
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import shown_path
 from asterism.studio.opening import design_path, opened
 from asterism.studio.page_data import document_data, failure_data, problem_data
 from asterism.studio.placed_drawing import with_drawing
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
+from asterism.studio.request import Request, RequestError
 from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
 from asterism.studio.tab import Tab, Tabs
@@ -135,7 +145,7 @@ class Studio:
             layout = None if self.document is None else self.document.layout
             tab.send(failure_data(error, layout, "a request of a page", seq))
 
-    async def _answer(self, tab: Tab, request: ask.Request) -> None:
+    async def _answer(self, tab: Tab, request: Request) -> None:
         """Do what a page asks for."""
         match request:
             case ask.Acknowledge():
@@ -155,14 +165,14 @@ class Studio:
             case ask.TargetRequest():
                 self.parts.place(request)
             case _ if self.document is None:
-                raise ask.RequestError("open a design first")
-            case ask.GestureRequest():
+                raise RequestError("open a design first")
+            case GestureRequest():
                 await self._gesture(tab, request)
             case _:
                 await asyncio.to_thread(self.document.end_gesture)
                 await self._command(tab, request, self.document)
 
-    async def _command(self, tab: Tab, request: ask.Request, document: Document) -> None:
+    async def _command(self, tab: Tab, request: Request, document: Document) -> None:
         """A request that is no gesture; the document is laid out."""
         match request:
             case ask.HistoryRequest():
@@ -222,7 +232,7 @@ class Studio:
         self.tell_document()
         self.tell_state()
 
-    async def _gesture(self, tab: Tab, request: ask.GestureRequest) -> None:
+    async def _gesture(self, tab: Tab, request: GestureRequest) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""
         document = self.document
         assert document is not None
@@ -242,21 +252,21 @@ class Studio:
         self.tell_document()
         self.engine.show(document)
 
-    def _apply(self, request: ask.GestureRequest, document: Document, gesture: Any) -> None:
+    def _apply(self, request: GestureRequest, document: Document, gesture: Any) -> None:
         match request:
-            case ask.Change():
+            case Change():
                 document.change(request.changes, gesture)
-            case ask.Paint():
+            case Paint():
                 document.paint(request.sites, request.sizes, gesture)
-            case ask.BrushRequest():
+            case BrushRequest():
                 document.brush(request.size, request.brush, request.places, gesture)
-            case ask.PlaceDrawing():
+            case PlaceDrawing():
                 drawing = self.drawings.get(request.drawing)
                 table = with_drawing(document.table, drawing, request, document.layout.outline)
                 document.apply(table, gesture, drawing.name[:60])
-            case ask.Weigh():
+            case Weigh():
                 document.weigh(request.sites, request.weights, gesture)
-            case ask.StarsRequest():
+            case StarsRequest():
                 change = {"remove": document.remove, "restore": document.restore, "reset": document.reset}
                 change[request.type](request.sites, gesture)
 

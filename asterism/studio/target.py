@@ -12,7 +12,8 @@ from asterism.fitting.rhino_file import read_rhino
 from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
 from asterism.studio import frames
-from asterism.studio.messages import Surface, TargetPose
+from asterism.studio.engine_orders import Surface
+from asterism.studio.messages import TargetPose
 from equilibrium.arrays import Floats, Ints
 from pattern.design.rhino_model import RHINO_FORMAT
 

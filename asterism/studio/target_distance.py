@@ -7,7 +7,8 @@ import numpy as np
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
-from asterism.studio.messages import Surface, TargetDistance, TargetPose
+from asterism.studio.engine_orders import Surface
+from asterism.studio.messages import TargetDistance, TargetPose
 from equilibrium.arrays import Floats, Ints
 
 

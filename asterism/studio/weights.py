@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asterism.studio.requests import RequestError
+from asterism.studio.request import RequestError
 from asterism.studio.target import Target
 from equilibrium.arrays import Array, Floats
 from pattern.design.stars import Site

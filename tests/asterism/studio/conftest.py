@@ -13,7 +13,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from asterism.studio import frames
-from asterism.studio.messages import Edit, Frame, Limits, ShapeSummary, ShownMesh
+from asterism.studio.engine_orders import Edit
+from asterism.studio.messages import Frame, Limits, ShapeSummary, ShownMesh
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
 from pattern import gallery

@@ -8,8 +8,9 @@ from typing import Any
 
 import asterism
 from asterism.studio.engine import Engine
+from asterism.studio.engine_orders import Stop
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Frame, ShapeSummary, Stop, StudioProblem
+from asterism.studio.messages import Frame, ShapeSummary, StudioProblem
 
 PATIENCE_S = 120.0
 

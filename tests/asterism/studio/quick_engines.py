@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from asterism.studio.engine_orders import Edit, Surface
 from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
-from asterism.studio.messages import Edit, Frame, Ready, ShownMesh, StudioProblem, Surface
+from asterism.studio.messages import Frame, Ready, ShownMesh, StudioProblem
 from asterism.studio.weights import SheetWeights
 
 # variable of the environment with the file that a fit waits for

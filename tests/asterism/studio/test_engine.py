@@ -8,13 +8,8 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.messages import (
-    Busy,
-    Edit,
-    Frame,
-    Limits,
-    ShownMesh,
-)
+from asterism.studio.engine_orders import Edit
+from asterism.studio.messages import Busy, Frame, Limits, ShownMesh
 from pattern.layout.build import layout
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 

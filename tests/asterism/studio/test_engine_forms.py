@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.messages import (
-    Cancel,
-    Edit,
-    Flip,
-    ShowForm,
-)
+from asterism.studio.engine_orders import Cancel, Edit, Flip, ShowForm
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 

@@ -6,15 +6,8 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.messages import (
-    Edit,
-    FitTarget,
-    Frame,
-    Parts,
-    ShownMesh,
-    Surface,
-    TargetPose,
-)
+from asterism.studio.engine_orders import Edit, FitTarget, Parts, Surface
+from asterism.studio.messages import Frame, ShownMesh, TargetPose
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import asterism
+from asterism.studio.engine_orders import Edit, Flip, ShowForm, Stop
 from asterism.studio.engine_process import run_engine
-from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Stop, StudioProblem
+from asterism.studio.messages import Frame, Ready, ShapeSummary, StudioProblem
 from pattern.layout.build import layout
 from tests.asterism.studio.engine_pipe import EnginePipe
 

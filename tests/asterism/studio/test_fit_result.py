@@ -10,7 +10,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from asterism.studio import job_requests
-from asterism.studio.messages import FitTarget
+from asterism.studio.engine_orders import FitTarget
 from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page

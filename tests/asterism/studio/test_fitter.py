@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asterism.studio.engine_orders import Surface
 from asterism.studio.fitter import run_fit
 from asterism.studio.job_messages import Fitted, JobProgress
-from asterism.studio.messages import StudioProblem, Surface
+from asterism.studio.messages import StudioProblem
 from pattern.design.design import Design
 from tests.asterism.fitting.surfaces import spherical_cap
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from asterism.studio.messages import Edit
+from asterism.studio.engine_orders import Edit
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page
 

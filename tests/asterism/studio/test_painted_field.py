@@ -10,7 +10,8 @@ import pytest
 
 from asterism.studio.document import Document
 from asterism.studio.painted_field import STEP_MM, Brush, PaintedField
-from asterism.studio.requests import RequestError, read_request
+from asterism.studio.request import RequestError
+from asterism.studio.requests import read_request
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.sizing.profiles.linear import LinearProfile

@@ -10,8 +10,9 @@ import pytest
 
 from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
+from asterism.studio.engine_orders import Edit
 from asterism.studio.job_messages import Computed
-from asterism.studio.messages import NO_PREVIEW, Edit, Limits, ShownMesh
+from asterism.studio.messages import NO_PREVIEW, Limits, ShownMesh
 from asterism.studio.page_data import document_data
 from asterism.studio.ribbon_stations import NO_SITE, ribbon_stations
 from asterism.studio.verifier import run_verification

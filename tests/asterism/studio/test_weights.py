@@ -11,8 +11,8 @@ from starlette.testclient import TestClient
 from asterism.fitting.target import TargetSurface
 from asterism.studio import job_requests
 from asterism.studio.document import Document
-from asterism.studio.messages import Edit
-from asterism.studio.requests import RequestError
+from asterism.studio.engine_orders import Edit
+from asterism.studio.request import RequestError
 from asterism.studio.studio import Studio
 from asterism.studio.target import Target
 from asterism.studio.weights import SheetWeights, sheet_weights, weights_by_site
