@@ -24,7 +24,8 @@ def run_engine(connection: Connection) -> None:
 
     Parameters
     ----------
-    connection : this process's end of a pipe, with the messages of `asterism.studio.engine_orders` and `asterism.studio.messages`.
+    connection : this process's end of a pipe, with the messages of `asterism.studio.engine_orders` and
+        `asterism.studio.messages`.
     """
     begun, lock = time.monotonic(), threading.Lock()
 
