@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from shlex import quote
 from typing import Annotated
@@ -45,7 +46,7 @@ def new(
         raise Mistake(f"--output: {str(path)!r} exists and is kept; choose another name")
     write_file(path, content)
     where = quote(str(path))
-    if name in gallery.pattern_names():
+    if name in gallery.pattern_names() and "motif" not in tomllib.loads(content.decode())["rods"]:
         run.lines(
             [f"{path}: run  asterism simulate {where}  for its shape, or  asterism export {where}  for the print"]
         )

@@ -49,6 +49,8 @@ def test_new_lists_and_writes(
     assert "tube" in run("new", cwd=tmp_path).stdout.split()
     drawn = command(["new", "leaf"], capsys, monkeypatch)
     assert drawn.status == 0 and "asterism simulate leaf.toml" in drawn.out and "preview" not in drawn.out
+    repeating = command(["new", "skew-grid"], capsys, monkeypatch)
+    assert repeating.status == 0 and "asterism preview skew-grid.toml" in repeating.out
     assert command(["new", "tube"], capsys, monkeypatch).status == 0
     assert command(["new", "tube"], capsys, monkeypatch).status == 0  # nothing is lost by writing the same again
     assert command(["new", "tube", "-o", "missing/folder/tube.toml"], capsys, monkeypatch).status == 0
