@@ -48,7 +48,7 @@ def sweep(
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.progress_line import SweepProgressLine
-    from asterism.sweeps.run import sampled, sweep_design, sweep_parameters
+    from asterism.sweeps.run import check_model, sampled, sweep_design, sweep_parameters
     from asterism.sweeps.write_sweep import write_sweep
     from homogenize.campaign.workers import default_jobs
     from homogenize.law.any_law import load_any_law
@@ -59,6 +59,7 @@ def sweep(
         raise Mistake("--law: is for previews, not with --exact")
     chosen = read_design(design, material, run.warn)
     given = [SweepParameter.from_text(text) for text in vary]
+    check_model(chosen, exact)
     parameters = sweep_parameters(chosen, given)
     directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"))
     folder = directory / "designs"

@@ -170,6 +170,10 @@ def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> No
             try:
                 Design.from_dict(varied(table, {parameter.path: value}))
             except DesignError as error:
+                if table.get(section := parameter.path.partition(".")[0]) is None and section in Design.model_fields:
+                    given = "rods" if section == "stars" else "stars"
+                    has = f"; it has [{given}]" if table.get(given) is not None else ""
+                    raise SweepError(f"{parameter.path}: the design has no [{section}]{has}") from None
                 # other entries may make the value possible: then its designs fail or not one by one
                 field = _as_path(error.field)
                 if parameter.path == field or parameter.path.startswith(f"{field}.") or field.startswith(

@@ -22,6 +22,7 @@ from homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, l
 from homogenize.law.any_law import AnyLaw, any_law_digest
 from homogenize.law.law import Law
 from homogenize.law.motif_law import MotifLaw
+from homogenize.law.motif_plan import without_motif_law
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 
@@ -83,7 +84,8 @@ def sweep_design(
     Raises
     ------
     SweepError
-        A parameter is not one of the design's, a value is impossible, or there are too many designs.
+        A parameter is not one of the design's, a value is impossible, there are too many designs, or previews of the
+        design are impossible, whatever its sizes.
     CampaignError
         The workers have ended. Finished designs are in `folder`.
     AddressError
@@ -94,6 +96,7 @@ def sweep_design(
     check_type(design, Design, "load_design reads one from a file")
     if law is not None and not isinstance(law, MotifLaw):
         check_type(law, Law, "load_any_law reads one from a file")
+    check_model(design, exact)
     parameters = sweep_parameters(design, vary)
     combinations = sampled(parameters, samples, seed)
     if jobs is not None and jobs < 1:
@@ -114,6 +117,21 @@ def sweep_design(
             raise OutputError(f"cannot write {kept.folder}: {(error.strerror or str(error)).lower()}") from None
     points = tuple(_point(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))
     return Sweep(design, parameters, points, exact, None if samples is None else seed, digest)
+
+
+def check_model(design: Design, exact: bool) -> None:
+    """Refuse previews of drawn lines that do not repeat, or that have stars beside them: no value would make one.
+
+    Raises
+    ------
+    SweepError
+        The message names exact shapes as the way.
+    """
+    if exact or design.rods is None or (refused := without_motif_law(design)) is None:
+        return
+    field, reason = refused
+    if field.split(".")[0] in ("rods", "stars"):
+        raise SweepError(f"{field}: {reason.partition(';')[0]}; a sweep computes exact shapes with --exact")
 
 
 def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:

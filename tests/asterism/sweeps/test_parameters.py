@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from asterism.sweeps.errors import SweepError
 from asterism.sweeps.parameters import SweepParameter, check_parameters, varied
-from asterism.sweeps.run import sweep_parameters
+from asterism.sweeps.run import check_model, sweep_design, sweep_parameters
 from asterism.sweeps.sampling import grid, latin_hypercube
 from pattern import gallery
 
@@ -88,6 +89,25 @@ def test_values_are_put_at_their_paths() -> None:
 def test_what_the_design_does_not_have_is_refused(vary: dict[str, Any], problem: str) -> None:
     with pytest.raises(SweepError, match=problem):
         sweep_parameters(gallery.load("dome"), vary)
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "problem"),
+    [
+        ("leaf", "stars.thickness_mm", "stars.thickness_mm: the design has no [stars]; it has [rods]"),
+        ("dome", "rods.thickness_mm", "rods.thickness_mm: the design has no [rods]; it has [stars]"),
+    ],
+)
+def test_sizes_of_the_other_pattern_are_refused_by_the_name_of_its_section(name: str, path: str, problem: str) -> None:
+    with pytest.raises(SweepError, match=f"^{re.escape(problem)}$"):
+        check_parameters(gallery.load(name), [SweepParameter(path, (0.3, 0.4))])
+
+
+def test_previews_of_drawings_that_do_not_repeat_are_refused_at_once() -> None:
+    with pytest.raises(SweepError, match="lines that do not repeat have no law; a sweep computes exact shapes with"):
+        sweep_design(gallery.load("leaf"), {"rods.thickness_mm": [0.3, 0.4]})
+    check_model(gallery.load("leaf"), exact=True)
+    check_model(gallery.load("skew-grid"), exact=False)
 
 
 def test_a_path_is_varied_once() -> None:
