@@ -136,7 +136,9 @@ def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[
 def _rim(drawn: list[PlacedLine], name: str, field: str) -> int:
     """Number of the line that is the outline, or the edge of a hole."""
     named = [k for k, each in enumerate(drawn) if each.line.name == name]
-    if len(named) != 1:
+    if len(named) > 1:
+        raise DesignError(field, f"must be the name or layer of one line; {len(named)} lines have it", name)
+    if not named:
         names = ", ".join(sorted({each.line.name for each in drawn if each.line.name})) or "no names"
         raise DesignError(field, f"must be the name or layer of one line, of {names}", name)
     points = drawn[named[0]].points
@@ -204,20 +206,29 @@ def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: 
     width = rods.width_mm if line.width_mm is None else line.width_mm
     if isinstance(thickness, Profile) or isinstance(width, Profile):
         points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), SECTION_STEP_MM))
-    thicknesses = _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn.name)
-    widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn.name)
+    thicknesses = _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn, rods)
+    widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn, rods)
     if (rounding := rods.rounding) is not None:
         thicknesses, widths = rounding.thickness(thicknesses), rounding.width(widths)
     return Rod(points, start, end, thicknesses, widths, line.kappa_bar_per_mm, drawn.name, drawn.group)
 
 
-def _sizes(field: SizingField, points: Floats, limits: tuple[float, float], key: str, name: str) -> Floats:
+def _sizes(
+    field: SizingField, points: Floats, limits: tuple[float, float], key: str, drawn: PlacedLine, rods: Rods
+) -> Floats:
     """(n,) mm, a size along a rod, within the limits of a printer."""
     values = sample(field, points)
     wrong = ~((values >= limits[0]) & (values <= limits[1]))
     if wrong.any():
         at = int(wrong.argmax())
         x, y = points[at]
-        problem = f"must be from {limits[0]:g} to {limits[1]:g} along {name}, as at [{x:.2f}, {y:.2f}]"
-        raise DesignError(f"rods.{key}", problem, float(values[at]), place_mm=points[at])
+        problem = f"must be from {limits[0]:g} to {limits[1]:g} along {drawn.name}, as at [{x:.2f}, {y:.2f}]"
+        raise DesignError(_size_field(drawn.line, key, rods), problem, float(values[at]), place_mm=points[at])
     return values
+
+
+def _size_field(line: DrawnLine, key: str, rods: Rods) -> str:
+    """The field of a line's size in the design; that of all lines if the line has none of its own."""
+    tables = {f"rods.{part}[{k}]": each for part in ("draw", "motif") for k, each in enumerate(getattr(rods, part))}
+    own = [field for field, each in tables.items() if each is line and getattr(line, key) is not None]
+    return f"{own[0] if own else 'rods'}.{key}"

@@ -179,7 +179,8 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
         place = _meeting(segments[i], segments[j])
         if place is None:
             x, y = segments[i].mean(axis=0)
-            both = " and ".join(sorted({names[owner[i]] or "a line", names[owner[j]] or "a line"}))
+            one, other = sorted(names[owner[k]] or "a line" for k in (i, j))
+            both = f"two lines named {one}" if one == other else f"{one} and {other}"
             raise DesignError("rods", f"{both} lie on each other at [{x:.2f}, {y:.2f}]: draw the line once")
         for k in (i, j):
             step = segments[k][1] - segments[k][0]

@@ -52,7 +52,7 @@ def test_a_honeycomb_ends_with_status_1_and_the_reason(
         ("[stars]\nlength_mm = 8\n[border]\nrings = 1\n", "rods: is missing: the cell of stars has a law"),
         (LINE.replace("= 0.4", '= { formula = "0.3+0.001*r" }'), "rods.thickness_mm: must be a number"),
         (LINE + "[gravity]\non = true\n[fabric]\nmodulus_mpa = 7.0\n", "gravity.on: a cell has no weight"),
-        (LINE.replace("[5, 0]]", "[7, 0]]"), "rods: motif[0] lie on each other"),
+        (LINE.replace("[5, 0]]", "[7, 0]]"), "rods: two lines named motif[0] lie on each other"),
     ],
 )
 def test_designs_without_a_cell_are_refused(

@@ -95,11 +95,17 @@ def test_pins_on_rods_are_vertices_of_the_mesh() -> None:
     assert mesh.pin_vertices[0][0] in np.concatenate(mesh.rods)
 
 
+RIB = {"name": "rib", "line_mm": [[-9, 0], [9, 0]]}
 REFUSED = [
     ([{"line_mm": [[-20, 0], [20, 0]]}, {"line_mm": [[-20, 0.8], [20, 0.8]]}], "are 0.80 mm apart"),
     ([{"line_mm": [[-20, 0], [20, 0]]}, {"line_mm": [[-20, 0], [20, 6]]}], "meet at 9 deg"),
     ([{"line_mm": [[0, 0], [0.8, 0]]}], "has a piece of 0.80 mm"),
-    ([{"line_mm": [[0, 0], [9, 0]], "thickness_mm": 7.0}], "must be from 0.05 to 5 along draw"),
+    (
+        [{"line_mm": [[0, 0], [9, 0]], "thickness_mm": 7.0}],
+        "rods.draw[0].thickness_mm = 7.0: must be from 0.05 to 5 along draw",
+    ),
+    ([RIB, {"line_mm": [[0, 3], [9, 3]], "width_mm": -1.0}], "rods.draw[1].width_mm = -1.0: must be from 0.1 to 10"),
+    ([RIB, RIB], "two lines named rib lie on each other"),
     ([{"line_mm": [[0, 0], [9, 0], [9, 0]]}], "has a point twice"),
     ([{"line_mm": [[100, 0], [109, 0]]}], "must have at least one line on the sheet"),
     ([{"line_mm": [[0, 0], [9, 0]], "circle_mm": {"radius": 3}}], "must have one of line_mm, spline_mm"),
@@ -114,6 +120,17 @@ def test_what_is_refused(draw: list[dict[str, Any]], words: str) -> None:
     with pytest.raises(DesignError) as caught:
         sheet(*draw)
     assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_sizes_of_all_lines_are_named_as_those() -> None:
+    with pytest.raises(DesignError, match=r"^rods.width_mm = -1.0: must be from 0.1 to 10 along rib"):
+        sheet(RIB, rods={"width_mm": -1.0})
+
+
+def test_a_rim_is_one_line() -> None:
+    rims = [{"name": "rim", "circle_mm": {"radius": radius}} for radius in (10, 20)]
+    with pytest.raises(DesignError, match="must be the name or layer of one line; 2 lines have it"):
+        sheet(*rims, border={"rods": "rim"})
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def test_lines_that_cross_copies_of_each_other_are_cut_there() -> None:
 
 def test_a_motif_that_lies_on_its_copies_is_refused() -> None:
     lines = [{"name": "long", "line_mm": [(0, 0), (13, 0)]}]
-    with pytest.raises(DesignError, match="long lie on each other"):
+    with pytest.raises(DesignError, match="two lines named long lie on each other"):
         motif_graph(Rods.model_validate({"motif": lines}), Lattice(kind="square", spacing_mm=10.0))
     lines = [{"line_mm": [(0, 0), (700, 31)]}]
     with pytest.raises(DesignError, match=r"^rods\.motif: is too long for its lattice"):
