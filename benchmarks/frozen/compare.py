@@ -54,7 +54,8 @@ def main() -> None:
     text = section(rows, without)
     print(text)
     if not options.names:
-        write_report(f"frozen.{half}", rows, text, command="python -m benchmarks.frozen.compare FOLDER")
+        flag = " --open-sealed-half" if half == SEALED else ""
+        write_report(f"frozen.{half}", rows, text, command=f"python -m benchmarks.frozen.compare FOLDER{flag}")
 
 
 def section(rows: Sequence[Row], without: Sequence[str]) -> str:
