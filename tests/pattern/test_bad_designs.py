@@ -56,7 +56,7 @@ BAD = [
         "stars",
         "one of length_mm and length_fraction, but has length_mm and length_fr",
     ),
-    ([("pins", [{"scale": 0.7}])], "pins[0]", "one of where, points_mm, edges and corners"),
+    ([("pins", [{"scale": 0.7}])], "pins[0]", "one of where, points_mm, edges, corners and holes"),
     ([("lattice", {"vectors_mm": [[9, 0], [0, 9]]})], "lattice.vectors_mm", 'kind = "custom", not with "triangular"'),
     ([("stars.length_mm", DELETE)], "stars", "one of length_mm and length_fraction"),
     ([("stars.length_mm", 0)], "stars", "at least one arm"),
