@@ -97,7 +97,12 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     drawn += _copies(rods, lattice, corners)
     rims = {rim, *hole_lines}
     room = _room(border, corners, [ring for _, ring in holes], [ring for _, ring in printed_holes])
-    kept = [part for k, each in enumerate(drawn) for part in ([each] if k in rims else _on_sheet(each, border, room))]
+    whole = shapely.covers(room.buffer(1e-9), [shapely.LineString(each.points) for each in drawn])
+    kept = [
+        part
+        for k, each in enumerate(drawn)
+        for part in ([each] if k in rims or whole[k] else _on_sheet(each, border, room))
+    ]
     if not kept:
         raise DesignError("rods", "must have at least one line on the sheet")
     graph, pieces = graph_of_lines(kept, rods)
@@ -180,10 +185,8 @@ def _room(
 
 
 def _on_sheet(drawn: PlacedLine, border: Border, inner: shapely.Polygon | shapely.MultiPolygon) -> list[PlacedLine]:
-    """The parts of a line where lines can be."""
+    """The parts, where lines can be, of a line that leaves that room."""
     line = shapely.LineString(drawn.points)
-    if shapely.covers(inner.buffer(1e-9), line):
-        return [drawn]
     outside = shapely.get_coordinates(shapely.difference(line, inner))[0]
     if border.overhang == "refuse":
         x, y = outside

@@ -62,6 +62,7 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     """
     lines = _joined(lines, join_mm)
     places, owners, parts = _meetings(lines, names)
+    meetings = len(places)
     for number, line in enumerate(lines):
         at = _key_points(line)
         places.extend(line[at])
@@ -69,16 +70,16 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
         parts.extend(at.astype(float))
     place, owner, part = np.array(places).reshape(-1, 2), np.array(owners, dtype=np.int64), np.array(parts)
     # ends and corners first: merged nodes are there
-    order = np.concatenate([np.arange(len(place) - _count(lines), len(place)), np.arange(len(place) - _count(lines))])
+    order = np.concatenate([np.arange(meetings, len(place)), np.arange(meetings)])
     place, owner, part = place[order], owner[order], part[order]
     node, nodes = _clusters(place, merge_mm)
     pieces = []
-    for number, line in enumerate(lines):
-        of_line = np.flatnonzero(owner == number)
+    of_lines = np.split(np.argsort(owner, kind="stable"), np.cumsum(np.bincount(owner, minlength=len(lines)))[:-1])
+    for number, (line, of_line) in enumerate(zip(lines, of_lines, strict=True)):
         pieces += _split(number, line, part[of_line], node[of_line], nodes, merge_mm)
     degree = np.bincount([end for piece in pieces for end in (piece.start, piece.end)], minlength=len(nodes))
     kept = [
-        piece for piece in pieces if _length(piece.points) > merge_mm or min(degree[piece.start], degree[piece.end]) > 1
+        piece for piece in pieces if min(degree[piece.start], degree[piece.end]) > 1 or _length(piece.points) > merge_mm
     ]
     used, index = np.unique([[piece.start, piece.end] for piece in kept], return_inverse=True)
     ends = index.reshape(-1, 2)
@@ -87,21 +88,18 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
 
 def is_closed(line: Floats) -> bool:
     """Whether a polyline returns to its first point."""
-    return bool(np.linalg.norm(line[0] - line[-1]) <= SAME_PLACE_MM) and len(line) > 3
-
-
-def _count(lines: list[Floats]) -> int:
-    return sum(len(_key_points(line)) for line in lines)
+    return len(line) > 3 and bool(np.linalg.norm(line[0] - line[-1]) <= SAME_PLACE_MM)
 
 
 def _key_points(line: Floats) -> Ints:
     """Numbers of the points of a line that are nodes by themselves: both ends, and corners."""
-    corner = _is_corner(line)
+    if len(line) == 2:
+        return np.array([0, 1])
     if is_closed(line):
         ring = np.abs(turning_angles(line[:-1])) > np.radians(CORNER_DEG)
         # a ring without a corner has its seam at its first point; both of its ends are this node
         return np.unique(np.concatenate([[0], np.flatnonzero(ring), [len(line) - 1]]))
-    return np.unique(np.concatenate([[0], np.flatnonzero(corner), [len(line) - 1]]))
+    return np.unique(np.concatenate([[0], np.flatnonzero(_is_corner(line)), [len(line) - 1]]))
 
 
 def _is_corner(line: Floats) -> Bools:
@@ -184,7 +182,7 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
             raise DesignError("rods", f"{both} lie on each other at [{x:.2f}, {y:.2f}]: draw the line once")
         for k in (i, j):
             step = segments[k][1] - segments[k][0]
-            part = float(np.clip((place - segments[k][0]) @ step / (step @ step), 0.0, 1.0))
+            part = min(max(float((place - segments[k][0]) @ step / (step @ step)), 0.0), 1.0)
             places.append(place)
             owners.append(int(owner[k]))
             parts.append(float(number[k]) + part)
@@ -202,7 +200,7 @@ def _meeting(first: Floats, second: Floats) -> Floats | None:
         if shared > SAME_PLACE_MM:
             return None
         return np.asarray(a + np.clip(0.5 * (max(along[0], 0.0) + min(along[1], 1.0)), 0.0, 1.0) * u)
-    return np.asarray(a + np.clip((w[0] * v[1] - w[1] * v[0]) / cross, 0.0, 1.0) * u)
+    return np.asarray(a + min(max(float((w[0] * v[1] - w[1] * v[0]) / cross), 0.0), 1.0) * u)
 
 
 def _clusters(places: Floats, distance: float) -> tuple[Ints, Floats]:
@@ -226,8 +224,11 @@ def _split(number: int, line: Floats, part: Floats, node: Ints, nodes: Floats, m
     pieces = []
     for k in range(len(part) - 1):
         inner = line[int(np.floor(part[k])) + 1 : int(np.ceil(part[k + 1]))]
-        is_clear = [np.linalg.norm(inner - nodes[node[end]], axis=1) > merge_mm for end in (k, k + 1)]
-        points = np.concatenate([nodes[node[k]][None], inner[is_clear[0] & is_clear[1]], nodes[node[k + 1]][None]])
+        ends = nodes[node[[k, k + 1]]]
+        if len(inner):
+            is_clear = np.linalg.norm(inner[:, None] - ends, axis=2) > merge_mm
+            inner = inner[is_clear.all(axis=1)]
+        points = np.concatenate([ends[:1], inner, ends[1:]])
         if node[k] == node[k + 1] and _length(points) <= 4.0 * merge_mm:
             continue  # the same node twice
         pieces.append(Piece(number, points, int(node[k]), int(node[k + 1])))
