@@ -1,5 +1,6 @@
 """Tests run side by side: each worker keeps to one thread, or they would wait for each other."""
 
+import gc
 import os
 import signal
 from functools import cache
@@ -32,6 +33,16 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 # a shell that starts the tests in the background has them ignore Ctrl-C, and with them every program they start
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# loading the libraries and the tests makes objects that stay: the collector goes through none of them
+gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """From here on cycles are collected, but not among the objects that exist."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:

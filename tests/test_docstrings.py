@@ -17,9 +17,13 @@ MODULES = [
     for file in sorted((ROOT / package).rglob("*.py"))
     if ">>> " in file.read_text(encoding="utf-8")
 ]
+# examples that take seconds
+LONG = {"asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare.compare"}
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in MODULES]
+)
 def test_examples_in_docstrings_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with np.printoptions(precision=4, suppress=True):

@@ -178,6 +178,7 @@ def test_offsets():
     assert (found.natural_centre_offset_mm > 0.0).all()
 
 
+@pytest.mark.slow
 def test_a_bistable_star_is_followed_up():
     found = sample(10.0, 0.2)
     assert found.failed is None
@@ -186,6 +187,7 @@ def test_a_bistable_star_is_followed_up():
     assert (found.natural_bump_mm > 1.0).all()
 
 
+@pytest.mark.slow
 def test_hardly_buckled_stars_find_the_up_branch_at_finite_curvature():
     found = sample(13.0, 0.3)
     assert found.failed is None
@@ -245,6 +247,7 @@ def test_failed_samples_have_a_reason_and_no_numbers(monkeypatch):
     assert found.natural_curvature is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arms", "length", "width", "apart"), [(6, 7.2746, 1.2, (1.0, 2.0)), (3, 7.3, 1.0, (0.0, 0.2))]
 )
