@@ -29,10 +29,12 @@ def surface_triangle_areas(
 
 def border_of(triangles: Int[np.ndarray, "T 3"], count: int) -> Bool[np.ndarray, " {count}"]:
     """(count,) bool, vertices on the outline: those of edges that belong to one triangle only."""
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, uses = np.unique(edges, axis=0, return_counts=True)
+    start, end = triangles.astype(np.int64), np.roll(triangles, -1, axis=1)
+    # one number for each edge: pairs of numbers are slow to sort
+    keys, uses = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_counts=True)
+    once = keys[uses == 1]
     on_border = np.zeros(count, dtype=bool)
-    on_border[unique[uses == 1].ravel()] = True
+    on_border[once // max(count, 1)] = on_border[once % max(count, 1)] = True
     return on_border
 
 

@@ -24,19 +24,22 @@ def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array
     x = state.positions - state.positions.mean(axis=0)
     size = np.sqrt((x**2).sum(axis=1).mean()) + 1e-30  # scales rotations to the length of translations
     n_twists, n_joints = len(edges), len(state.frames)
-    modes = np.zeros((3 * n + n_twists + 3 * n_joints, 6))
-    t = edge_tangents(state.positions, edges)
-    for i, axis in enumerate(np.eye(3)):
-        modes[: 3 * n, i] = np.tile(axis, n)
-        modes[: 3 * n, 3 + i] = np.cross(axis, x).ravel() / size
-        modes[3 * n : 3 * n + n_twists, 3 + i] = t @ axis / size
-        modes[3 * n + n_twists :, 3 + i] = np.tile(axis, n_joints) / size
-    blocked = modes[held]
-    if len(blocked):
-        gram = blocked.T @ blocked
-        values, vectors = np.linalg.eigh(gram)
-        modes = modes @ vectors[:, values < 1e-12 * len(blocked)]
-    return modes[free]
+    # one motion a row: short rows of a large array are slow
+    modes = np.zeros((6, 3 * n + n_twists + 3 * n_joints))
+    moves, twists = modes[:, : 3 * n].reshape(6, n, 3), modes[:, 3 * n : 3 * n + n_twists]
+    spins = modes[:, 3 * n + n_twists :].reshape(6, n_joints, 3)
+    twists[3:] = edge_tangents(state.positions, edges).T / size
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        moves[i, :, i] = 1.0
+        # the cross product of axis i and the position
+        moves[3 + i, :, j], moves[3 + i, :, k] = -x[:, k] / size, x[:, j] / size
+        spins[3 + i, :, i] = 1.0 / size
+    blocked = modes[:, held]
+    if blocked.shape[1]:
+        values, vectors = np.linalg.eigh(blocked @ blocked.T)
+        modes = vectors[:, values < 1e-12 * blocked.shape[1]].T @ modes
+    return modes[:, free].T
 
 
 def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:

@@ -18,12 +18,14 @@ def independent_dofs(motions: Floats) -> Ints:
     >>> independent_dofs(np.array([[1.0, 0.0], [1.0, 3.0], [1.0, -1.0]])).tolist()
     [1, 2]
     """
-    remainder = motions.copy()
-    chosen = np.empty(motions.shape[1], dtype=np.int64)
+    remainder = np.array(motions.T, order="C")  # short rows of a large array are slow
+    chosen = np.empty(len(remainder), dtype=np.int64)
     for k in range(len(chosen)):
-        chosen[k] = np.argmax((remainder**2).sum(axis=1))
-        direction = remainder[chosen[k]] / np.linalg.norm(remainder[chosen[k]])
-        remainder -= np.outer(remainder @ direction, direction)
+        chosen[k] = np.argmax(np.einsum("km,km->m", remainder, remainder))
+        direction = remainder[:, chosen[k]] / np.linalg.norm(remainder[:, chosen[k]])
+        along = direction @ remainder
+        for row, part in zip(remainder, direction, strict=True):
+            row -= part * along
     return chosen
 
 
