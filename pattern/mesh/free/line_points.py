@@ -22,12 +22,16 @@ def least_pieces(rod: Rod) -> float:
 
 def points_along(rod: Rod, step: float, pins: Floats, tolerance: float) -> Floats:
     """(n, 2) mm, points of a rod from its start to its end, about `step` (mm) apart, and the pins (P, 2) on it."""
-    line, places = shapely.LineString(rod.points), shapely.points(pins)
-    along = np.asarray(shapely.line_locate_point(line, places), dtype=float)
-    inner = (shapely.distance(line, places) <= tolerance) & (along > tolerance) & (along < rod.length - tolerance)
-    order = np.flatnonzero(inner)[np.argsort(along[inner])]
-    at = np.concatenate([[0.0], along[order], [rod.length]])
-    stops = np.concatenate([rod.points[:1], pins[order], rod.points[-1:]])
+    if len(pins):
+        low, high = rod.points.min(axis=0) - tolerance, rod.points.max(axis=0) + tolerance
+        pins = pins[((pins >= low) & (pins <= high)).all(axis=1)]
+    at, stops = np.array([0.0, rod.length]), rod.points[[0, -1]]
+    if len(pins):
+        line, places = shapely.LineString(rod.points), shapely.points(pins)
+        along = np.asarray(shapely.line_locate_point(line, places), dtype=float)
+        inner = (shapely.distance(line, places) <= tolerance) & (along > tolerance) & (along < rod.length - tolerance)
+        order = np.flatnonzero(inner)[np.argsort(along[inner])]
+        at, stops = np.insert(at, 1, along[order]), np.insert(stops, 1, pins[order], axis=0)
     pieces = []
     for k, (a, b) in enumerate(pairwise(at)):
         parts = np.linspace(a, b, max(round((b - a) / step), 1) + 1)[1:-1] / rod.length

@@ -173,8 +173,7 @@ def _closed(s: Ints, n: int) -> Ints:
 def _outside(faces: NDArray[np.object_], points: Floats) -> NDArray[np.bool_]:
     """Which points (k,) no face holds in its inside."""
     out = np.ones(len(points), dtype=bool)
-    for face in faces:
-        out[out] = ~shapely.contains_xy(face, points[out])
+    out[shapely.STRtree(shapely.points(points)).query(faces, predicate="contains")[1]] = False
     return out
 
 
