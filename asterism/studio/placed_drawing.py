@@ -14,6 +14,7 @@ from asterism.studio.uploads import MAX_CORNERS, UploadError
 from equilibrium.arrays import Floats
 from pattern.design.file_lines import FileLine
 from pattern.design.outline_file import OUTLINE_CURVE_MM
+from pattern.layout.pin_placement import PIN_TOLERANCE_MM
 
 # mm of fabric around a drawing on a sheet of its own
 SHEET_MARGIN_MM = 10.0
@@ -26,8 +27,8 @@ KEPT_ROD_KEYS = ("rounding", "curve_mm", "join_mm")
 
 def with_drawing(
     table: Mapping[str, Any], drawing: SentDrawing, choice: PlaceDrawing, outline: Floats
-) -> dict[str, Any]:
-    """The table of a design with a drawing.
+) -> tuple[dict[str, Any], str]:
+    """The table of a design with a drawing, and a line on what another outline has left out.
 
     Lines are stored in the design, so that no file is needed. A section that all layers share becomes that of `[rods]`,
     where the pattern is new: a profile over the sheet can take its place.
@@ -55,11 +56,15 @@ def with_drawing(
     changed = dict(table)
     if rods:
         changed = _with_rods(changed, drawing, {name: chosen[name] for name in rods}, shift, choice)
-    border = _border(changed, rim, [ring - shift for ring in outer] if edges else [])
-    if not edges and rim is None:
-        border = _kept_border(changed, outline) if choice.sheet == "kept" else _around(changed, box - shift)
-    changed["border"] = border
-    return changed
+    if edges or rim:
+        rims = [ring - shift for ring in (outer if edges else outer[:1])]
+        changed["border"] = _border(changed, rim, rims if edges else [])
+        return _with_pins_on(changed, rims)
+    if choice.sheet == "around":
+        changed["border"] = _around(changed, box - shift)
+        return _with_pins_on(changed, [np.asarray(changed["border"]["polygon_mm"])])
+    changed["border"] = _kept_border(changed, outline)
+    return changed, ""
 
 
 def _with_rods(
@@ -127,6 +132,40 @@ def _kept_border(table: Mapping[str, Any], outline: Floats) -> dict[str, Any]:
         border = {key: value for key, value in border.items() if key not in OUTLINE_KEYS}
         border["polygon_mm"] = outline.round(DRAWING_DIGITS).tolist()
     return border
+
+
+def _with_pins_on(table: dict[str, Any], rims: list[Floats]) -> tuple[dict[str, Any], str]:
+    """The table with the supports that another outline leaves, and a line on the others.
+
+    Numbers of edges, corners and holes are those of the former outline.
+
+    Parameters
+    ----------
+    rims : (n, 2) mm, of the outline and of its holes.
+    """
+    kept, lost = [], 0
+    sheet = shapely.Polygon(rims[0], rims[1:]).buffer(PIN_TOLERANCE_MM)
+    for pins in table.get("pins", ()):
+        if "points_mm" not in pins:
+            if "where" in pins:
+                kept.append(pins)
+            else:
+                lost += 1
+            continue
+        is_on = shapely.covers(sheet, shapely.points(np.asarray(pins["points_mm"], dtype=float)))
+        lost += int((~is_on).sum())
+        if not is_on.any():
+            continue
+        of_points = {"points_mm", *(["target_mm"] if np.ndim(pins.get("target_mm", 0)) == 2 else [])}
+        kept.append(pins | {key: [each for each, on in zip(pins[key], is_on, strict=True) if on] for key in of_points})
+    if not lost:
+        return table, ""
+    rest = {key: value for key, value in table.items() if key != "pins"}
+    supports = "1 support" if lost == 1 else f"{lost} supports"
+    note = (
+        f"{supports} of the former outline {'is' if lost == 1 else 'are'} left out; Undo brings the former sheet back."
+    )
+    return rest | ({"pins": kept} if kept else {}), note
 
 
 def _around(table: Mapping[str, Any], box: Floats) -> dict[str, Any]:

@@ -262,8 +262,10 @@ class Studio:
                 document.brush(request.size, request.brush, request.places, gesture)
             case PlaceDrawing():
                 drawing = self.drawings.get(request.drawing)
-                table = with_drawing(document.table, drawing, request, document.layout.outline)
+                table, note = with_drawing(document.table, drawing, request, document.layout.outline)
                 document.apply(table, gesture, drawing.name[:60])
+                if note:
+                    self.tell({"type": "note", "text": note})
             case Weigh():
                 document.weigh(request.sites, request.weights, gesture)
             case StarsRequest():

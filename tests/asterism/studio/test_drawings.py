@@ -37,7 +37,8 @@ def placed(document: Document, tmp_path: Path, name: str, content: bytes | str, 
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     drawing = read_drawing(path, name)
     request = PlaceDrawing.model_validate({"type": "drawing", "drawing": 1, **choice})
-    document.apply(with_drawing(document.table, drawing, request, document.layout.outline), None, name)
+    table, _ = with_drawing(document.table, drawing, request, document.layout.outline)
+    document.apply(table, None, name)
     document.end_gesture()
     return document.table
 
@@ -107,6 +108,28 @@ def test_a_refused_drawing_changes_nothing(document: Document, tmp_path: Path, l
     with pytest.raises((UploadError, DesignError), match=problem) as refusal:
         placed(document, tmp_path, "plan.svg", SVG, layers=layers)
     assert document.table == before and "\n" not in str(refusal.value)
+
+
+def test_supports_that_another_outline_does_not_reach_are_left_out_with_a_line(tmp_path: Path) -> None:
+    pins: list[dict[str, Any]] = [
+        {
+            "points_mm": [(0, 0), (55, 0), (20, 10), (-30, -15)],
+            "target_mm": [(0, 0, 1), (55, 0, 2), (0, 0, 3), (9, 9, 4)],
+        },
+        {"points_mm": [(-55, 0)], "target_mm": (0, 0, 9)},
+        {"edges": [0]},
+        {"where": "corners", "scale": 0.9},
+    ]
+    table = {"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": (120, 100)}, "pins": pins}
+    path = tmp_path / "plan.svg"
+    path.write_text(SVG, encoding="utf-8")
+    drawing = read_drawing(path, path.name)
+    layers = {"cut": {"use": "outline"}}  # 80 x 40 mm, with a hole of 8 mm at [20, 10]
+    request = PlaceDrawing.model_validate({"type": "drawing", "drawing": 1, "layers": layers})
+    placed_table, note = with_drawing(table, drawing, request, np.zeros((0, 2)))
+    assert placed_table["pins"] == [{"points_mm": [(0, 0), (-30, -15)], "target_mm": [(0, 0, 1), (9, 9, 4)]}, pins[3]]
+    assert note == "4 supports of the former outline are left out; Undo brings the former sheet back."
+    assert with_drawing({**table, "pins": pins[3:]}, drawing, request, np.zeros((0, 2)))[1] == ""
 
 
 def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestClient, page: Page) -> None:
