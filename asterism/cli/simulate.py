@@ -87,6 +87,8 @@ def simulate(
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     run.warn(*shape.summary["warnings"])
+    if given_law is not None and changed.rods is not None:
+        run.warn("--law is not used: drawn rods start from the flat print alone; asterism verify takes the law")
     # laws of motifs have cells of one mesh
     is_unknown = shape.summary["mesh_error_percent"] is None and changed.rods is None
     if is_unknown and not isinstance(given_law, MotifLaw) and has_mesh_limit(changed, given_law):

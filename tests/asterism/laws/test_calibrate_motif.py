@@ -97,6 +97,16 @@ def test_show_prints_range_values_and_errors(
     assert len((place / "net-law" / "cells.csv").read_text().splitlines()) == 8
 
 
+@pytest.mark.slow
+def test_simulate_says_that_it_does_not_use_the_law(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
+    done = run(["simulate", "net.toml", "--law", "net-law.npz", "-q"], capsys, monkeypatch)
+    assert done.status == 0 and "asterism: --law is not used: drawn rods start from the flat print alone" in done.err
+    assert "--law is not used" not in run(["simulate", "net.toml", "-q"], capsys, monkeypatch).err
+
+
 def test_parts_of_the_range_without_a_law_are_named(
     place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
