@@ -82,16 +82,16 @@ def measured(sheet: str, design: Design) -> dict[str, Any]:
     """Preview and exact shape of one sheet."""
     print(sheet, flush=True)
     summary = verify(design, say=lambda text: None).summary
-    height, expected_height = summary["height_error_percent"], summary["expected_height_percent"]
+    (height, shown), expected_height = summary["heights_mm"], summary["expected_height_percent"]
     row = {
         "sheet": sheet,
         "size_mm": design.border.rectangle_mm,
         "rms_percent": summary["rms_percent"],
         "max_percent": summary["max_percent"],
         "expected_percent": summary["expected_rms_percent"],
-        "height_error_percent": height,
-        "expected_height_percent": expected_height,
-        "height_mm": summary["heights_mm"][0],
+        "height_mm": height,
+        "height_error_mm": shown - height,
+        "expected_height_mm": None if expected_height is None else 0.01 * expected_height * shown,
         "same_form": summary["same_branch"],
         "exact_minimum": summary["exact"]["is_minimum"],
         "preview_minimum": summary["preview"]["is_minimum"],
@@ -112,17 +112,17 @@ def is_announced(row: dict[str, Any]) -> bool:
 
 def table(rows: list[dict[str, Any]]) -> str:
     """The rows as Markdown, and what they show in one line."""
-    header = ["sheet", "mm", "rms %", "estimated %", "largest %", "height mm", "height error %", "estimated %", "form"]
+    header = ["sheet", "mm", "rms %", "estimated %", "largest %", "height mm", "its error mm", "estimated mm", "form"]
     lines = [
         [
             row["sheet"],
             " x ".join(f"{side:g}" for side in row["size_mm"]),
             f"{row['rms_percent']:.2f}",
-            _percent(row["expected_percent"]),
+            _one_digit(row["expected_percent"]),
             f"{row['max_percent']:.1f}",
             f"{row['height_mm']:.1f}",
-            _percent(row["height_error_percent"]),
-            _percent(row["expected_height_percent"]),
+            f"{row['height_error_mm']:.1f}",
+            _one_digit(row["expected_height_mm"]),
             "same" if row["same_form"] else "other" if row["exact_minimum"] else "no exact minimum",
         ]
         for row in rows
@@ -130,8 +130,11 @@ def table(rows: list[dict[str, Any]]) -> str:
     errors = np.array([row["rms_percent"] for row in rows])
     far = [row for row in rows if row["rms_percent"] > MAX_PERCENT and not is_announced(row)]
     met = sum(row["expected_percent"] is not None and row["rms_percent"] <= row["expected_percent"] for row in rows)
+    known = [row for row in rows if row["expected_height_mm"] is not None]
+    high = sum(abs(row["height_error_mm"]) <= row["expected_height_mm"] for row in known)
     text = f"Median {np.median(errors):.2f} %, largest {errors.max():.2f} %; {met} of {len(rows)} within the estimate; "
-    return f"{markdown(header, lines)}\n\n{text}{len(far)} above {MAX_PERCENT} % and not announced."
+    text += f"{len(far)} above {MAX_PERCENT} % and not announced. {high} of {len(known)} heights within their estimate."
+    return f"{markdown(header, lines)}\n\n{text}"
 
 
 def main(halves: list[str]) -> None:
@@ -147,7 +150,7 @@ def main(halves: list[str]) -> None:
         write_report("motif_previews", rows, text)
 
 
-def _percent(value: float | None) -> str:
+def _one_digit(value: float | None) -> str:
     return "-" if value is None else f"{value:.1f}"
 
 

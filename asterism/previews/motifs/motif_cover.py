@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
+from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
 from pattern.rods.curves import polyline
 
@@ -46,6 +47,19 @@ def reach_mm(design: Design) -> float:
     parts = np.arange(SAMPLES) / SAMPLES
     places = np.stack(np.meshgrid(parts, parts, indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
     return float(shapely.distance(drawn, shapely.points(places)).max())
+
+
+def small_holes(layout: Layout) -> list[int]:
+    """Numbers of the holes that are smaller than a cell of the lattice."""
+    cell = abs(float(np.linalg.det(layout.lattice_vectors)))
+    return [k for k, ring in enumerate(layout.edges.rings[1:]) if -polygon_area(ring) < cell]
+
+
+def holes_within_cells(layout: Layout, tip_margin_mm: float) -> list[int]:
+    """Numbers of the holes that are smaller than a cell of the lattice and cut off rods."""
+    ends = shapely.multipoints(np.concatenate([rod.points[[0, -1]] for rod in layout.graph.rods]))
+    reach = (1.0 + REACH_TOLERANCE) * tip_margin_mm
+    return [k for k in small_holes(layout) if shapely.distance(shapely.Polygon(layout.holes[k]), ends) <= reach]
 
 
 def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -> Floats:

@@ -5,8 +5,8 @@ As for stars (`asterism.previews.uncertainty.distance_error`), with a floor of t
     error^2 = floor^2 + (share a)^2 + max P_j d_j^2.
 
 The floor is that of the shell: it has no rods that end at the rim, where the exact sheet bends more or less than its
-cell. The error of the height has a further part in % of the height, for the same reason.
-`python -m benchmarks.motif_previews` states how many sheets the estimate covers.
+cell. The error of the height has a further part in % of the height, for the same reason, and one in mm, which counts on
+low sheets. `python -m benchmarks.motif_previews` states how many sheets and heights the estimates cover.
 """
 
 from __future__ import annotations
@@ -35,16 +35,20 @@ MAX_OUTSIDE_SHARE = 0.1
 
 @dataclass(frozen=True)
 class MotifErrorModel:
-    """Constants of the estimate for motifs, judged from a few sheets of `benchmarks.motif_shells` and not fitted.
+    """Constants of the estimate for motifs. The percentages are judged from a few sheets of `benchmarks.motif_shells`,
+    and not fitted.
 
     Attributes
     ----------
     floor_percent : of the distance, in % of the diameter.
     height_percent : of the height, in % of it.
+    height_mm : of the height. The median of the absolute errors of the working sheets of `benchmarks.motif_previews`
+        whose form is the exact one: 0.2, 0.4, 1.2, 1.9, 2.9 and 3.8 mm.
     """
 
     floor_percent: float = 0.8
     height_percent: float = 10.0
+    height_mm: float = 1.5
 
 
 MOTIF_ERROR = MotifErrorModel()
@@ -74,7 +78,9 @@ def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock
     if len(state.values.outside) <= MAX_OUTSIDE_SHARE * state.values.places:
         distance = distance_error_percent(amplitudes, others, model=model)
         near = height_error_percent(doubts, across, model) if doubts else None
-        height = None if near is None else math.hypot(near, MOTIF_ERROR.height_percent)
+        if doubts is not None and near is not None:
+            parts = near, MOTIF_ERROR.height_percent, 100.0 * MOTIF_ERROR.height_mm / doubts.height
+            height = math.hypot(*parts)
     return ErrorEstimate(
         distance_percent=distance,
         height_percent=height,

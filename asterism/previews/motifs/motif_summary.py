@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from scipy.spatial import cKDTree
 
 from asterism.previews.common_warnings import form_warnings, shape_warnings, side_warnings, support_warnings
+from asterism.previews.motifs.motif_cover import holes_within_cells
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.summary import common_numbers, count_crossings
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
@@ -67,6 +68,12 @@ def _warnings(
         yield (
             "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
             "describes roughly; check with the exact model"
+        )
+    if cut := holes_within_cells(state.layout, state.design.border.tip_margin_mm):
+        which = f"hole {cut[0]} is" if len(cut) == 1 else f"hole {cut[0]} and {len(cut) - 1} more are"
+        yield (
+            f"{which} smaller than a cell of the motif, with rods cut off there, which the preview describes roughly "
+            "and its estimated error leaves out; check with the exact model"
         )
     yield from support_warnings(state, estimate, height_mm)
     yield from side_warnings(state)

@@ -12,7 +12,8 @@ which is `N d^2/24` if the outline cuts the pattern midway between rods. The she
 fabric of the width s (`asterism.previews.motifs.bare_fabric`), which is taken off. At sides along which no rods run,
 Phi is zero in the mean. Smeared rods need carry no other forces between the sides; so phi there is taken as the mean of
 the sides' values, weighted by length over distance. The rim of a hole is a rim like the outer one. At each, phi is
-free up to a constant, whose work on K is one on the geodesic curvature of the rim (Gauss and Bonnet).
+free up to a constant, whose work on K is one on the geodesic curvature of the rim (Gauss and Bonnet). A hole smaller
+than a cell of the lattice has no rim along which rods could run: there phi continues as in the sheet around.
 
 Phi may exceed the bending stiffness. The membrane then keeps the sheet stable, because Gaussian curvature stretches it.
 """
@@ -24,10 +25,12 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from asterism.previews.motifs.motif_cover import small_holes
 from equilibrium.arrays import Floats
 from pattern.design.design import Design
 from pattern.geometry.planar import distance_to_segment
 from pattern.layout.layout import Layout
+from pattern.layout.sheet_edges import SheetEdges
 from pattern.rods.curves import polyline
 
 # distance of the places of a side at which rims are measured, in spacings of the lattice
@@ -44,7 +47,7 @@ class Rims:
 
     Attributes
     ----------
-    start, end : (B, 2) mm, of each side of the outline and of the holes.
+    start, end : (B, 2) mm, of each side of the outline, and of holes that are larger than a cell.
     along : (B, 2) unit vectors along them.
     moment_mm2 : (B,) Phi over N.
     """
@@ -88,7 +91,9 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
     >>> rims_of(lines, print_layout(lines), 2.5).moment_mm2.round(2).tolist()
     [4.79, 0.0, 4.79, 0.0]
     """
-    start, end = layout.edges.start, layout.edges.end
+    small = small_holes(layout)
+    edges = SheetEdges(tuple(ring for k, ring in enumerate(layout.edges.rings) if k - 1 not in small))
+    start, end = edges.start, edges.end
     length = np.linalg.norm(end - start, axis=1)
     along = (end - start) / length[:, None]
     inwards = np.column_stack([-along[:, 1], along[:, 0]])
@@ -109,7 +114,20 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
         square = float((width[met] ** 2).mean())
         bare = np.maximum(shapely.distance(drawn, shapely.points(places)) - reach, 0.0)
         moment[side] = 0.5 * (square - float((bare**2).mean())) - distance**2 / 12.0
-    return Rims(start, end, along, moment)
+    return Rims(start, end, along, _mean_along(edges, moment, spacing))
+
+
+def _mean_along(edges: SheetEdges, moment: Floats, width: float) -> Floats:
+    """(B,) mean of the moments (B,) of sides whose middles are within a width (mm) along the rim: of curved rims."""
+    length = np.linalg.norm(edges.end - edges.start, axis=1)
+    mean = np.empty_like(moment)
+    for ring in range(len(edges.rings)):
+        its = edges.numbers(ring)
+        middle = np.cumsum(length[its]) - 0.5 * length[its]
+        gap = np.abs(middle[:, None] - middle)
+        weight = length[its] * (np.minimum(gap, length[its].sum() - gap) <= 0.5 * width)
+        mean[its] = weight @ moment[its] / weight.sum(axis=1)
+    return mean
 
 
 def _distance_along(design: Design, direction: Floats) -> float:

@@ -116,3 +116,23 @@ def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatc
     engine.send(Edit(2, net(0.5).to_dict()))
     linear, final = engine.frame(2, "linear"), engine.frame(2)
     assert linear.mesh == final.mesh and final.height_mm != pytest.approx(frame.height_mm, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_sheet_rises_around_a_held_hole_whose_size_is_edited(
+    engine: EnginePipe, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(motif_kind, "serving_motif_law", lambda design, plan, known, say: net_law(design, known, say))
+
+    def holed(radius: float) -> dict[str, Any]:
+        border = {"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": (0.0, 0.0), "radius": radius}}]}
+        return net(border=border, pins=[{"holes": [0], "scale": 0.9}]).to_dict()
+
+    engine.send(Edit(1, holed(9.0)))
+    frame = engine.frame(1)
+    assert frame.is_minimum and len(frame.needles) >= 1
+    engine.send(Edit(2, holed(8.0)))
+    engine.frame(2)
+    (first, *_, last) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
+    away = [float(np.linalg.norm(mesh.printed, axis=1).min()) for mesh in (first, last)]
+    assert away == pytest.approx([9.0, 8.0], abs=0.1)

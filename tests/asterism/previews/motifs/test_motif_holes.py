@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from asterism.previews.motifs.motif_cover import holes_within_cells, small_holes
 from asterism.previews.motifs.motif_sheet import motif_sheet_of
 from asterism.previews.motifs.rim_tension import rims_of
 from asterism.previews.session import Preview
@@ -75,3 +76,37 @@ def test_the_edge_of_a_hole_stands_where_its_pins_are() -> None:
     assert shape.positions[rim] == pytest.approx(
         np.column_stack([0.85 * shape.printed[rim], np.full(rim.sum(), 4.0)]), abs=0.02
     )
+
+
+def test_a_hole_within_a_cell_has_no_rim_of_its_own_and_a_warning_if_it_cuts_rods() -> None:
+    at_crossing, in_mesh = ({"circle_mm": {"centre": [x, x], "radius": 3}} for x in (5, 0))
+    design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [in_mesh, at_crossing]})
+    plan = print_layout(design)
+    assert small_holes(plan) == [0, 1] and holes_within_cells(plan, design.border.tip_margin_mm) == [1]
+    whole = net()
+    assert rims_of(design, plan, 5.0).moment_mm2 == pytest.approx(rims_of(whole, print_layout(whole), 5.0).moment_mm2)
+    wide = print_layout(net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]}))
+    assert not small_holes(wide) and len(rims_of(design, wide, 5.0).moment_mm2) == 4 + len(wide.holes[0])
+
+
+@pytest.mark.slow
+def test_the_warning_names_the_hole() -> None:
+    design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": [5, 5], "radius": 3}}]})
+    preview = Preview(design, net_law(design))
+    assert preview.equilibrium.is_minimum
+    assert any(line.startswith("hole 0 is smaller than a cell") for line in preview.shape().summary["warnings"])
+
+
+def test_many_short_sides_have_the_moment_of_a_long_one_in_the_mean() -> None:
+    x = np.linspace(-13.0, 13.0, 27)
+    side = np.column_stack([x[:-1], np.full(26, -13.0)])
+    turns = [np.array([[0, 1], [-1, 0]]) if k % 2 else np.eye(2) for k in range(4)]
+    square = np.concatenate([(1 if k < 2 else -1) * side @ turn for k, turn in enumerate(turns)])
+    moments = []
+    for corners in (square[::26], square):
+        design = net(border={"rectangle_mm": (60.0, 60.0), "holes": [{"polygon_mm": corners.tolist()}]})
+        moments.append(rims_of(design, print_layout(design), 5.0).moment_mm2[4:])
+    long, short = moments
+    assert len(long) == 4 and len(short) == 104
+    assert short.mean() == pytest.approx(long.mean(), rel=0.1)
+    assert np.abs(short - np.roll(short, 26)).max() < 1e-6
