@@ -65,7 +65,7 @@ def sweep(
     folder = directory / "designs"
     check_folder(folder)
     count = len(sampled(parameters, samples, seed))
-    run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs()))
+    run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs(), law is not None))
     own_law = load_any_law(law) if law else None
     try:
         with SweepProgressLine(run.hand_over()) as progress:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from asterism.exact.cost import Cost, exact_cost
@@ -19,6 +19,10 @@ PREVIEW_S_A_STAR = 0.004
 # sheets on supports may buckle, and are searched for further forms
 SUPPORTED_FACTOR = 2.0
 PREVIEW_MB = 350.0
+# processor time of a preview of a motif without its cells (0.26 s to 1.1 s: python -m benchmarks.motif_previews, key
+# preview_s), and of one cell with edges of 2 mm (the four motifs of asterism new: 0.5 s to 1.6 s in motif_responses)
+MOTIF_PREVIEW_S = 0.6
+MOTIF_CELL_S = 0.9
 # a process imports its libraries
 START_S = 3.0
 
@@ -45,15 +49,24 @@ class SweepCost(Cost):
 
 
 def sweep_cost(
-    design: Design, parameters: Sequence[SweepParameter], count: int, exact: bool, processes: int
+    design: Design,
+    parameters: Sequence[SweepParameter],
+    count: int,
+    exact: bool,
+    processes: int,
+    law_is_given: bool = False,
 ) -> SweepCost:
     """The cost of so many designs on so many processes.
 
-    Exact shapes are estimated at the largest of the designs at the ends of each parameter.
+    Exact shapes are estimated at the largest of the designs at the ends of each parameter. Previews of a motif solve
+    its cells, unless a law is given.
     """
     processes = min(processes, count)
     if not exact:
-        each = (PREVIEW_S + PREVIEW_S_A_STAR * _stars(design)) * (SUPPORTED_FACTOR if design.pins else 1.0)
+        each = PREVIEW_S + PREVIEW_S_A_STAR * _stars(design) if design.rods is None else MOTIF_PREVIEW_S
+        each *= SUPPORTED_FACTOR if design.pins else 1.0
+        if design.rods is not None and not law_is_given and design.law_file is None:
+            each += MOTIF_CELL_S * _motif_cells(design)
         return SweepCost(0, PREVIEW_MB * processes, START_S + each * count / processes, count)
     largest = max(map(exact_cost, _ends(design, parameters)), key=lambda cost: cost.seconds)
     seconds = START_S + largest.seconds * count / processes
@@ -66,6 +79,16 @@ def _stars(design: Design) -> int:
         return len(print_layout(design).centres)
     except Error:
         return 0
+
+
+def _motif_cells(design: Design) -> int:
+    """Number of cells of a preview's law; 1 if the design that is varied has no law itself."""
+    from homogenize.campaign.motif_design_plan import plan_for_motif  # it loads the exact model
+
+    try:
+        return len(replace(plan_for_motif(design), held_out=0).tasks())
+    except Error:
+        return 1
 
 
 def _ends(design: Design, parameters: Sequence[SweepParameter]) -> list[Design]:
