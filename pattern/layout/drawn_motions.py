@@ -69,6 +69,8 @@ class DrawingImages:
         self._points = np.concatenate([rod.at(rod.points, parts) for rod, parts in zip(rods, self._parts, strict=True)])
         self._lines = np.array([shapely.LineString(rod.points) for rod in rods])
         self._tree = shapely.STRtree(self._lines)
+        sections = {(rod.kappa_bar, *np.unique(np.stack([rod.thickness, rod.width]), axis=1).ravel()) for rod in rods}
+        self._has_one_section = len(sections) == 1 and len(next(iter(sections))) == 1 + len(_SIZES)
 
     def are_equal(self, turn: Floats, shift: Floats) -> bool:
         """Whether `p -> turn p + shift` maps outline, holes and rods of equal sections onto each other."""
@@ -81,6 +83,8 @@ class DrawingImages:
         image = self._tree.nearest(moved)
         if (shapely.distance(self._lines[image], moved) > self._tolerance).any():
             return False
+        if self._has_one_section:
+            return True
         along = shapely.line_locate_point(self._lines[image], moved)
         rods, ends = self._layout.graph.rods, np.cumsum([len(parts) for parts in self._parts])[:-1]
         groups = zip(rods, self._parts, np.split(image, ends), np.split(along, ends), strict=True)
