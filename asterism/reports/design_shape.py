@@ -49,7 +49,7 @@ def shape_for_report(
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
     if design.rods is not None and without_motif_law(design) is not None:
-        say("the page has no picture: drawn lines that do not repeat have no preview; give --results")
+        say("the page has no picture: drawn lines that do not repeat have no preview; run asterism simulate first")
         return None, "not known: drawn lines that do not repeat have no preview"
     try:
         with announce_compiling(say):
