@@ -3,8 +3,9 @@
     python -m benchmarks.universal_interpolation
 
 Each way is fitted to four fifths of the cells that are spread over the whole range, five times, and tested on the rest.
-Kriging is compared with the radial functions of scipy and with a polynomial chaos of total degree 3. The lengths of
-kriging scale the coordinates of one of the radial functions.
+Kriging, with the same scatter of cells everywhere and with one that varies over the range, is compared with the radial
+functions of scipy and with a polynomial chaos of total degree 3. The lengths of kriging scale the coordinates of one of
+the radial functions.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ from scipy.interpolate import RBFInterpolator
 from benchmarks.report import markdown, write_report
 from equilibrium.arrays import Floats
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
-from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.kriging import Kriging
 from homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS
+from homogenize.universal.likelihood import likely_covariance
 from homogenize.universal.universal_law import from_smooth, kernel_factors, kriging_places, to_smooth
 from homogenize.universal.universal_law_file import load_universal_law
 
@@ -34,8 +36,13 @@ Way = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
 
 
 def kriging(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
-    lengths, noise = likely_lengths(places, factors, values)
-    return Kriging.through(places, factors, values[:, None], lengths, noise).values(asked, asked_factors)[:, 0]
+    covariance = likely_covariance(places, factors, values)
+    return Kriging.through(places, factors, values[:, None], covariance).values(asked, asked_factors)[:, 0]
+
+
+def even_kriging(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
+    covariance = likely_covariance(places, factors, values, even_noise=True)
+    return Kriging.through(places, factors, values[:, None], covariance).values(asked, asked_factors)[:, 0]
 
 
 def radial(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
@@ -43,7 +50,7 @@ def radial(places: Floats, factors: Floats, values: Floats, asked: Floats, asked
 
 
 def scaled_radial(places: Floats, factors: Floats, values: Floats, asked: Floats, asked_factors: Floats) -> Floats:
-    lengths, _ = likely_lengths(places, factors, values)
+    lengths = likely_covariance(places, factors, values, even_noise=True).lengths
     return radial(places / lengths, factors, values, asked / lengths, asked_factors)
 
 
@@ -61,7 +68,8 @@ def _monomials(places: Floats) -> Floats:
 
 
 WAYS: dict[str, Way] = {
-    "kriging (Matern 5/2)": kriging,
+    "kriging (Matern 5/2)": even_kriging,
+    "the same, scatter by place": kriging,
     "RBFInterpolator, cubic": radial,
     "the same, scaled by the lengths": scaled_radial,
     "polynomial chaos of degree 3": polynomial_chaos,

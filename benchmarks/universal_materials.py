@@ -31,7 +31,7 @@ COMPARED = ("lam_n", "kappa", "bending")
 
 def main() -> None:
     rng = np.random.default_rng(SEED)
-    rows = [_compared(_drawn(rng)) for _ in range(MATERIALS)]
+    rows = [_compared(drawn_sheet(rng)) for _ in range(MATERIALS)]
     header = [
         "stretch, fabric mm, E1/E2, spacing mm",
         *(f"{name} %" for name in COMPARED),
@@ -50,7 +50,7 @@ def _numbers(row: dict[str, Any]) -> list[str]:
     return [f"{row[name]:.2f}" if name in row else "-" for name in (*COMPARED, "distance_percent")]
 
 
-def _drawn(rng: np.random.Generator) -> Design:
+def drawn_sheet(rng: np.random.Generator) -> Design:
     """19 equal stars on a random fabric."""
     stretch, thickness, ratio, spacing = (
         rng.uniform(*ends) for ends in ((1.2, 1.8), (0.7, 1.2), (1500, 6000), (14, 20))

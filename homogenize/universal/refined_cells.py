@@ -32,7 +32,7 @@ def refined_groups(law: UniversalLaw, count: int) -> Floats:
     pool = spread_groups(CANDIDATES_PER_CELL * count, CANDIDATE_SEED)
     curl = np.abs(law(pool)[:, QUANTITY_NAMES.index("kappa")])
     pool = pool[curl <= MAX_SEPARATED_CURL]
-    lengths = law.parts["kappa"].lengths
+    lengths = law.parts["kappa"].covariance.lengths
     places = kriging_places(pool) / lengths
     errors = left_out_errors(law)
     columns = [QUANTITY_NAMES.index(name) for name in COUNTED_QUANTITIES]

@@ -45,6 +45,10 @@ class SolvedCells:
         """(n,) the cells that can make the law."""
         return np.array([not problem for problem in self.problems], dtype=bool)
 
+    def __getitem__(self, chosen: slice) -> SolvedCells:
+        """Some of the cells."""
+        return SolvedCells(self.groups[chosen], self.rows[chosen], self.problems[chosen], self.seconds[chosen])
+
     def __len__(self) -> int:
         return len(self.groups)
 

@@ -60,7 +60,7 @@ def run_universal_campaign(
     Parameters
     ----------
     folder : of finished cells.
-    start : a law whose cells are not solved again.
+    start : a law whose cells are not solved again. As many of its rounds of refined cells as the plan has are kept.
     jobs, dask, report, solve : as of `solve_cells`.
     made : origin of the law; the version of the code is added.
 
@@ -77,7 +77,10 @@ def run_universal_campaign(
         _check_repeats(start.cells, solve)
     cells = solve_cells(spread_groups(plan.spread), folder, known, jobs, dask, report, solve)
     origin = {**(made or {}), "code": code, "plan": vars(plan)}
-    for _ in range(plan.rounds):
+    kept = SolvedCells.none() if start is None else start.cells[start.spread_count :]
+    done = min(plan.rounds, len(kept) // plan.refined)
+    cells = cells + kept[: done * plan.refined]
+    for _ in range(plan.rounds - done):
         law = universal_law(cells, plan.spread)
         cells = cells + solve_cells(refined_groups(law, plan.refined), folder, known, jobs, dask, report, solve)
     return universal_law(cells, plan.spread, origin)

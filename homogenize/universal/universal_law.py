@@ -22,7 +22,8 @@ from homogenize.universal.groups import (
     coordinates_of_groups,
     mismatch,
 )
-from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.kriging import Kriging
+from homogenize.universal.likelihood import likely_covariance
 from homogenize.universal.row_names import WAVE_NAMES
 from homogenize.universal.solved_cells import SolvedCells
 
@@ -41,6 +42,8 @@ KAPPA_UNIT = 20.0
 HEIGHT_UNIT = 5.0
 ROLLED_WAVE_UNIT = 0.05
 PARTS_WITH_UNITS = ("kappa", "offset_mm", "waves")
+# parts whose cells count with the same scatter everywhere: 95 % of the left-out cells are then nearer
+PARTS_WITH_EVEN_SCATTER = ("lam", "lam_n", "a11", "waves")
 _Q = len(QUANTITY_NAMES)
 _ARM, _STRETCH, _BENDING, _COUPLE, _FABRIC, _EDGE = (
     GROUP_KEYS.index(key) for key in ("arm", "stretch", "bending", "couple", "fabric", "edge")
@@ -56,7 +59,7 @@ class UniversalLaw:
     cells : all solved cells, also those without an answer.
     parts : for each quantity its interpolation, and one for all waves ("waves").
     left_out : (n, Q) quantities that the law would give at each cell that it goes through without that cell; the
-        lengths of the interpolation are those of all cells.
+        covariance of the interpolation is that of all cells.
     spread_count : so many of the cells, the first ones, are spread evenly over the range.
     made : versions, command and machine.
     """
@@ -108,7 +111,7 @@ class UniversalLaw:
         return cKDTree(self._scaled(self.cells.groups))
 
     def _scaled(self, groups: Floats) -> Floats:
-        return kriging_places(np.nan_to_num(groups)) / self.parts["kappa"].lengths
+        return kriging_places(np.nan_to_num(groups)) / self.parts["kappa"].covariance.lengths
 
 
 def universal_law(
@@ -139,10 +142,10 @@ def universal_law(
     for name, own in columns.items():
         if report is not None:
             report(name)
-        lead = own[int(np.argmax(np.std(smooth[:, own], axis=0)))]  # waves share the lengths of the largest one
+        lead = own[int(np.argmax(np.std(smooth[:, own], axis=0)))]  # waves share the covariance of the largest one
         factors = kernel_factors(name, groups)
-        lengths, noise = likely_lengths(places, factors, smooth[:, lead])
-        parts[name] = Kriging.through(places, factors, smooth[:, own], lengths, noise)
+        covariance = likely_covariance(places, factors, smooth[:, lead], name in PARTS_WITH_EVEN_SCATTER)
+        parts[name] = Kriging.through(places, factors, smooth[:, own], covariance)
         left_out.append(parts[name].left_out(smooth[:, own]))
     quantities = from_smooth(np.hstack(left_out), groups)[:, :_Q]
     return UniversalLaw(cells, parts, quantities, spread_count, made or {})

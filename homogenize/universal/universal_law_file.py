@@ -12,14 +12,14 @@ from homogenize.errors import LawError
 from homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS
 from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.groups import GROUP_KEYS, GROUPS
-from homogenize.universal.kriging import Kriging
+from homogenize.universal.kriging import Covariance, Kriging
 from homogenize.universal.row_names import ROW_NAMES
 from homogenize.universal.solved_cells import SolvedCells
 from homogenize.universal.universal_law import UniversalLaw, kernel_factors, kriging_places
 from pattern.design.files import check_regular
 
 # raise it when arrays or groups change their meaning
-UNIVERSAL_LAW_FORMAT = 1
+UNIVERSAL_LAW_FORMAT = 2
 PACKAGED_UNIVERSAL_LAW = Path(__file__).parents[1] / "data" / "universal.npz"
 
 
@@ -43,8 +43,9 @@ def universal_law_bytes(law: UniversalLaw) -> bytes:
         "made": np.frombuffer(json.dumps(law.made).encode(), np.uint8),
     }
     for name, part in law.parts.items():
-        arrays |= {f"{name}/lengths": part.lengths, f"{name}/noise": np.array(part.noise)}
-        arrays |= {f"{name}/weights": part.weights}
+        covariance = part.covariance
+        arrays |= {f"{name}/lengths": covariance.lengths, f"{name}/noise": np.array(covariance.noise)}
+        arrays |= {f"{name}/noise_slopes": covariance.noise_slopes, f"{name}/weights": part.weights}
     stream = io.BytesIO()
     np.savez_compressed(stream, allow_pickle=False, **arrays)
     return stream.getvalue()
@@ -77,10 +78,12 @@ def load_universal_law(path: Path = PACKAGED_UNIVERSAL_LAW) -> UniversalLaw:
             places = kriging_places(usable)
             parts = {}
             for name in archive["parts"].tolist():
-                lengths, noise, weights = (archive[f"{name}/{key}"] for key in ("lengths", "noise", "weights"))
+                own = (archive[f"{name}/{key}"] for key in ("lengths", "noise", "noise_slopes", "weights"))
+                lengths, noise, slopes, weights = own
                 if lengths.shape != (len(GROUPS),) or len(weights) != len(places) or not np.isfinite(weights).all():
                     raise ValueError("weights and cells do not fit together")
-                parts[name] = Kriging(places, kernel_factors(name, usable), lengths, float(noise), weights)
+                covariance = Covariance(lengths, float(noise), slopes)
+                parts[name] = Kriging(places, kernel_factors(name, usable), covariance, weights)
             left_out, made = archive["left_out"], json.loads(archive["made"].tobytes())
             if left_out.shape != (len(places), len(QUANTITY_NAMES)):
                 raise ValueError("errors and cells do not fit together")

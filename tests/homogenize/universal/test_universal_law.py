@@ -11,7 +11,7 @@ from homogenize.campaign.campaign import CampaignProgress
 from homogenize.errors import CampaignError, LawError
 from homogenize.law.law_table import QUANTITY_NAMES
 from homogenize.universal.groups import GROUP_KEYS, arm_curl
-from homogenize.universal.kriging import Kriging, likely_lengths
+from homogenize.universal.kriging import Covariance, Kriging
 from homogenize.universal.law_errors import errors_of_cells, left_out_errors
 from homogenize.universal.spread_cells import spread_groups
 from homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
@@ -62,6 +62,15 @@ def test_a_longer_campaign_goes_on_from_a_law(law: UniversalLaw, tmp_path: Path)
     assert np.array_equal(longer.cells.groups[:70], law.cells.groups[:70])
 
 
+@pytest.mark.slow
+def test_rounds_of_a_law_are_kept(law: UniversalLaw, tmp_path: Path) -> None:
+    same = run_universal_campaign(PLAN, tmp_path, law, solve=answers.fails)
+    assert universal_law_bytes(same) == universal_law_bytes(law)
+    more = run_universal_campaign(UniversalPlan(90, 2, 10), tmp_path, law, solve=answers.solve)
+    assert len(more.cells) == 110 and np.array_equal(more.cells.groups[90:100], law.cells.groups[70:])
+    assert more.spread.sum() == more.cells.usable[:90].sum()
+
+
 def test_cells_of_other_code_are_refused(law: UniversalLaw, tmp_path: Path) -> None:
     old = UniversalLaw(law.cells, law.parts, law.left_out, law.spread_count, {**law.made, "code": "old"})
     run_universal_campaign(UniversalPlan(spread=70), tmp_path, old, solve=answers.solve)
@@ -89,9 +98,9 @@ def test_left_out_values_are_those_of_a_law_without_the_cell() -> None:
     rng = np.random.default_rng(0)
     places, arms = rng.random((30, 3)), 0.2 + rng.random(30)
     values = arms * np.sin(3.0 * places[:, 0] + places[:, 1])
-    lengths, noise = likely_lengths(places, arms, values)
-    whole = Kriging.through(places, arms, values[:, None], lengths, noise)
-    without = Kriging.through(places[1:], arms[1:], values[1:, None], lengths, noise)
+    covariance = Covariance(np.array([0.9, 1.1, 2.0]), 1e-3, np.array([2.0, -1.0, 0.0]))
+    whole = Kriging.through(places, arms, values[:, None], covariance)
+    without = Kriging.through(places[1:], arms[1:], values[1:, None], covariance)
     np.testing.assert_allclose(whole.left_out(values[:, None])[0], without.values(places[:1], arms[:1])[0], rtol=1e-6)
 
 
@@ -99,7 +108,7 @@ def test_blocks_of_places_have_the_values_of_the_plain_sum_of_kernels() -> None:
     rng = np.random.default_rng(1)
     places, arms = rng.random((25, 3)), 0.2 + rng.random(25)
     lengths = np.array([0.7, 1.2, 2.0])
-    law = Kriging.through(places, arms, rng.normal(size=(25, 2)), lengths, 1e-6)
+    law = Kriging.through(places, arms, rng.normal(size=(25, 2)), Covariance.even(lengths, 1e-6))
     asked, own = np.vstack([rng.random((36, 3)), places[:1]]), 0.3 + rng.random(37)
     r = np.sqrt(5.0 * (((asked[:, None] - places) / lengths) ** 2).sum(axis=-1))
     plain = own[:, None] * (((1.0 + r + r**2 / 3.0) * np.exp(-r)) @ (arms[:, None] * law.weights))
