@@ -9,7 +9,7 @@ was fitted to these designs. With `--kept`, designs without a finished compariso
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,11 @@ HEIGHT_STEP = 1.05  # ratio of two heights from which their order counts
 HEADER = [
     "design", "stars", "rms %", "rms mm", "after a rigid motion %", "expected %", "height exact mm", "height mm",
     "height %", "expected height %", "same form", "exact, two meshes %", "exact shape", "warnings",
+]  # fmt: skip
+
+TOTALS = [
+    "", "designs", "rms, median %", "nine in ten %", "largest %", "after a rigid motion, median %",
+    "rms within expected", "within twice that", "height, median %", "height within expected", "same form",
 ]  # fmt: skip
 
 Row = dict[str, Any]
@@ -55,12 +60,10 @@ def section(rows: Sequence[Row]) -> str:
     """Markdown."""
     tents = [row for row in rows if row["name"].startswith("canopy")]
     groups = {"all": rows, "canopies": tents, "other outlines and supports": [row for row in rows if row not in tents]}
-    header = [
-        "", "designs", "rms, median %", "nine in ten %", "largest %", "after a rigid motion, median %",
-        "rms within expected", "within twice that", "height, median %", "height within expected", "same form",
-    ]  # fmt: skip
-    table = markdown(header, [[name, *_totals(group)] for name, group in groups.items() if group])
-    right, pairs = _pairs_in_order(tents)
+    table = markdown(TOTALS, [[name, *totals(group)] for name, group in groups.items() if group])
+    right, pairs = pairs_in_order(
+        [row for row in tents if row["name"].endswith(f"-h{thickness:g}")] for thickness in CANOPY_THICKNESSES_MM
+    )
     order = (
         f"Neighbouring scales of the canopies whose exact heights differ by more than 5 %: {right} of {pairs} pairs "
         "are in the order of the exact heights."
@@ -89,7 +92,8 @@ def line(row: Row) -> list[str]:
     ]
 
 
-def _totals(rows: Sequence[Row]) -> list[str]:
+def totals(rows: Sequence[Row]) -> list[str]:
+    """The columns of `TOTALS` after the first."""
     rms = np.array([row["rms_percent"] for row in rows])
     height = np.abs([row["height_error_percent"] for row in rows])
     return [
@@ -111,12 +115,11 @@ def _covered(errors: np.ndarray, rows: Sequence[Row], key: str, times: float) ->
     return f"{sum(bool(error <= times * expected) for error, expected in pairs)} of {len(pairs)}"
 
 
-def _pairs_in_order(rows: Sequence[Row]) -> tuple[int, int]:
-    """Pairs of canopies of neighbouring scales, and how many of these the preview puts in the right order."""
+def pairs_in_order(families: Iterable[Sequence[Row]]) -> tuple[int, int]:
+    """Pairs of neighbours in families of designs, and how many of these the preview puts in the right order."""
     right = pairs = 0
-    for thickness in CANOPY_THICKNESSES_MM:
-        some = [row["heights_mm"] for row in rows if row["name"].endswith(f"-h{thickness:g}")]
-        for (first, shown_first), (second, shown_second) in pairwise(some):
+    for family in families:
+        for (first, shown_first), (second, shown_second) in pairwise(row["heights_mm"] for row in family):
             if max(first, second) > HEIGHT_STEP * min(first, second):
                 pairs += 1
                 right += int((first > second) == (shown_first > shown_second))
