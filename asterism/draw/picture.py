@@ -72,7 +72,7 @@ def small_png(image: Image.Image) -> bytes:
     """PNG of an image in 256 colours. MAXCOVERAGE keeps colours of few pixels, such as the red of the supports."""
     out = BytesIO()
     # a step of k-means takes longer than all the rest, for colours that differ by 0.2 of 255 levels (rms)
-    image.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE).save(out, "PNG", optimize=True)
+    image.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE).save(out, "PNG")
     return out.getvalue()
 
 
