@@ -23,6 +23,7 @@ from asterism.shape.surface_fields import border_of
 from asterism.shape.tube import tube_radius
 from equilibrium.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals, vertex_normals
+from pattern.geometry.planar import distance_to_outline
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.free_motions import free_motions
 from pattern.layout.layout import Layout
@@ -218,7 +219,11 @@ class Comparison:
 
     def _volume(self, mean: Floats) -> float:
         triangles = self.reference.triangles
-        level = mean[border_of(triangles, len(mean)), 2].mean()
+        on_outline = border_of(triangles, len(mean))
+        if self.layout.holes:
+            rims = [distance_to_outline(self.reference.printed, ring) for ring in self.layout.edges.rings]
+            on_outline &= np.argmin(rims, axis=0) == 0
+        level = mean[on_outline, 2].mean()
         over_ground = triangle_normals(mean, triangles)[:, 2] / 2
         return float((mean[triangles, 2].mean(axis=1) - level) @ over_ground)
 
