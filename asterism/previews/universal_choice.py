@@ -19,8 +19,9 @@ from pattern.design.stars import MIN_ARM_MM
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
-# share of the stars outside the law, above which it does not serve; fewer are named by the preview, as of every law
-MAX_UNCOVERED_SHARE = 0.25
+# Share of the stars outside the law, above which it does not serve; fewer are named by the preview, as of every law. Up
+# to this share, nine in ten previews move by at most 1 % of the width (`python -m benchmarks.uncovered_stars`).
+MAX_UNCOVERED_SHARE = 0.2
 _IN_WORDS = {"lam_n": "contraction", "kappa": "natural curvature", "bending": "bending stiffness"}
 _OTHERWISE = "; asterism simulate needs no law"
 # materials whose tables are kept
