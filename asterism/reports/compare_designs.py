@@ -120,7 +120,8 @@ def _shape_of(design: Design, exact: bool, law: AnyLaw | None, say: Say) -> tupl
     try:
         return preview(design, law, say=say), ""
     except Error as error:
-        return None, f"{error}; the exact model may compute it: --exact"
+        reason = str(error).partition("; use the exact model")[0]  # here an option computes exact shapes
+        return None, f"{reason}; the exact model may compute it: --exact"
 
 
 def _distance(first: ComparedDesign, other: ComparedDesign) -> float | None:

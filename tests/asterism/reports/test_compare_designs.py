@@ -59,6 +59,13 @@ def test_prints_without_stars_are_counted_in_rods(tmp_path: Path) -> None:
     assert row(result, "drawn rods").texts == ("-", "2")
 
 
+def test_drawings_without_a_preview_name_the_option_for_exact_shapes(tmp_path: Path) -> None:
+    leaf = asterism.new("leaf")
+    problem = compare_designs([leaf, leaf], tmp_path / "two.html").designs[0].problem
+    without = "rods.motif: is missing: lines that do not repeat have no law"
+    assert problem == f"{without}; the exact model may compute it: --exact"
+
+
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
 def test_prints_with_one_outline_have_a_distance_whatever_stars_they_have(
     order: tuple[int, int], tmp_path: Path
