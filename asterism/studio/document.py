@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from asterism.results.files import write_file
 from asterism.studio import painted, weights
 from asterism.studio.autosave import Autosave, autosave_path
@@ -206,7 +208,9 @@ class Document:
         revision, known_key, field = self._painted
         if (revision, known_key) != (self.revision, key) or field is None:
             field = PaintedField.of(getattr(rods, key), self.layout.outline)
-        field = field.brushed(brush, places)
+        before, field = field, field.brushed(brush, places)
+        if np.array_equal(field.values, before.values):
+            return  # beside the sheet: no step of undo
         self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture, "sizes")
         self._painted = self.revision, key, field
 

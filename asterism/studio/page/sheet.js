@@ -31,7 +31,7 @@ export function sizeTargets(design) {
         .map((layer) => ({ path: `rods.import.${k}.layers.${layer}`, text: `${layer}, ${file}`, name: layer })),
     ),
   ];
-  return [...targets, { path: "rods", text: "All lines without sizes of their own" }, ...lines];
+  return [...targets, { path: "rods", text: "Lines without own sizes" }, ...lines];
 }
 
 /** Names of rods that do not have the size of all rods, but one of their own. */

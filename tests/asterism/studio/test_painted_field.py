@@ -120,6 +120,12 @@ def test_rods_have_what_is_painted_and_the_saved_file_gives_the_same(grid: Docum
     assert np.array_equal(np.concatenate([rod.thickness for rod in again.drawn_rods]), thickness)
 
 
+def test_a_stroke_beside_the_sheet_is_no_step_of_undo(grid: Document) -> None:
+    grid.brush("thickness_mm", BRUSH, [[(200.0, 0.0)]], gesture=1)
+    grid.end_gesture()
+    assert not grid.history.position and grid.text == GRID
+
+
 def test_thickness_and_width_are_painted_apart(grid: Document) -> None:
     grid.brush("thickness_mm", BRUSH, [[(0.0, 0.0)]])
     grid.brush("width_mm", replace(BRUSH, value=2.0), [[(0.0, 0.0)]])

@@ -30,6 +30,7 @@ export function buildPlanBar(element, { store, plan }) {
     value: store.get("planColour"),
     onchange: (value) => store.set({ planColour: value }),
   });
+  store.on(["planColour"], ({ planColour }) => colour.set(planColour)); // the brush chooses it, too
   element.append(
     colour.element,
     h("span", { class: "gap" }),

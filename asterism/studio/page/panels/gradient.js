@@ -16,6 +16,8 @@ const KINDS = [
 
 const MAX_LISTED = 200; // lines; others are chosen in the plan
 
+const isPicture = (profile) => Boolean(profile?.image || profile?.pixels);
+
 export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const { tool } = tools.gradient;
   const { settings } = tool;
@@ -114,14 +116,20 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     hint("x, y and r in mm, theta in radians; + − * / **, sqrt, exp, sin, cos, min, max, clip, where."),
     button({ text: "Use the formula", kind: "wide", keys: "Enter", testid: "use-formula", onclick: use }),
   );
+  /** Other sizes for black and white of the picture that the design has. */
+  const resized = (ends) => {
+    const { value } = sizeAt(store.get("sheet").design, tool.path, QUANTITIES[settings.quantity].key);
+    if (isPicture(value)) send({ ...value, ...ends });
+  };
   const low = numberField({
     label: "Black",
     value: 4,
     min: 0,
     max: 20,
     step: 0.1,
+    digits: 2,
     testid: "image-low",
-    onchange: () => {},
+    onchange: (value) => resized({ low: value }),
   });
   const high = numberField({
     label: "White",
@@ -129,8 +137,9 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     min: 0,
     max: 20,
     step: 0.1,
+    digits: 2,
     testid: "image-high",
-    onchange: () => {},
+    onchange: (value) => resized({ high: value }),
   });
   const image = h(
     "div",
@@ -210,7 +219,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     const profile = tool.read();
     if (typeof profile === "number") ((settings.kind = "number"), number.set(profile));
     else if (profile?.formula) ((settings.kind = "formula"), (text.value = profile.formula));
-    else if (profile?.image || profile?.pixels) settings.kind = "image";
+    else if (isPicture(profile)) settings.kind = "image";
     const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw") && !isOfRods) ?? [0, 20];
     const shown = Math.min(most, QUANTITIES[settings.quantity].usual);
     for (const one of [from, to, number, low, high]) one.limits(least, shown);
@@ -220,6 +229,15 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     ]) {
       // the values of another size would be refused
       if (settings[key] < least || settings[key] > shown) settings[key] = Number((least + share * (shown - least)).toFixed(2));
+    }
+    for (const [end, key, share] of [
+      [low, "low", 0.25],
+      [high, "high", 0.5],
+    ]) {
+      const entered = Number(end.input.value);
+      const isAllowed = entered >= least && entered <= shown;
+      if (isPicture(profile)) end.set(profile[key]);
+      else if (!isAllowed) end.set(Number((least + share * (shown - least)).toFixed(2)));
     }
     from.set(settings.from);
     to.set(settings.to);

@@ -55,8 +55,18 @@ def test_the_brush_paints_rods_while_it_is_dragged(shared: StudioPage, folder: P
     widths = {tuple(at): width for rod in drawn for at, width in zip(rod["points_mm"], rod["width_mm"], strict=True)}
     assert widths[-10.0, 0.0] == pytest.approx(3.0, abs=0.1) and widths[14.0, 0.0] == pytest.approx(1.2)
     assert widths[0.0, 9.0] == 2.0  # the line has a width of its own
+    shared.item("tool-gradient").click()  # the panel shows what is painted, as a picture
+    shared.item("gradient-quantity-width").click()
+    ends = [float(shared.item(f"image-{end}").input_value()) for end in ("low", "high")]
+    assert ends == pytest.approx(
+        shared.get("(({ low, high }) => [low, high])(studio.document.design.rods.width_mm)"), abs=0.005
+    )
+    shared.fill("image-high", 2.5)
+    shared.wait("studio.document.design.rods.width_mm.high === 2.5 && !studio.isWaiting")
+    shared.item("undo").click()
     shared.item("undo").click()
     shared.wait("studio.document.design.rods.width_mm === undefined")
+    shared.item("gradient-quantity-thickness").click()
 
 
 def test_one_line_gets_sizes_of_its_own_and_loses_them(shared: StudioPage, folder: Path) -> None:
