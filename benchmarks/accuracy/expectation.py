@@ -115,16 +115,17 @@ def section(
     known = [*study, *small]
     fits = [fitted([entry for entry in known if entry is not left_out]) for left_out in known]
     again = [entry | {"expected_rms_percent": _again(entry, fit)} for entry, fit in zip(known, fits, strict=True)]
-    lines = [
-        [STUDY, *_goodness(study)],
-        [SMALL, *_goodness(small)],
-        [PREDICTED, *_goodness(again)],
-        [AFTERWARDS, *_goodness(unseen)],
-        [NARROW, *_goodness(narrow)],
-        [OTHERWISE, *_goodness(others)],
-        [FORTY, *_goodness(later)],
-        [FIFTY, *_goodness(last)],
+    groups = [
+        (STUDY, study),
+        (SMALL, small),
+        (PREDICTED, again),
+        (AFTERWARDS, unseen),
+        (NARROW, narrow),
+        (OTHERWISE, others),
+        (FORTY, later),
+        (FIFTY, last),
     ]
+    lines = [[name, *_goodness(rows)] for name, rows in groups if rows]
     header = [
         "", "designs", "supported", "rms, median %", "nine in ten %", "distance over expected, median", "nine in ten",
         "misses", "of these announced", "announced in all",

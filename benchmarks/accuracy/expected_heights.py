@@ -33,7 +33,7 @@ def section(groups: dict[str, Sequence[Row]], unseen: Sequence[Row], others: dic
     fits = [fitted([other for other in known if other is not one]) for one in known]
     again = [one | {"expected_height_percent": expected(one, fit)} for one, fit in zip(known, fits, strict=True)]
     groups = groups | {PREDICTED: again, AFTERWARDS: unseen} | others
-    lines = [[name, *goodness(rows)] for name, rows in groups.items()]
+    lines = [[name, *goodness(rows)] for name, rows in groups.items() if rows]
     numbers = [["in use", f"{IN_USE:.3f}"], ["fitted", f"{fitted(known):.3f}"]]
     numbers.append(["fitted without one", f"{min(fits):.3f} to {max(fits):.3f}"])
     return "\n\n".join([markdown(HEADER, lines), markdown(["", *NAMES], numbers)])
