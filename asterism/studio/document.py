@@ -202,11 +202,11 @@ class Document:
         DesignError
             The pattern has no rods, or a value is out of range; the document stays as it is.
         """
-        rods = self.design().rods
-        if rods is None:
-            raise DesignError("rods", "is missing: the brush paints sizes of rods")
         revision, known_key, field = self._painted
         if (revision, known_key) != (self.revision, key) or field is None:
+            rods = self.design().rods
+            if rods is None:
+                raise DesignError("rods", "is missing: the brush paints sizes of rods")
             field = PaintedField.of(getattr(rods, key), self.layout.outline)
         before, field = field, field.brushed(brush, places)
         if np.array_equal(field.values, before.values):

@@ -118,14 +118,20 @@ export function brushPanel({ store }, { on }) {
     strength.element.hidden = way === "erase" || way === "remove";
     quantity.element.hidden = way === "erase" || way === "remove";
     range.hidden = quantity.element.hidden;
-    own.hidden = !isOfRods || !namesWithOwn(sheet.design, QUANTITIES[name].key).size;
-    own.textContent = `Lines with a ${QUANTITIES[name].name.toLowerCase()} of their own keep it. The tool Sizes changes it.`;
     inLaw.element.hidden = range.hidden || isOfRods; // cells of rods are solved for the sizes that are painted
     const text = `${trim(low)} to ${trim(high)} mm`;
     range.textContent = `${store.get("inLaw") && !isOfRods ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${trim(printable.step)} mm.` : ""}`;
   }
+  function tellOwn() {
+    const { key, name } = QUANTITIES[brush().quantity];
+    const sheet = store.get("sheet");
+    own.hidden = !sheet?.isOfRods || !namesWithOwn(sheet.design, key).size;
+    own.textContent = `Lines with a ${name.toLowerCase()} of their own keep it. The tool Sizes changes it.`;
+  }
   on(["brush", "inLaw", "sheet"], update);
+  on(["brush", "document"], tellOwn); // not at each dab
   update();
+  tellOwn();
   return [
     mode.element,
     says,
