@@ -1,15 +1,17 @@
-"""The frozen designs as they were drawn, with fixed seeds, and the two halves.
+"""The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and the second set.
 
-python -m benchmarks.frozen.draw
+python -m benchmarks.frozen.draw [--second]
 
 Six kinds: free sheets and supported sheets with the outlines of `benchmarks.accuracy.held_designs`, canopies on four
 to six needles, ribbons, held edges under weight, and stars of four to six arms. The command writes the designs into
 benchmarks/results. The other commands read them from there, so that a later change of what can be printed does not
-draw other ones; for the same reason the command does not replace other designs.
+draw other ones; for the same reason the command does not replace other designs. The second set has the same kinds and
+counts as both halves together. It was drawn when both halves had judged a preview model, and judges the next one.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from collections.abc import Callable
@@ -28,6 +30,8 @@ from pattern.geometry.planar import polygon_area
 from pattern.layout.build import layout
 
 WORKING, SEALED = HALVES = ("working", "sealed")
+SECOND = "second"
+GROUPS = (*HALVES, SECOND)
 FREE, SUPPORTED, CANOPY, RIBBON, WEIGHT, ARMS = KINDS = (
     "free", "supported", "canopy", "ribbon", "weight", "arms",
 )  # fmt: skip
@@ -36,39 +40,46 @@ STARS = (12, 130)  # fewest and most
 # fewest and most stars that the area of an outline is drawn for
 AIMED_STARS = {FREE: (14, 80), SUPPORTED: (14, 80), CANOPY: (40, 125), WEIGHT: (14, 60), ARMS: (14, 40)}
 CELL_MM2 = DEFAULT_SPACING_MM**2 * np.sqrt(3.0) / 2.0
-SEED, SPLIT_SEED = 38, 3838
+SEED, SECOND_SEED, SPLIT_SEED = 38, 39, 3838
 # lattice, arms, turn in degrees
 OTHER_STARS = [("square", 4, 0), ("triangular", 5, 0), ("square", 6, 0), ("triangular", 4, 30)]
 
-NAME = "frozen.draw"
+NAME, SECOND_NAME = "frozen.draw", "frozen.draw.second"
 
 Data = dict[str, Any]
 
 
 def main() -> int:
-    """Write all designs; exit status 1 if other ones are there."""
-    halves = drawn_designs()
+    """Write all designs of a set; exit status 1 if other ones are there."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.draw")
+    parser.add_argument("--second", action="store_true")
+    is_second = parser.parse_args().second
+    groups = {SECOND: second_designs()} if is_second else drawn_designs()
+    name = SECOND_NAME if is_second else NAME
     rows: list[Data] = [
-        {"half": half, "kind": kind, "stars": len(layout(design).centres), "design": design.to_dict()}
-        for half, designs in halves.items()
+        {"half": group, "kind": kind, "stars": len(layout(design).centres), "design": design.to_dict()}
+        for group, designs in groups.items()
         for kind, design in designs
     ]
-    file = RESULTS / f"{NAME}.json"
+    file = RESULTS / f"{name}.json"
     if file.exists() and json.loads(file.read_text(encoding="utf-8"))["rows"] != rows:
         print(f"{file} holds other designs: they were drawn by other code, and stay", file=sys.stderr)
         return 1
-    stars = {(kind, half): list[str]() for kind in KINDS for half in HALVES}
+    stars = {(kind, group): list[str]() for kind in KINDS for group in groups}
     for row in rows:
         stars[row["kind"], row["half"]].append(str(row["stars"]))
-    lines = [[kind, *(" ".join(stars[kind, half]) for half in HALVES)] for kind in KINDS]
-    write_report(NAME, rows, markdown(["kind", *(f"stars, {half} half" for half in HALVES)], lines))
+    lines = [[kind, *(" ".join(stars[kind, group]) for group in groups)] for kind in KINDS]
+    flag = " --second" if is_second else ""
+    header = ["kind", *("stars, second set" if group == SECOND else f"stars, {group} half" for group in groups)]
+    write_report(name, rows, markdown(header, lines), command=f"python -m benchmarks.frozen.draw{flag}")
     return 0
 
 
-def frozen(half: str) -> list[tuple[str, Design]]:
-    """The designs of a half as they were written, each with its kind."""
-    content = json.loads((RESULTS / f"{NAME}.json").read_text(encoding="utf-8"))
-    return [(row["kind"], Design.from_dict(row["design"])) for row in content["rows"] if row["half"] == half]
+def frozen(group: str) -> list[tuple[str, Design]]:
+    """The designs of a half, or of the second set, as they were written, each with its kind."""
+    name = SECOND_NAME if group == SECOND else NAME
+    content = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    return [(row["kind"], Design.from_dict(row["design"])) for row in content["rows"] if row["half"] == group]
 
 
 def drawn_designs() -> dict[str, list[tuple[str, Design]]]:
@@ -87,10 +98,17 @@ def drawn_designs() -> dict[str, list[tuple[str, Design]]]:
     return halves
 
 
-def drawn(kind: str, number: int) -> Design:
+def second_designs() -> list[tuple[str, Design]]:
+    """The designs of the second set, each with its kind."""
+    return [
+        (kind, drawn(kind, number, SECOND_SEED, "second")) for kind, count in COUNTS.items() for number in range(count)
+    ]
+
+
+def drawn(kind: str, number: int, seed: int = SEED, prefix: str = "frozen") -> Design:
     """Drawn again until it can be printed and its number of stars is within `STARS`."""
-    rng = np.random.default_rng([SEED, KINDS.index(kind), number])
-    named = {"name": f"frozen-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}}
+    rng = np.random.default_rng([seed, KINDS.index(kind), number])
+    named = {"name": f"{prefix}-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}}
     return printable(lambda: named | DRAWN[kind](rng, number), STARS)
 
 

@@ -1,11 +1,11 @@
 """The exact shapes of the frozen designs, from the released sheet and from the preview.
 
-python -m benchmarks.frozen.solve FOLDER [--half sealed] [NAME ...] [--table]
+python -m benchmarks.frozen.solve FOLDER [--half sealed | second] [NAME ...] [--table]
 
 FOLDER keeps shapes, as in the study (`benchmarks.accuracy.exact`), and laws of stars with four to six arms; finished
 ones are not computed again. The preview is a start of the exact model and is compared with nothing: that would open
-the sealed half. --table solves nothing, and writes energies and certificates of all shapes in FOLDER, of both halves,
-into benchmarks/results.
+the sealed designs. --table solves nothing, and writes energies and certificates of all shapes in FOLDER, of both
+halves and the second set, into benchmarks/results.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.shape import Shape
 from benchmarks.accuracy.exact import exact, known
-from benchmarks.frozen.draw import HALVES, WORKING, frozen
+from benchmarks.frozen.draw import GROUPS, WORKING, frozen
 from benchmarks.report import markdown, write_report
 from homogenize.errors import ForeignLaw
 from homogenize.law.law import Law
@@ -38,12 +38,12 @@ HEADER = [
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.solve")
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--half", choices=HALVES, default=WORKING)
+    parser.add_argument("--half", choices=GROUPS, default=WORKING)
     parser.add_argument("--table", action="store_true")
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
     if options.table:
-        rows = [row(design, half, options.folder) for half in HALVES for _, design in frozen(half)]
+        rows = [row(design, half, options.folder) for half in GROUPS for _, design in frozen(half)]
         there = [each for each in rows if each["shapes"]]
         text = f"{len(there)} of {len(rows)} designs.\n\n{markdown(HEADER, [_line(each) for each in there])}"
         print(text)
