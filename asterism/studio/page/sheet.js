@@ -1,10 +1,15 @@
 // The plan of a document together with what is being changed right now, before the server has answered.
 
-import { bounds, centroid, distance, isInside, nearestIndex, nearestOnSegment, rayLength } from "./geometry.js";
+import { bounds, centroid, clamp, distance, isInside, nearestIndex, nearestOnSegment, rayLength } from "./geometry.js";
 import { QUANTITIES } from "./format.js";
 
 const MIN_ARM_MM = 1; // shorter arms are not printed
 const TIP_MARGIN_MM = 0.5;
+const BRUSH_SHARE = 0.17; // of the sheet's shorter side
+const BRUSH_SPACINGS = 0.65; // no place of a triangular lattice is more than 0.577 of its spacing away from a star
+
+/** Radii of brushes, mm. */
+export const RADII = [2, 200];
 
 /** The section of the design file that holds the sizes of its pattern. */
 export const patternOf = (design) => (design.stars || !design.rods ? "stars" : "rods");
@@ -54,6 +59,9 @@ export function sizeAt(design, path, key) {
   const isOwn = own !== undefined;
   return { value: isOwn ? own : path.startsWith("rods.") ? design.rods[key] : undefined, isOwn };
 }
+
+/** The brush with its radius on a sheet: the user's, or that of the sheet. */
+export const brushOn = (sheet, brush) => ({ ...brush, radius: brush.radius ?? sheet?.brushRadius ?? RADII[0] });
 
 export const keyOf = (site) => `${site[0]},${site[1]}`;
 
@@ -123,6 +131,12 @@ export class Sheet {
   /** Whether the pattern is one of rods, without stars. */
   get isOfRods() {
     return !this.stars.length && this.rods.length > 0;
+  }
+
+  /** mm, the radius of a brush that the user has not changed: a share of the sheet, with a star within it everywhere. */
+  get brushRadius() {
+    const least = this.stars.length ? BRUSH_SPACINGS * this.spacing : 0;
+    return clamp(Math.round(Math.max(BRUSH_SHARE * Math.min(...this.box.size), least)), ...RADII);
   }
 
   /** The values of a quantity on the sheet, of stars and drawn rods. */

@@ -83,8 +83,8 @@ export function createStore() {
     problem: null,
     tool: "brush",
     page: "tool", // tool | sheet | shape
-    brush: { quantity: "length", mode: "set", radius: 22, strength: 0.5, target: 9, amount: 1 },
-    weightBrush: { mode: "paint", radius: 22, strength: 0.5, weight: 5 },
+    brush: { quantity: "length", mode: "set", radius: null, strength: 0.5, target: 9, amount: 1 },
+    weightBrush: { mode: "paint", radius: null, strength: 0.5, weight: 5 }, // radii: null follows the sheet, see sheet.js
     inLaw: true,
     symmetry: { mirrorX: false, mirrorY: false, sixfold: false },
     snap: true,

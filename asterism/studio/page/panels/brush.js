@@ -2,7 +2,7 @@
 
 import { check, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES } from "../format.js";
-import { namesWithOwn } from "../sheet.js";
+import { RADII, brushOn, namesWithOwn } from "../sheet.js";
 import { numberField } from "./fields.js";
 
 const MODES = {
@@ -65,15 +65,13 @@ export function brushPanel({ store }, { on }) {
   });
   const radius = numberField({
     label: "Radius",
-    value: brush().radius,
-    min: 2,
-    max: 200,
+    value: brushOn(store.get("sheet"), brush()).radius,
     step: 0.5,
     slider: true,
     testid: "radius",
     onchange: (value) => change({ radius: value }),
   });
-  radius.limits(2, 200);
+  radius.limits(...RADII);
   const strength = numberField({
     label: "Strength",
     unit: "%",
@@ -99,7 +97,7 @@ export function brushPanel({ store }, { on }) {
     for (const name of ["quantity-length", "mode-erase", "mode-remove"]) {
       for (const one of [quantity, mode]) one.element.querySelector(`[data-testid='${name}']`)?.toggleAttribute("hidden", isOfRods);
     }
-    const { quantity: name, mode: way, target: wanted, amount: more, radius: reach, strength: share } = brush();
+    const { quantity: name, mode: way, target: wanted, amount: more, strength: share } = brush();
     const sheet = store.get("sheet");
     const [low, high] = sheet?.range(name, store.get("inLaw")) ?? [0, 20];
     says.textContent = MODES[way].says;
@@ -109,7 +107,7 @@ export function brushPanel({ store }, { on }) {
     target.set(Math.min(Math.max(wanted, low), most));
     amount.limits(-10 * QUANTITIES[name].step, 10 * QUANTITIES[name].step);
     amount.set(more);
-    radius.set(reach);
+    radius.set(brushOn(sheet, brush()).radius);
     strength.set(Math.round(100 * share));
     quantity.set(name);
     mode.set(way);

@@ -3,6 +3,7 @@
 import { button, h, hint, refresh, segments } from "../dom.js";
 import { plural } from "../format.js";
 import { STRONG } from "../plan/weights.js";
+import { RADII, brushOn } from "../sheet.js";
 import { symmetry } from "./brush.js";
 import { numberField } from "./fields.js";
 
@@ -15,12 +16,12 @@ const MODES = {
   erase: { text: "Erase", title: "Erase weights", says: "Places without a weight count once." },
 };
 const WEIGHT = { unit: "×", step: 0.1, digits: 2, min: 0.1, max: STRONG }; // the design file allows more
-const RADIUS = { min: 2, max: 200, step: 0.5 };
+const RADIUS = { min: RADII[0], max: RADII[1], step: 0.5 };
 const STRENGTH = { unit: "%", min: 1, max: 100, step: 1 };
 
 export function weightPanel({ store, actions, edits }, { on }) {
-  const brush = () => store.get("weightBrush");
-  const change = (patch) => store.set({ weightBrush: { ...brush(), ...patch } });
+  const brush = () => brushOn(store.get("sheet"), store.get("weightBrush"));
+  const change = (patch) => store.set({ weightBrush: { ...store.get("weightBrush"), ...patch } });
   const mode = segments({
     label: "Brush mode",
     testid: "weight-mode",

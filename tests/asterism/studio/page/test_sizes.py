@@ -83,6 +83,28 @@ def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_pat
     assert left < 6 < 8 < right
 
 
+def test_the_radius_of_a_brush_follows_the_sheet_until_the_user_changes_it(new_page: Callable[[], StudioPage]) -> None:
+    page = new_page()
+    for name, radius in (("dome", 20), ("star", 11), ("doubly-curved", 35), ("leaf", 6)):
+        page.open_without_shape(f"gallery-{name}")
+        page.item("tool-brush").click()
+        assert page.item("radius").input_value() == str(radius)
+    page.fill("target", 1.5)  # another setting of the brush leaves the radius to the sheet
+    page.open_without_shape("gallery-dome")
+    page.item("tool-weight").click()
+    page.fill("weight", 3)
+    assert page.item("weight-radius").input_value() == "20"
+    page.item("tool-brush").click()
+    assert page.item("radius").input_value() == "20"
+    page.page.keyboard.press("]")
+    changed = page.item("radius").input_value()
+    assert float(changed) > 20
+    page.open_without_shape("gallery-doubly-curved")
+    assert page.item("radius").input_value() == changed
+    page.item("tool-weight").click()
+    assert page.item("weight-radius").input_value() == "35"
+
+
 def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
     page.item("tool-brush").click()
     page.fill("target", 4)

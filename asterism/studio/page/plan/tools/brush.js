@@ -14,7 +14,7 @@ export class BrushTool extends StrokeTool {
   }
 
   down(event) {
-    const { quantity, mode } = this.store.get("brush");
+    const { quantity, mode } = this.brush;
     const paints = mode !== "erase" && mode !== "remove";
     // a plain plan shows lengths and widths only
     if (paints && quantity === "thickness" && this.store.get("planColour") === "none") {
@@ -29,7 +29,7 @@ export class BrushTool extends StrokeTool {
     const { store, edits } = this;
     const sheet = store.get("sheet");
     if (sheet.isOfRods) return this.#paintRods(sheet, at, event);
-    const { quantity, mode, radius, strength, target, amount } = store.get("brush");
+    const { quantity, mode, radius, strength, target, amount } = this.brush;
     const near = starsWithin(sheet, images(at, store.get("symmetry")), radius);
     if (!near.length) return;
     const keys = (wanted) => near.filter(({ star }) => wanted(star)).map(({ star }) => star.key);
@@ -57,7 +57,7 @@ export class BrushTool extends StrokeTool {
   }
 
   #paintRods(sheet, at, event) {
-    const { quantity, mode, radius, strength, target, amount } = this.store.get("brush");
+    const { quantity, mode, radius, strength, target, amount } = this.brush;
     const [low, high] = sheet.range(quantity, this.store.get("inLaw"));
     const value = mode === "add" ? (event.alt ? -amount : amount) : clamp(target, low, high);
     const brush = { size: QUANTITIES[quantity].key, mode, radius, strength, value, low, high };
@@ -72,7 +72,7 @@ export class BrushTool extends StrokeTool {
 
   /** What the ring says. */
   said() {
-    const { mode, target, amount, quantity } = this.store.get("brush");
+    const { mode, target, amount, quantity } = this.brush;
     const { digits } = QUANTITIES[quantity];
     return {
       set: `${fixed(target, digits)} mm`,

@@ -1,6 +1,7 @@
 // Strokes of a brush over the plan: dabs along the way, straight lines with Shift, the star of the keyboard, the ring.
 
 import { between, clamp, distance, images } from "../../geometry.js";
+import { RADII, brushOn } from "../../sheet.js";
 import { label } from "../draw.js";
 import { circle, polyline } from "./common.js";
 
@@ -16,6 +17,10 @@ export class StrokeTool {
 
   constructor({ plan, store, edits }, setting) {
     Object.assign(this, { plan, store, edits, setting });
+  }
+
+  get brush() {
+    return brushOn(this.store.get("sheet"), this.store.get(this.setting));
   }
 
   get hint() {
@@ -79,13 +84,13 @@ export class StrokeTool {
 
   /** A larger or smaller radius. */
   grow(step) {
-    const brush = this.store.get(this.setting);
-    const radius = clamp(Math.round(brush.radius * 1.15 ** step * 2) / 2 + 0.5 * Math.sign(step), 2, 200);
+    const { brush } = this;
+    const radius = clamp(Math.round(brush.radius * 1.15 ** step * 2) / 2 + 0.5 * Math.sign(step), ...RADII);
     this.store.set({ [this.setting]: { ...brush, radius } });
   }
 
   #stroke(from, to, event, isWhole = false) {
-    const step = Math.max(1, DAB_SHARE * this.store.get(this.setting).radius);
+    const step = Math.max(1, DAB_SHARE * this.brush.radius);
     const length = distance(from, to);
     let along = isWhole ? 0 : step - this.#way;
     while (along <= length) {
@@ -97,7 +102,7 @@ export class StrokeTool {
 
   draw(context, plan, colour) {
     if (!this.#at) return;
-    const { radius } = this.store.get(this.setting);
+    const { radius } = this.brush;
     const symmetry = this.store.get("symmetry");
     images(this.#at, symmetry).forEach((place, k) => {
       circle(context, plan, place, radius);

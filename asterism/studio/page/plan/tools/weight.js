@@ -36,7 +36,7 @@ export class WeightTool extends StrokeTool {
 
   dab(at, event) {
     const sheet = this.store.get("sheet");
-    const { mode, radius, strength, weight } = this.store.get("weightBrush");
+    const { mode, radius, strength, weight } = this.brush;
     const values = new Map();
     for (const { star, away } of starsWithin(sheet, images(at, this.store.get("symmetry")), radius)) {
       if (mode === "erase" || event.alt) {
@@ -57,7 +57,7 @@ export class WeightTool extends StrokeTool {
   }
 
   said() {
-    const { mode, weight } = this.store.get("weightBrush");
+    const { mode, weight } = this.brush;
     return mode === "erase" ? "erase" : times(weight);
   }
 
