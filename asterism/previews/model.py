@@ -122,15 +122,12 @@ class PreviewModel:
     arm_setback: float = _derived(0.5, "spacing", "how far back along an arm its star is: half way to the next one")
     last_arm_margin: float = _unknown(0.3, "spacing", "an arm is a last one if the next star is further away by this")
     # smoothed cells: fields/star_cells.py
-    wide_smoothing: float = _fitted(
-        0.2, "spacing", "width of the Gaussian for long arms", "random-10, random-04, random-44, fig8-h-increasing"
-    )
-    narrow_smoothing: float = _fitted(
-        0.08, "spacing", "width of the Gaussian for short arms: about as small as its grid allows",
-        "random-12, random-14, random-15",
+    smoothing_per_arm: float = _fitted(
+        0.4,
+        "-",
+        "width of the Gaussian over the length of the arms",
+        "random-10, random-04, random-44, fig8-h-increasing",
     )  # fmt: skip
-    short_arm: float = _fitted(0.29, "spacing", "arms up to this length keep to their cell", "random-12, -14, -15")
-    long_arm: float = _fitted(0.55, "spacing", "arms from this length on leave their cell", "tube, random-10")
     cell_radius: float = _unknown(0.6, "spacing", "a bump ends at this distance from its star")
     min_bump_radius: float = _unknown(0.17, "spacing", "arms below this length have no bump")
     # holes in the pattern: fields/holes.py
@@ -161,10 +158,6 @@ class PreviewModel:
         "fig8-h-decreasing, random-30, random-39, fig8-l-increasing",
     )  # fmt: skip
     rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
-    rim_fall_rad: float = _fitted(
-        0.3, "rad", "slope by which a free rim falls beyond long arms", "star, tube, fig8-h-increasing, random-10"
-    )
-    rim_fall_stretch: float = _derived(1.35, "-", "stretch of the fabric for which the fall was fitted")
     # arms that point into a free rim: edges/rim_arms.py
     has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")
     rim_arm_start: float = _fitted(0.7, "spacing", "border distance at which an arm carries none", "42 free sheets")

@@ -3,8 +3,7 @@
 The law describes the heights of a cell over its mean surface by the amplitudes of a few waves of the lattice
 (`homogenize.cell.corrugation_waves`): amplitudes of the flat cell, and their change as the sheet curls to its natural
 tube. At a place shared by several stars, the amplitudes are averaged, so that the corrugation has no jumps. The bare
-rim is as low as the tips of the arms beside it, and falls further where it is free
-(`asterism.previews.edges.free_rim`). A printed point moves by its height along the shell's normal.
+rim is as low as the tips of the arms beside it. A printed point moves by its height along the shell's normal.
 
 **Between the flat and the natural cell.** Stars that hardly buckle in a flat sheet buckle soon after the sheet begins
 to curl. In cells of long thin stars, seven tenths of the change are complete when a star turns by half a radian over
@@ -27,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previews.edges.free_rim import beside, rim_fall, stars_share
+from asterism.previews.edges.free_rim import beside, stars_share
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.arrays import Floats, Ints
@@ -41,7 +40,6 @@ def corrugation_heights(
     values: StarValues,
     weights: sp.csr_matrix,
     curvature: Floats,
-    beyond: Floats,
     nearest: Ints,
     spacing: float,
     model: PreviewModel = PREVIEW_MODEL,
@@ -54,7 +52,7 @@ def corrugation_heights(
     values : the law at the stars.
     weights : (n, S) share of each star at the points.
     curvature : (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is convex.
-    beyond, nearest : (n,) distance from the stars across a free rim in mm, and nearest star, from `beyond_stars`.
+    nearest : (n,) nearest star of each point.
     spacing : mm, spacing of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.corrugation), 1, 0)
@@ -63,7 +61,6 @@ def corrugation_heights(
     near = beside(weights, values.value["kappa"][:-1], nearest)
     low, lower = beside(weights, values.tip_heights[:-1], nearest).T
     rim = np.minimum(low + _bent(near, curvature, spacing, model) * lower, 0.0)
-    rim -= rim_fall(weights, nearest, values, beyond, spacing, model)
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 

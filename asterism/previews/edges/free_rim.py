@@ -1,4 +1,4 @@
-"""Curl and fall of a free rim: the bare fabric beyond the last stars.
+"""Curl of a free rim: the bare fabric beyond the last stars.
 
 In a periodic cell, the fabric rises again between a star and its neighbour. Beyond the last stars it stays as low as
 the tips of their arms, and continues with the slope and curvature of their bumps. A bump of height B over arms of
@@ -15,22 +15,14 @@ points: there the fabric is pulled straight along the rim. Points that slide alo
 sites enclosed by stars, has no side to turn to; a hole in the sheet has sides like the outline.
 
 Below arms that point outwards, the rim also curls along the arms (`asterism.previews.edges.rim_arms`).
-
-**Fall beyond long arms.** In the exact model, the rim beyond long arms goes down steeply even if their bumps are flat.
-Therefore bare fabric falls with the slope `rim_fall_rad` from the stars outwards, and less where bumps curl it anyway:
-not at all where a bump turns by `bump_turn_rad` over a spacing. The cause is that the fabric contracts and the arms do
-not. So the fall is proportional to the area that the fabric loses, up to the area lost at a stretch of
-`rim_fall_stretch`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from asterism.previews.fields.holes import in_holes
-from asterism.previews.fields.star_cells import long_arms
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.arrays import Floats, Ints
@@ -76,42 +68,6 @@ def rim_curvature(
     size = model.rim_curl_factor * (1.0 - share) * beside(weights, values.bump_curvature[:-1])
     x, y = normals.T
     return np.asarray(size[:, None] * np.column_stack([x * x, y * y, x * y]))
-
-
-def beyond_stars(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> tuple[Floats, Ints]:
-    """Distance of printed points (n, 2) mm from the stars across a free rim, and the nearest star.
-
-    Returns
-    -------
-    distance : (n,) mm, beyond half a spacing from the nearest star; zero away from free rims.
-    nearest : (n,) nearest star.
-    """
-    far, nearest = cKDTree(layout.centres).query(points)
-    free = free_normals(layout, points, model).any(axis=1)
-    return np.where(free, np.maximum(far - 0.5 * layout.spacing_mm, 0.0), 0.0), nearest
-
-
-def rim_fall(
-    weights: sp.csr_matrix,
-    nearest: Ints,
-    values: StarValues,
-    beyond: Floats,
-    spacing: float,
-    model: PreviewModel = PREVIEW_MODEL,
-) -> Floats:
-    """(n,) mm, depth of bare fabric below the tips of the arms, measured to the side to which the edges go.
-
-    Parameters
-    ----------
-    weights : (n, S) share of each star at the places.
-    nearest, beyond : (n,), from `beyond_stars`.
-    spacing : mm, spacing of the stars.
-    """
-    straight = np.maximum(1.0 - np.abs(values.bump_curvature[:-1]) * spacing / model.bump_turn_rad, 0.0)
-    pull = min((1.0 - values.value["lam_n"][-1] ** 2) / (1.0 - model.rim_fall_stretch**-2), 1.0)
-    side, long = np.sign(values.value["kappa"][:-1]), long_arms(values.sizes[:, 0], spacing, model)
-    turn = model.rim_fall_rad * pull * side * long * straight
-    return beside(weights, turn, nearest) * beyond
 
 
 def stars_share(weights: sp.csr_matrix) -> Floats:

@@ -4,9 +4,9 @@ The cell of a star is the part of the sheet that is nearer to this star than to 
 of the sheet is bare fabric: the rim, and sites without a star. The coarse shell needs fields without jumps. Therefore
 the share at a place is the mean over its neighbourhood on the sheet, with the weights `exp(-r^2/(2 w^2))`.
 
-**Width of the Gaussian.** Long arms reach beyond their cell and into the rim: w is a fifth of the spacing. Short arms
-stay within their cell, and the rim around them is bare: w is as small as the grid allows. In between, the share is a
-mean of both, by the length of the nearby arms.
+**Width of the Gaussian.** Long arms reach beyond their cell and into the rim. Short arms stay within their cell, and
+the rim around them is bare. So w is proportional to the length of the nearby arms, up to that of arms that reach half
+way to the next star. The grid resolves widths from `MIN_WIDTH` on. For widths in between, the share is a mean of both.
 """
 
 from __future__ import annotations
@@ -26,6 +26,10 @@ from pattern.layout.layout import Layout
 
 # resolution of the grid
 GRID_POINTS_PER_SPACING = 20
+# smallest width of the Gaussian, in spacings: it takes one and a half steps of a grid that is still fast
+MIN_WIDTH = 0.08
+# arms of this length, in spacings, reach half way to the next star, where cells of long arms overlap
+HALF_WAY = 0.5
 # radius at which the Gaussian is cut off, in widths
 GAUSSIAN_REACH = 3.0
 # at most this many stars share a place
@@ -89,8 +93,9 @@ class Shares:
 
 
 def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n,) interpolation between short arms (0) and long arms (1), for lengths (n,) and a spacing in mm."""
-    return np.clip((length / spacing - model.short_arm) / (model.long_arm - model.short_arm), 0.0, 1.0)
+    """(n,) interpolation between the smallest width (0) and the largest (1), for lengths (n,) and a spacing in mm."""
+    shortest = MIN_WIDTH / model.smoothing_per_arm
+    return np.clip((length / spacing - shortest) / (HALF_WAY - shortest), 0.0, 1.0)
 
 
 def _entries(matrix: sp.csr_matrix) -> tuple[Ints, Ints]:
@@ -115,7 +120,7 @@ class StarCells:
     def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:
         self._spacing = lattice.spacing_mm
         self._model = model
-        self._widths = model.wide_smoothing * lattice.spacing_mm, model.narrow_smoothing * lattice.spacing_mm
+        self._widths = HALF_WAY * model.smoothing_per_arm * lattice.spacing_mm, MIN_WIDTH * lattice.spacing_mm
         self.width_mm = self._widths[0]
         self._stars = len(layout.centres)
         step = min(lattice.spacing_mm / GRID_POINTS_PER_SPACING, self._widths[1] / 1.5)

@@ -6,10 +6,10 @@ from copy import copy
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
-from asterism.previews.edges.free_rim import beyond_stars
 from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.sheet import Sheet
@@ -51,7 +51,7 @@ class Lens:
         """Compute everything that depends on the stars or on the positions of the pins in space."""
         self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
-        self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)
+        self._nearest = cKDTree(sheet.layout.centres).query(self.points)[1]
         self._arms, self._arm_shares = sheet.arms, arm_shares(sheet.arms, self.points)
 
     def renewed(self, sheet: Sheet) -> Lens:
@@ -85,7 +85,7 @@ class Lens:
             return Places(smooth, np.zeros_like(smooth.places))
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
-        rim = self._beyond, self._nearest, self._spacing, self._model
+        rim = self._nearest, self._spacing, self._model
         heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._arm_shares.lifted @ lift

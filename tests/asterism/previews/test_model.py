@@ -23,7 +23,6 @@ ALWAYS = [
     "Gaussian curvature",
     "roll axis",
     "curl of free rims",
-    "fall of free rims",
     "arms into free rims",
     "bumps",
     "last arms",

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.bumps import corrugation_heights
 from asterism.previews.edges.free_rim import (
-    beyond_stars,
     free_normals,
     rim_curvature,
-    rim_fall,
 )
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -25,8 +21,7 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
-CURL, FALL = PREVIEW_MODEL.rim_curl_factor, PREVIEW_MODEL.rim_fall_rad
-ROUND = PREVIEW_MODEL.bump_turn_rad
+CURL = PREVIEW_MODEL.rim_curl_factor
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
 VALUES = star_values(TUBE, PLAN, plain_law())
@@ -74,34 +69,10 @@ def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
     kappa = VALUES.value["kappa"][0]
     waves, curvature = np.zeros((2, len(plain_law().waves))), np.full(2, kappa)
     nearest = np.zeros(2, dtype=np.int64)
-    heights = corrugation_heights(waves, VALUES, weights, curvature, np.zeros(2), nearest, SPACING)
+    heights = corrugation_heights(waves, VALUES, weights, curvature, nearest, SPACING)
     tip = VALUES.tip_heights[0] @ np.array([1.0, kappa])
     assert tip < 0.0
     assert heights == pytest.approx([0.8 * tip, tip])  # far from all stars too
-
-
-def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
-    free, held = layout(rectangle([])), layout(rectangle([{"where": "border", "scale": 0.78}]))
-    corner = free.outline.max(axis=0)
-    far = np.linalg.norm(free.centres - corner, axis=1).min() - 0.5 * SPACING
-    assert far > 0.0
-    places = np.vstack([corner, free.centres[0]])
-    beyond, nearest = beyond_stars(free, places)
-    assert beyond == pytest.approx([far, 0.0])
-    assert np.linalg.norm(free.centres[nearest] - places, axis=1) == pytest.approx([far + 0.5 * SPACING, 0.0])
-    assert beyond_stars(held, places)[0] == pytest.approx([0.0, 0.0])
-    # beside a star, on one, and in a corner that no star has a share in
-    weights = sp.csr_matrix(np.array([[0.2], [0.2], [0.0]]) * np.eye(1, COUNT))
-    beyond, nearest = np.array([4.0, 0.0, 12.0]), np.zeros(3, dtype=np.int64)
-    flat = replace(VALUES, bump_curvature=0.0 * VALUES.bump_curvature)
-    assert rim_fall(weights, nearest, flat, beyond, SPACING) == pytest.approx(beyond * FALL)
-    # fabric that gives up half of the area falls half as far, and no fabric further
-    for released, part in ((0.5 * (1.0 - 1.35**-2), 0.5), (0.7, 1.0), (0.0, 0.0)):
-        other = replace(flat, value=flat.value | {"lam_n": np.full(COUNT + 1, np.sqrt(1.0 - released))})
-        assert rim_fall(weights, nearest, other, beyond, SPACING) == pytest.approx(part * beyond * FALL)
-    # where bumps are round it curls instead
-    rounded = replace(VALUES, bump_curvature=np.full_like(VALUES.bump_curvature, ROUND / SPACING))
-    assert rim_fall(weights, nearest, rounded, beyond, SPACING) == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.78}]])
@@ -123,25 +94,6 @@ def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
         assert curled == pytest.approx(straight)
     else:
         assert (curled - straight).mean() > 2.0
-
-
-def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model() -> None:
-    design = Design.from_dict(gallery.load("star").to_dict() | {"mesh": {"edge_mm": 1.15}})
-    preview = Preview(design)
-    tips, corners = preview.sheet.layout.arm_tip, preview.sheet.layout.outline
-
-    def fall(places: Callable[[np.ndarray], np.ndarray]) -> float:
-        """From the plane through the tips to the sheet's corners, mm."""
-        a, b, c = places(tips)
-        normal = np.cross(b - a, c - a)
-        return float(-((places(0.999 * corners) - a) @ normal).mean() / np.linalg.norm(normal))
-
-    exact = fall(exact_shape(design).at)
-    found = fall(lambda points: preview.at(points).bumpy)
-    level = Preview(design, model=replace(PREVIEW_MODEL, rim_fall_rad=0.0))
-    without = fall(lambda points: level.at(points).bumpy)
-    assert exact > 2.0
-    assert abs(found - exact) < 0.6 * abs(without - exact)
 
 
 def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,15 +125,3 @@ def test_a_side_in_pieces_is_one_side() -> None:
             for ring in (corners, np.roll(pieces, 2, axis=0))
         )
         np.testing.assert_allclose(one, other, atol=1e-9)
-
-
-def test_rims_of_stars_that_curl_down_go_up() -> None:
-    value = VALUES.value | {"kappa": -VALUES.value["kappa"]}
-    down = replace(
-        VALUES, value=value, bump_curvature=-VALUES.bump_curvature, sizes=VALUES.sizes + np.array([9.0, 0.0, 0.0])
-    )
-    up = replace(VALUES, bump_curvature=VALUES.bump_curvature, sizes=down.sizes)
-    weights, nearest, beyond = sp.csr_matrix((3, COUNT)), np.array([0, 1, 2]), np.array([0.0, 2.0, 5.0])
-    found, other = (rim_fall(weights, nearest, values, beyond, SPACING) for values in (up, down))
-    assert found[2] > 0.0
-    assert other == pytest.approx(-found)

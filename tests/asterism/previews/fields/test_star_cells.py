@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.previews.fields.star_cells import StarCells
+from asterism.previews.fields.star_cells import HALF_WAY, MIN_WIDTH, StarCells
 from asterism.previews.model import PREVIEW_MODEL
 from homogenize.law.axes import law_coordinates
 from pattern import gallery
@@ -52,13 +52,10 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
     assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
 
 
-def test_a_narrow_kernel_gives_the_cells_themselves() -> None:
+def test_a_narrow_kernel_gives_the_cells_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("asterism.previews.fields.star_cells.MIN_WIDTH", 0.005)
     points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
-    weights = (
-        StarCells(PLAN, TUBE.lattice, replace(PREVIEW_MODEL, wide_smoothing=0.25, narrow_smoothing=0.005))
-        .shares(points)
-        .narrow.toarray()
-    )
+    weights = StarCells(PLAN, TUBE.lattice).shares(points).narrow.toarray()
     nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
     assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
 
@@ -88,7 +85,9 @@ def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
     line = np.linspace(0.0, 1.0, 400)[:, None] * corner
     shares = cells.shares(line)
     spacing = TUBE.lattice.spacing_mm
-    short, between, long = (shares(np.full(COUNT, part * spacing)) for part in (0.25, 0.42, 0.6))
+    narrow = MIN_WIDTH / PREVIEW_MODEL.smoothing_per_arm
+    parts = (0.9 * narrow, 0.5 * (narrow + HALF_WAY), 0.6)
+    short, between, long = (shares(np.full(COUNT, part * spacing)) for part in parts)
     assert (short != shares.narrow).nnz == 0 and (long != shares.wide).nnz == 0
     half = 0.5 * (short + long).toarray()
     assert between.toarray() == pytest.approx(half)
@@ -96,7 +95,7 @@ def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
     rim = [float(one[-40:].sum(axis=1).mean()) for one in (short, between, long)]
     assert rim[0] < rim[1] < rim[2] < 1.0
     # where arms differ, a place goes by those around it
-    mixed = np.where(np.arange(COUNT) == 0, 10.0, 4.0)
+    mixed = np.where(np.arange(COUNT) == 0, 10.0, 3.0)
     assert shares(mixed)[0].toarray() == pytest.approx(long[0].toarray(), abs=0.1)
     assert shares(mixed)[-1].toarray() == pytest.approx(short[-1].toarray(), abs=0.01)
     assert shares(mixed).sum(axis=1).max() <= 1.0 + 1e-9
