@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 from equilibrium.arrays import Bools, Floats
 from homogenize.errors import LawError
 from homogenize.law.motif_plan import ROD_SIZE_KEYS, MotifPlan
+from homogenize.law.motif_problem import problem_of_motif
 from homogenize.law.motif_table import SIZE_TOLERANCE, MotifTable
 from homogenize.law.tensor_forms import SheetTensors
 from pattern.design.design import Design
+from pattern.design.leading_field import leading_field
 from pattern.design.sizing.profile import Profile
 
 
@@ -80,9 +82,7 @@ class MotifLaw:
             return
         values = self.evaluate_at(design, np.zeros((1, 2)))
         if not values.inside[0]:
-            raise LawError(
-                values.outside[0], field=self._field_outside(self.plan.sizes_at(design, np.zeros((1, 2)))[0])
-            )
+            raise LawError(values.outside[0], field=leading_field(values.outside[0]))
 
     def evaluate(self, design: Design, thickness_mm: ArrayLike, width_mm: ArrayLike) -> MotifValues:
         """The law at places where all rods have these sizes. Lines with sizes of their own keep those.
@@ -140,14 +140,8 @@ class MotifLaw:
         outside = tuple(self._why_outside(sizes[place]) for place in np.flatnonzero(~inside))
         return MotifValues(tensors.metric, scale * tensors.stiffness, tensors.curvature, inside, outside, slopes)
 
-    def _field_outside(self, sizes: Floats) -> str:
-        """The field of a design whose size (A,) is outside the range of the nodes; that of the motif if none is."""
-        for size, value in zip(self.plan.sizes, sizes, strict=True):
-            if not size.nodes[0] * (1 - SIZE_TOLERANCE) <= value <= size.nodes[-1] * (1 + SIZE_TOLERANCE):
-                return f"rods.{size.key}"
-        return "rods.motif"
-
     def _why_outside(self, sizes: Floats) -> str:
+        """One line about sizes (A,) without a law; it begins with the field of a design."""
         for size, value in zip(self.plan.sizes, sizes, strict=True):
             low, high = size.nodes[0], size.nodes[-1]
             if not low * (1 - SIZE_TOLERANCE) <= value <= high * (1 + SIZE_TOLERANCE):
@@ -161,4 +155,4 @@ class MotifLaw:
         place = ", ".join(
             f"{size.key} = {value:g}" for size, value in zip(self.plan.sizes, nearest["sizes"], strict=True)
         )
-        return f"rods.motif: {nearest['problem']}" + (f" ({place})" if place else "")
+        return problem_of_motif(nearest["problem"]) + (f" ({place})" if place else "")

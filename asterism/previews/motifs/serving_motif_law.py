@@ -20,8 +20,10 @@ from homogenize.errors import CampaignError, LawError
 from homogenize.law.motif_law import MotifLaw
 from homogenize.law.motif_law_file import load_motif_law
 from homogenize.law.motif_plan import MotifPlan, MotifSize, MotifTask
+from homogenize.law.motif_problem import problem_of_motif
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
+from pattern.design.leading_field import leading_field
 from pattern.layout.layout import Layout
 
 # after an edit of a size, the law covers its new value times and over this factor, so that further edits are quick
@@ -79,7 +81,8 @@ def serving_motif_law(
         return fit_motif_law(own, records)
     except CampaignError as error:
         reason = next((record.failed for record in records if record.failed), str(error))
-        raise LawError(f"rods.motif: {reason}; {EXACT_ADVICE}", field="rods.motif") from None
+        message = problem_of_motif(reason)
+        raise LawError(f"{message}; {EXACT_ADVICE}", field=leading_field(message)) from None
 
 
 def _covers(law: MotifLaw, design: Design, plan: Layout) -> bool:

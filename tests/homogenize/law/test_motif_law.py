@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -110,8 +111,9 @@ def test_cells_without_a_law_cut_the_range(tmp_path: Path, monkeypatch: pytest.M
     assert values.inside.tolist() == [False, True]
     assert "2 x 2 cells relax to" in values.outside[0]
     law.check(sheet)
-    with pytest.raises(LawError, match="the motif has no law of one cell"):
+    with pytest.raises(LawError, match=r"^rods.motif: the motif has no law of one cell") as refused:
         law.check(design(0.31))
+    assert refused.value.field == "rods.motif"
     with pytest.raises(CampaignError, match=r"thickness 0.3 mm, width 1.2 mm: the motif has no law of one cell"):
         law_of(design(0.3), tmp_path, monkeypatch)
 
@@ -159,6 +161,15 @@ def test_each_kind_of_law_is_refused_for_the_other(law: MotifLaw, tmp_path: Path
 def test_other_designs_are_refused(law: MotifLaw, change: dict[str, Any], message: str) -> None:
     with pytest.raises(LawError, match=message):
         law.check(design(**change))
+
+
+def test_a_cell_that_cannot_be_drawn_names_its_place_once(law: MotifLaw) -> None:
+    for sample in law.samples:
+        sample["problem"] = "rods: motif[0] and motif[1] lie on each other: draw the line once"
+    unsolved = replace(law, table=replace(law.table, solved=np.zeros_like(law.table.solved)))
+    with pytest.raises(LawError, match=r"^rods: motif\[0\] and motif\[1\] lie on each other.* \(thickness") as refused:
+        unsolved.check(design())
+    assert refused.value.field == "rods"
 
 
 def test_stiffness_follows_the_modulus(law: MotifLaw) -> None:
