@@ -15,7 +15,7 @@ function pictureOf(row) {
 }
 
 function entry(column, row) {
-  return [element("dt", {}, withUnit(column)), element("dd", {}, shown(valueOf(row, column)))];
+  return [element("dt", {}, ...breakable(withUnit(column))), element("dd", {}, shown(valueOf(row, column)))];
 }
 
 function card(row, near, open) {

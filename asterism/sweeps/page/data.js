@@ -30,6 +30,9 @@ function shown(value) {
 
 const withUnit = (column) => (column.unit ? `${column.label}, ${column.unit}` : column.label);
 
+// a path breaks after its dots, not inside of a key
+const breakable = (text) => text.split(/(?<=\.)(?=\S)/).flatMap((part, k) => (k ? [element("wbr"), part] : [part]));
+
 const state = {
   sort: "number",
   isDescending: false,

@@ -63,7 +63,7 @@ function drawFilters() {
   for (const column of columns.filter((each) => each.isParameter)) {
     const texts = [...new Set(sweep.rows.map((row) => shown(valueOf(row, column))))];
     if (texts.length < 2) continue;
-    fields.push(element("span", {}, column.label), texts.length <= MAX_CHIPS ? chips(column, texts) : range(column));
+    fields.push(element("span", {}, ...breakable(column.label)), texts.length <= MAX_CHIPS ? chips(column, texts) : range(column));
   }
   const listed = numeric.filter((column) => !column.isParameter);
   const place = element("div", {});

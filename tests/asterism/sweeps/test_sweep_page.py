@@ -25,7 +25,16 @@ BRIGHTNESS = """key => {
 }"""
 
 
-def made() -> Sweep:
+# into how many lines each part of a key falls
+LINES_OF_PARTS = """() => [...document.querySelectorAll(".card dt, #filters > span")].flatMap((key) =>
+    [...key.childNodes].filter((part) => part.nodeType === Node.TEXT_NODE).map((part) => {
+        const range = document.createRange();
+        range.selectNode(part);
+        return [part.data, range.getClientRects().length];
+    }))"""
+
+
+def made(path: str = "stars.thickness_mm") -> Sweep:
     """Twelve designs with made-up numbers; the last one has no shape."""
     stream = BytesIO()
     Image.new("RGBA", (40, 30), (200, 60, 40, 255)).save(stream, "WEBP")
@@ -35,7 +44,7 @@ def made() -> Sweep:
         thickness, bending = 0.2 + 0.05 * ((number - 1) % 6), ("paper", "consistent")[(number - 1) // 6]
         values = {each.name: None for each in quantities(False)} | {"height_mm": 20.0 - number}
         values |= {"is_minimum": number != 3, "warnings": "curls tightly" if number == 5 else None}
-        parameters = {"stars.thickness_mm": round(thickness, 2), "fabric.bending": bending}
+        parameters = {path: round(thickness, 2), "fabric.bending": bending}
         failed = number == 12
         picture = SmallPicture(webp, 40, 30, 1.0 if number % 2 else 2.0)
         points.append(
@@ -48,7 +57,7 @@ def made() -> Sweep:
             )
         )
     parameters = (
-        SweepParameter("stars.thickness_mm", (0.2, 0.25, 0.3, 0.35, 0.4, 0.45)),
+        SweepParameter(path, (0.2, 0.25, 0.3, 0.35, 0.4, 0.45)),
         SweepParameter("fabric.bending", ("paper", "consistent")),
     )
     return Sweep(gallery.load("dome"), parameters, tuple(points), False)
@@ -93,6 +102,17 @@ def test_cards_are_sorted_and_filtered(page: Any) -> None:
     assert page.locator("#empty").is_visible() and page.locator("#plot circle").count() == 0
     page.click("#reset")
     assert len(numbers(page)) == 12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1440, 420])
+def test_keys_break_after_their_dots_only(browser: Any, tmp_path: Path, width: int) -> None:
+    write_sweep(made("stars.thickness_mm.over_mm"), tmp_path)
+    shown = browser.new_page(viewport={"width": width, "height": 900})
+    shown.goto((tmp_path / SWEEP_PAGE).as_uri())
+    lines = shown.evaluate(LINES_OF_PARTS)
+    assert ["thickness_mm.", 1] in lines and {count for _, count in lines} == {1}
+    shown.close()
 
 
 def test_pictures_have_one_scale(page: Any) -> None:
