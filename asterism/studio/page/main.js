@@ -17,7 +17,7 @@ import { selectionPanel } from "./panels/selection.js";
 import { shapePanel } from "./panels/shape.js";
 import { buildStart } from "./panels/start.js";
 import { buildStatus } from "./panels/status.js";
-import { toast } from "./panels/toasts.js";
+import { keepToastsAbove, toast } from "./panels/toasts.js";
 import { buildTools, buildTop } from "./panels/top.js";
 import { weightPanel } from "./panels/weight.js";
 import { PlanCanvas } from "./plan/canvas.js";
@@ -75,6 +75,7 @@ if (studio.view) {
 }
 buildViewNote($("view-note"), studio);
 buildStart($("start"), studio);
+keepToastsAbove($("plan-note"), $("view-note"), $("compare"));
 buildInspector($("inspector"), {
   store,
   toolTitles: Object.fromEntries(Object.entries(studio.tools).map(([name, { title }]) => [name, title])),

@@ -115,7 +115,7 @@ export function listen(studio) {
 
   /** Unsaved work of an earlier session. */
   function offerKeptWork() {
-    toast("An earlier session ended with unsaved changes of this design.", {
+    toast("An earlier session left unsaved changes.", {
       action: { text: "Bring them back", run: () => connection.send("recover") },
       other: { text: "Forget them", run: () => connection.send("discard") },
       stay: 0,

@@ -1,9 +1,10 @@
-// Short messages above the status line. Refused edits name the field and the place.
+// Short messages above the status line and the notes. Refused edits name the field and the place.
 
 import { button, h } from "../dom.js";
 import { icon } from "../icons.js";
 
 const STAY_MS = 9000;
+const GAP_PX = 8;
 
 export function toast(text, { isBad = false, action = null, other = null, stay = STAY_MS } = {}) {
   const list = document.getElementById("toasts");
@@ -22,6 +23,16 @@ export function toast(text, { isBad = false, action = null, other = null, stay =
   list.append(element);
   while (list.children.length > 3) list.firstChild.remove();
   if (stay) setTimeout(() => element.remove(), stay);
+}
+
+/** Keeps messages above notes and buttons at the bottom of the page, whose height follows their text. */
+export function keepToastsAbove(...elements) {
+  const list = document.getElementById("toasts");
+  const observer = new ResizeObserver(() => {
+    const boxes = elements.map((element) => element.getBoundingClientRect()).filter(({ height }) => height);
+    list.style.bottom = boxes.length ? `${GAP_PX + innerHeight - Math.min(...boxes.map(({ top }) => top))}px` : "";
+  });
+  elements.forEach((element) => observer.observe(element));
 }
 
 export function announce(text) {

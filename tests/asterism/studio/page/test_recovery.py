@@ -11,10 +11,24 @@ from typing import Any
 
 import pytest
 
+from asterism.studio.autosave import autosave_path
+from pattern import gallery
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
 
 # the README's tests open the page in `test_page` only
 pytestmark = pytest.mark.slow
+
+
+# controls of the page under a message
+COVERED = """() => {
+    const boxOf = (element) => element.getBoundingClientRect();
+    const isUnder = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    const boxes = [...document.querySelectorAll(".toast")].map(boxOf);
+    return [...document.querySelectorAll("button, input, select")]
+        .filter((control) => !control.closest("#toasts") && control.getClientRects().length)
+        .filter((control) => boxes.some((box) => isUnder(box, boxOf(control))))
+        .map((control) => control.textContent || control.dataset.testid);
+}"""
 
 
 def children(parent: int) -> list[int]:
@@ -105,3 +119,17 @@ def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder:
     page.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('length_mm')")
     page.rest()
     assert page.get("studio.document.name").startswith("dome")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1024, 768), (1280, 720)])
+def test_the_offer_of_unsaved_work_covers_no_control(browser: Any, tmp_path: Path, width: int, height: int) -> None:
+    text = gallery.path("leaf").read_text("utf-8")
+    (tmp_path / "leaf.toml").write_text(text, "utf-8")
+    autosave_path(tmp_path / "leaf.toml").write_text(text.replace('name = "leaf"', 'name = "ivy"'), "utf-8")
+    with studio_process(tmp_path) as (_, url):
+        page = StudioPage(browser.new_page(viewport={"width": width, "height": height}), url)
+        page.open_without_shape("file-leaf.toml")
+        page.item("compute").wait_for()  # of the note that drawings have no preview
+        page.item("tab-shape").click()
+        assert page.item("toast").count() == 1 and page.page.evaluate(COVERED) == []
+        page.page.close()
