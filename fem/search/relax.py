@@ -91,7 +91,8 @@ def relax(
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
             results.append(follow(shell, results[-1].x, factor, guess.shape.name))
     taken = sum(each.iterations for each in results)
-    for steps in LOAD_STEPS:
+    # a sheet that collapses does so in steps as well
+    for steps in () if any(is_collapsing(shell, each) for each in results) else LOAD_STEPS:
         if taken < MAX_RELAX_ITERATIONS and not any(each.is_minimum for each in results):
             stepped, iterations = follow_load_steps(shell, factor, steps, MAX_RELAX_ITERATIONS - taken)
             results += [stepped] if stepped is not None else []
@@ -152,6 +153,18 @@ def follow(
         max_iterations=MAX_DESCENT_ITERATIONS if patient else 0,
     )
     return _evidence(shell, equilibrium, name)
+
+
+def is_collapsing(shell: Shell, result: ShellEquilibrium) -> bool:
+    """Whether a search without a minimum has released more strain energy than the flat sheet has.
+
+    Then Gaussian curvature does more work than bending takes up, and the sheet folds to ever smaller waves. Strain
+    energies without a modulus of Gaussian curvature are not negative.
+    """
+    if result.is_minimum or "gaussian" not in result.energies:
+        return False
+    strain_energy = result.energies["sheet"] + result.energies["gaussian"]
+    return strain_energy < -shell.energies(shell.flat)["sheet"]
 
 
 def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:

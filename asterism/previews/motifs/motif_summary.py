@@ -13,6 +13,7 @@ from asterism.previews.summary import common_numbers, count_crossings
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
+from fem.search.relax import is_collapsing
 from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.mesh.mesh import Mesh
 
@@ -64,7 +65,13 @@ def _warnings(
             f"{share:.0f} % of the rods are outside the law's range, such as {values.outside[0]}; the preview "
             "takes the nearest size in the range"
         )
-    if state.sheet.gaussian_share(values) > MAX_RIM_SHARE:
+    collapses = is_collapsing(state.shell, state.equilibrium)
+    if collapses:
+        yield (
+            "not an equilibrium: at wide rims the tension of the fabric bends the preview more than its rods resist; "
+            "make the rods thicker or wider, or use the exact model: asterism simulate"
+        )
+    elif state.sheet.gaussian_share(values) > MAX_RIM_SHARE:
         yield (
             "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
             "describes roughly; check with the exact model"
@@ -77,5 +84,6 @@ def _warnings(
         )
     yield from support_warnings(state, estimate, height_mm)
     yield from side_warnings(state)
-    yield from form_warnings(state, estimate)
+    if not collapses:
+        yield from form_warnings(state, estimate)
     yield from shape_warnings(state, axis_deg, crossings)

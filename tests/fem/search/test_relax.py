@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import fem.search.relax
+from equilibrium.linear.factor import Factor
 from equilibrium.newton.find_minimum import find_minimum
 from fem.elements.argyris import Argyris
+from fem.search.evidence import ShellEquilibrium
 from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import follow, follow_load_steps, relax
+from fem.search.relax import follow, follow_load_steps, is_collapsing, relax
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.fields import FieldError, Fields, of_stretch
 from fem.shell.shell import Shell
@@ -177,3 +179,21 @@ def test_impossible_fields_are_refused_with_place_and_value() -> None:
         Shell(Argyris(hexagon(0)), Fields(density(), curvature=(np.nan, 0.0, 0.0)))
     with pytest.raises(FieldError, match=r"modulus of Gaussian curvature at .* mm: \(nan\) is not finite"):
         Shell(Argyris(hexagon(0)), Fields(density(), gaussian=np.nan))
+
+
+@pytest.mark.parametrize(("gaussian", "tried"), [(0.0, [4, 16]), (-73.0, [])])  # five times the limit of definiteness
+def test_a_sheet_that_collapses_is_not_followed_in_load_steps(
+    gaussian: float, tried: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS", 3)
+    monkeypatch.setattr(fem.search.relax, "MAX_DESCENT_ITERATIONS", 30)
+    steps: list[int] = []
+
+    def counted(shell: Shell, factor: Factor, count: int, most: int) -> tuple[ShellEquilibrium | None, int]:
+        steps.append(count)
+        return follow_load_steps(shell, factor, count, most)
+
+    monkeypatch.setattr(fem.search.relax, "follow_load_steps", counted)
+    shell = Shell(Argyris(hexagon(1)), Fields(density(), curvature=(0.004, 0.004, 0.0), gaussian=gaussian))
+    found = relax(shell)
+    assert steps == tried and is_collapsing(shell, found) == (not tried) == (not found.is_minimum)

@@ -10,6 +10,7 @@ import pytest
 from asterism.previews.motifs import motif_kind
 from asterism.previews.run import preview
 from asterism.previews.session import Preview
+from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from tests.asterism.previews.laws import plain_law
@@ -25,6 +26,18 @@ def test_the_plastic_is_outside_and_the_shape_is_certified() -> None:
     assert shape.point_fields["mean_curvature_per_mm"].min() > 0.0
     assert shape.summary["stars"] == 0 and shape.summary["rods_total"] == len(shape.rods)
     assert shape.summary["contraction"] < 1.0
+
+
+@pytest.mark.slow
+def test_a_sheet_that_its_rims_collapse_is_refused_early_and_a_thicker_one_is_not() -> None:
+    design = gallery.load("diamond-auxetic")
+    session = Preview(design)
+    assert [trial.name for trial in session.equilibrium.trials] == ["arc"]  # not in load steps, which take as long
+    (first, *_) = session.shape().summary["warnings"]
+    assert first.startswith("not an equilibrium: at wide rims the tension") and first.endswith("asterism simulate")
+    thicker = design.to_dict()
+    thicker["rods"]["thickness_mm"] = 0.4
+    assert Preview(Design.from_dict(thicker)).shape().summary.is_minimum
 
 
 @pytest.mark.slow
