@@ -76,10 +76,9 @@ def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     on_sheet = layout.is_on_sheet(grid.reshape(-1, 2)).reshape(grid.shape[:2])
     drawn = shapely.MultiLineString([rod.points for rod in layout.graph.rods])
-    shapely.prepare(drawn)
-    away = shapely.distance(drawn, shapely.points(grid[on_sheet]))
+    shapely.prepare(drawn)  # unlike distances, this question uses it
     is_bare = np.zeros(on_sheet.shape)
-    is_bare[on_sheet] = away > (1.0 + REACH_TOLERANCE) * reach
+    is_bare[on_sheet] = ~shapely.dwithin(drawn, shapely.points(grid[on_sheet]), (1.0 + REACH_TOLERANCE) * reach)
     if not is_bare.any():
         return np.zeros(len(points))
     bare, whole = (gaussian_filter(each, smoothing / step, mode="constant") for each in (is_bare, on_sheet * 1.0))

@@ -98,8 +98,7 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
     along = (end - start) / length[:, None]
     inwards = np.column_stack([-along[:, 1], along[:, 0]])
     spacing = design.lattice.spacing_mm
-    drawn = shapely.MultiLineString([rod.points for rod in layout.graph.rods])
-    shapely.prepare(drawn)
+    rods = shapely.STRtree([shapely.LineString(rod.points) for rod in layout.graph.rods])
     moment = np.zeros(len(start))
     for side, normal in enumerate(inwards):
         distance = _distance_along(design, normal)
@@ -107,12 +106,13 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
             continue
         count = max(int(np.ceil(length[side] / (SAMPLE_SPACINGS * spacing))), 2)
         places = start[side] + (np.arange(count) + 0.5)[:, None] / count * (end - start)[side]
-        width = _to_first_rod(places, normal, drawn, REACH_DISTANCES * distance)
+        width = to_first_rod(places, normal, rods, REACH_DISTANCES * distance)
         met = np.isfinite(width)
         if met.mean() < MIN_MET_SHARE:
             continue
         square = float((width[met] ** 2).mean())
-        bare = np.maximum(shapely.distance(drawn, shapely.points(places)) - reach, 0.0)
+        away = rods.query_nearest(shapely.points(places), all_matches=False, return_distance=True)[1]
+        bare = np.maximum(away - reach, 0.0)
         moment[side] = 0.5 * (square - float((bare**2).mean())) - distance**2 / 12.0
     return Rims(start, end, along, _mean_along(edges, moment, spacing))
 
@@ -141,13 +141,11 @@ def _distance_along(design: Design, direction: Floats) -> float:
     return area / crossed if crossed > 0.0 else np.inf
 
 
-def _to_first_rod(places: Floats, direction: Floats, drawn: shapely.MultiLineString, most: float) -> Floats:
+def to_first_rod(places: Floats, direction: Floats, rods: shapely.STRtree, most: float) -> Floats:
     """(n,) mm, distance from places (n, 2) to the first rod along a direction (2,); inf without one within `most`."""
     rays = shapely.linestrings(np.stack([places, places + most * direction], axis=1))
-    met = shapely.intersection(rays, drawn)
-    return np.array(
-        [
-            np.inf if hit.is_empty else float(shapely.distance(hit, shapely.Point(place)))
-            for hit, place in zip(met, places, strict=True)
-        ]
-    )
+    ray, rod = rods.query(rays, predicate="intersects")
+    hits = shapely.intersection(rays[ray], rods.geometries[rod])
+    first = np.full(len(places), np.inf)
+    np.minimum.at(first, ray, shapely.distance(hits, shapely.points(places[ray])))
+    return first

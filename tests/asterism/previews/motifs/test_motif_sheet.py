@@ -10,6 +10,7 @@ from asterism.previews.motifs.bare_fabric import fabric_tension, neo_hookean
 from asterism.previews.motifs.motif_cover import reach_mm
 from asterism.previews.motifs.motif_sheet import motif_sheet_of
 from asterism.previews.motifs.motif_values import MotifFieldValues
+from asterism.previews.motifs.rim_tension import to_first_rod
 from pattern.design.materials import Fabric
 from pattern.layout.print_layout import print_layout
 from tests.asterism.previews.motifs.nets import GRADED, net, net_law
@@ -45,6 +46,14 @@ def test_a_wide_rim_is_bare_fabric() -> None:
     weights = sheet.table.weights
     assert (sheet.bare * weights).sum() / weights.sum() == pytest.approx(is_bare.mean(), abs=0.01)
     assert sheet.bare.max() == pytest.approx(1.0, abs=1e-6) and sheet.bare.min() == 0.0
+
+
+def test_the_first_rod_inwards_is_the_nearest_that_a_ray_meets() -> None:
+    lines = [[(0, 4), (10, 4)], [(0, 2), (3, 2)], [(8, -1), (8, 9)], [(-9, 1), (-5, 1)]]
+    rods = shapely.STRtree([shapely.LineString(line) for line in lines])
+    places = np.array([(1.0, 0.0), (5.0, 0.0), (8.0, 0.0), (12.0, 0.0)])
+    assert to_first_rod(places, np.array([0.0, 1.0]), rods, 5.0).tolist() == [2.0, 4.0, 0.0, np.inf]
+    assert to_first_rod(places, np.array([0.0, 1.0]), rods, 3.0).tolist() == [2.0, np.inf, 0.0, np.inf]
 
 
 def test_the_energy_of_bare_fabric_has_its_derivatives() -> None:
