@@ -12,7 +12,7 @@ from asterism.results.files import write_file
 from asterism.studio import painted, weights
 from asterism.studio.autosave import Autosave, autosave_path
 from asterism.studio.changes import check_files, with_changes
-from asterism.studio.design_text import edited_text
+from asterism.studio.design_texts import DesignTexts
 from asterism.studio.disk_file import check_unchanged
 from asterism.studio.history import History, Step
 from asterism.studio.painted_field import Brush, PaintedField
@@ -23,11 +23,9 @@ from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.files import read_table, table_text
 from pattern.design.section import Point
+from pattern.design.stars import Site
 from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
-
-# Texts that are kept of files that were read or written, besides the first one.
-MAX_TEXTS = 20
 
 
 class Document:
@@ -50,10 +48,7 @@ class Document:
         self.path = path
         self._history = History(dict(table))
         self._gesture: Any = None
-        self._saved_revision = 0 if text is not None else -1
-        self._texts = {0: text} if text is not None else {}
-        self._base_text = text  # the last text that was read or written; edits keep its comments
-        self._disk_text = text  # the same of the file at `path`
+        self._texts = DesignTexts(text)
         self._is_checked = False
         # revision, size and field of the last stroke: the next one goes on from values that are not rounded
         self._painted: tuple[int, str, PaintedField | None] = (-1, "", None)
@@ -89,8 +84,7 @@ class Document:
     def copy_of(cls, source: Path, path: Path) -> Document:
         """A new document, to be saved as `path`, with the text of another design file."""
         document = cls(read_table(source), path)
-        document._base_text = file_text(source)
-        document._texts = {0: document._base_text}
+        document._texts = DesignTexts(file_text(source), is_on_disk=False)
         return document
 
     @property
@@ -111,17 +105,12 @@ class Document:
     @property
     def is_saved(self) -> bool:
         """Whether the file holds this state."""
-        return self.revision == self._saved_revision
+        return self.revision == self._texts.saved_revision
 
     @property
     def text(self) -> str:
         """The text of the design file. A state that was read from a file gives that file's text, byte for byte."""
-        return self._texts.get(self.revision) or self._edited_text(self.path)
-
-    def _edited_text(self, path: Path) -> str:
-        if self._base_text is None or path.suffix.lower() != ".toml" or self.path.suffix.lower() != ".toml":
-            return table_text(self.table, path)
-        return edited_text(self._base_text, self.table)
+        return self._texts.text(self.revision, self.table, self.path)
 
     def design(self) -> Design:
         """The design of this state.
@@ -190,7 +179,7 @@ class Document:
         check_files(dict(changes), self.path.parent)
         self.apply(changed, gesture, ", ".join(sorted(changes))[:60])
 
-    def paint(self, sites: Sequence[painted.Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
+    def paint(self, sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
         """Other sizes (mm) of stars at lattice sites."""
         self._stars(painted.painted(self._entries(), sites, sizes), gesture, "sizes")
 
@@ -214,26 +203,26 @@ class Document:
         self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture, "sizes")
         self._painted = self.revision, key, field
 
-    def remove(self, sites: Sequence[painted.Site], gesture: Any = None) -> None:
+    def remove(self, sites: Sequence[Site], gesture: Any = None) -> None:
         """Remove stars."""
         self._stars(painted.removed(self._entries(), sites), gesture, "remove")
 
-    def restore(self, sites: Sequence[painted.Site], gesture: Any = None) -> None:
+    def restore(self, sites: Sequence[Site], gesture: Any = None) -> None:
         """Bring removed stars back."""
         self._stars(painted.restored(self._entries(), sites), gesture, "restore")
 
-    def reset(self, sites: Sequence[painted.Site], gesture: Any = None) -> None:
+    def reset(self, sites: Sequence[Site], gesture: Any = None) -> None:
         """Give stars the sizes of the design's profiles."""
         self._stars(painted.reset(self._entries(), sites), gesture, "reset")
 
-    def weigh(self, sites: Sequence[painted.Site], values: Sequence[float | None], gesture: Any = None) -> None:
+    def weigh(self, sites: Sequence[Site], values: Sequence[float | None], gesture: Any = None) -> None:
         """Other weights of places in a fit, at lattice sites; None takes a weight away."""
         self.apply(weights.weighed(self.table, sites, values), gesture, "weights")
 
-    def _entries(self) -> dict[painted.Site, dict[str, Any]]:
+    def _entries(self) -> dict[Site, dict[str, Any]]:
         return painted.entries_by_site(self.table, self.layout)
 
-    def _stars(self, entries: Mapping[painted.Site, Mapping[str, Any]], gesture: Any, label: str) -> None:
+    def _stars(self, entries: Mapping[Site, Mapping[str, Any]], gesture: Any, label: str) -> None:
         self.apply(painted.with_entries(self.table, entries), gesture, label)
 
     def undo(self) -> Step:
@@ -267,7 +256,7 @@ class Document:
         """
         path = path or self.path
         if not over:
-            check_unchanged(path, self._disk_text if path == self.path else None)
+            check_unchanged(path, self._texts.on_disk if path == self.path else None)
         if not over and self.is_saved and path == self.path and path.exists():
             self.autosave.drop()
             return
@@ -275,13 +264,9 @@ class Document:
         write_file(path, text)
         self.autosave.drop()
         if path.suffix.lower() != self.path.suffix.lower():
-            self._texts.clear()  # in the other format
+            self._texts.forget()
         self.path = self.autosave.design_path = path
-        self._base_text = self._disk_text = text
-        self._texts[self.revision] = text
-        for old in sorted(self._texts)[1:-MAX_TEXTS]:
-            del self._texts[old]
-        self._saved_revision = self.revision
+        self._texts.keep(self.revision, text)
 
     def keep_work(self) -> None:
         """Keep unsaved work beside the design file; without any, take the autosave of this session away.
@@ -292,7 +277,7 @@ class Document:
             The file cannot be written.
         """
         if not self.is_saved and (self.history.position or self.autosave.is_written):
-            self.autosave.write(self._edited_text(self.autosave.path))
+            self.autosave.write(self._texts.edited(self.table, self.autosave.path, self.path))
         else:
             self.autosave.drop()
 
@@ -319,6 +304,4 @@ class Document:
         text, table = file_text(self.path), read_table(self.path)
         self.apply(table, None, "file")
         self.end_gesture()
-        self._base_text = self._disk_text = text
-        self._texts[self.revision] = text
-        self._saved_revision = self.revision
+        self._texts.keep(self.revision, text)

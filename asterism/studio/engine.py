@@ -17,22 +17,21 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previews.default_law import law_of
-from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
+from asterism.studio.engine_limits import EngineLimits
 from asterism.studio.engine_orders import Edit, FitTarget, Flip, Parts, ShowForm
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import NO_PREVIEW, Busy, Limits, StudioProblem
+from asterism.studio.messages import NO_PREVIEW, Busy, StudioProblem
 from asterism.studio.pattern_kinds import pattern_kinds
 from asterism.studio.rest_summary import blank_summary, printed_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
 from equilibrium.arrays import Floats
 from equilibrium.errors import Error
-from homogenize.errors import ForeignLaw, LawError
+from homogenize.errors import LawError
 from pattern.design.design import Design
 from pattern.design.errors import BlankSheetError, DesignError
 from pattern.layout.painted_stars import with_painted_stars
@@ -60,7 +59,7 @@ class Engine:
         self._preview: Preview | None = None
         self._known: Edit | None = None
         self._design: Design | None = None
-        self._limits: Any = None
+        self._limits = EngineLimits()
         self._frames = EngineFrames(self._send)
         self._is_resting = True
         self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
@@ -137,7 +136,8 @@ class Engine:
             self._bounds.longest_s = MAX_DRAGGED_SEARCH_S
         design = self._parsed(edit, parsed)
         try:
-            self._send_limits(design)
+            if (limits := self._limits.changed(design, self._bounds.seq)) is not None:
+                self._send(limits)
             self._show_design(design, edit)
         except BlankSheetError:
             self._show_blank(design)
@@ -283,22 +283,3 @@ class Engine:
         frame = self._frames.fine(preview, seq)
         self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
         self._send(rest_summary(seq, preview, shape))
-
-    def _send_limits(self, design: Design) -> None:
-        """Tell what the law covers, where that has changed."""
-        key = (design.fabric, design.lattice, design.plastic, design.material)
-        if key == self._limits:
-            return
-        if design.stars is None:
-            self._limits = key
-            self._send(Limits(self._bounds.seq, {}, ()))  # cells of motifs are solved where the sizes are
-            return
-        ranges, statement = {}, None
-        self._limits = None
-        try:
-            law = serving_law(design)
-            ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement
-            self._limits = key
-        except (ForeignLaw, BlankSheetError):
-            pass  # the preview says so, and a law may serve other stars
-        self._send(Limits(self._bounds.seq, ranges, law_of(design).stretches, statement))

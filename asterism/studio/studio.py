@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.studio import requests as ask
+from asterism.studio.apply_gesture import apply_gesture
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings
 from asterism.studio.engine_link import EngineLink
@@ -15,20 +16,11 @@ from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.examples import design_files, gallery_entries
 from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
-from asterism.studio.gesture_requests import (
-    BrushRequest,
-    Change,
-    GestureRequest,
-    Paint,
-    PlaceDrawing,
-    StarsRequest,
-    Weigh,
-)
+from asterism.studio.gesture_requests import GestureRequest
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import shown_path
 from asterism.studio.opening import design_path, opened
 from asterism.studio.page_data import document_data, failure_data, problem_data
-from asterism.studio.placed_drawing import with_drawing
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
 from asterism.studio.request import Request, RequestError
 from asterism.studio.shown import Shown
@@ -238,7 +230,8 @@ class Studio:
         assert document is not None
         gesture = None if request.gesture is None else (tab.number, request.gesture)
         try:
-            self._apply(request, document, gesture)
+            if note := apply_gesture(request, document, gesture, self.drawings):
+                self.tell({"type": "note", "text": note})
         except Error as error:
             tab.send(problem_data(error, document.layout, request.seq))
         tab.gesture = request.gesture
@@ -251,26 +244,6 @@ class Studio:
             tab.send(problem_data(error, document.layout, request.seq))
         self.tell_document()
         self.engine.show(document)
-
-    def _apply(self, request: GestureRequest, document: Document, gesture: Any) -> None:
-        match request:
-            case Change():
-                document.change(request.changes, gesture)
-            case Paint():
-                document.paint(request.sites, request.sizes, gesture)
-            case BrushRequest():
-                document.brush(request.size, request.brush, request.places, gesture)
-            case PlaceDrawing():
-                drawing = self.drawings.get(request.drawing)
-                table, note = with_drawing(document.table, drawing, request, document.layout.outline)
-                document.apply(table, gesture, drawing.name[:60])
-                if note:
-                    self.tell({"type": "note", "text": note})
-            case Weigh():
-                document.weigh(request.sites, request.weights, gesture)
-            case StarsRequest():
-                change = {"remove": document.remove, "restore": document.restore, "reset": document.reset}
-                change[request.type](request.sites, gesture)
 
     async def accept(self, snapshot: bytes | None = None) -> None:
         """The document shows a state that no gesture has made, in the form of a snapshot or a fresh one."""
