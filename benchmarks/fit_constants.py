@@ -6,7 +6,7 @@ FOLDER is that of `benchmarks.frozen.solve`. The constants that change a shape a
 after the other, on the working half. A value is taken if the distances become smaller by more than `MIN_GAIN_ERRORS`
 standard errors, and its neighbours are tried again until none is better. The other half of the first set, which nothing
 is chosen on, shows how far the choice holds. The estimated errors are fitted after the shapes
-(`benchmarks.accuracy.expectation`).
+(`benchmarks.accuracy.error_model`).
 
 The measure of a choice is the mean logarithm of the distance, as the supports hold the sheet, in % of the diameter, at
 least `FLOOR_PERCENT`: the exact shapes themselves differ by that from mesh to mesh. A few sheets that take another form
@@ -28,6 +28,7 @@ from asterism.previews.run import preview
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
+from benchmarks.accuracy.error_model import CONSTANTS
 from benchmarks.accuracy.exact import lowest
 from benchmarks.frozen.draw import SEALED, WORKING, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
@@ -43,10 +44,8 @@ from pattern.layout.symmetries import Symmetry, symmetries
 FACTORS = (0.5, 0.75, 1.33, 2.0)
 MIN_GAIN_ERRORS = 1.0
 FLOOR_PERCENT = 0.15
-# the state of the preview that these constants decide is the estimate of its error, not its shape
-ESTIMATES = (
-    "second_amplitude_percent", "floor_percent", "amplitude_share", "energy_uncertainty", "height_softness_share",
-)  # fmt: skip
+# these constants decide the estimate of the preview's error, not its shape
+ESTIMATES = CONSTANTS
 HEADER = [
     "constant", "factor", "value", "gain %, working half", "its standard error", "gain %, other half",
     "its standard error",

@@ -53,7 +53,6 @@ HEADER = ["design", "lattice, arms, turned by", "held", "stars", *(f"rms %, {sha
 HEADER += ["expected %", "height %", "expected height %", "warned of"]
 WARNINGS = {
     "pleat": "pleats",
-    "two near-zero modes": "another form",
     "another form,": "another form",
     "curl to a radius": "tight stars",
 }

@@ -20,15 +20,22 @@ MIN_NEUTRAL_RATIO = 5.0
 # height over its diameter is below MIN_HEIGHT_RATIO
 MAX_SIZE_RATIO = 1.1
 MIN_HEIGHT_RATIO = 0.03
-# a buckled form that is higher by less than this share of the energy at stake may be the right one
-MAX_BUCKLED_GAP = 0.5
+# % of the diameter: a larger estimated error is a warning
+FAR_PERCENT = 2.5
+# why an error is large, by the largest contribution (`asterism.previews.uncertainty.distance_error`)
+CAUSES = {
+    "soft": "the sheet is soft, so that small errors of the energy move it far",
+    "stiffness": "its form depends on the balance of bending and membrane",
+    "narrow": "the pins hold the sheet narrower than its natural size, so that it may buckle into another form",
+    "form": "another form has nearly the same energy",
+}
 
 
 def support_warnings(state: AnyPreviewState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:
     """Pins that fix too little, or stretch the sheet flat."""
-    layout, ratio = state.layout, estimate.size_ratio
+    layout, ratio = state.layout, estimate.sources.size_ratio
     yield from pin_warnings(layout, state.design.gravity.on)
-    if MAX_SIZE_RATIO < ratio < np.inf and height_mm / estimate.diameter_mm < MIN_HEIGHT_RATIO:
+    if MAX_SIZE_RATIO < ratio < np.inf and height_mm / estimate.sources.diameter_mm < MIN_HEIGHT_RATIO:
         scale = layout.common_pin_scale
         advice = "" if scale is None else f"; use a scale of about {scale / ratio:.2g} to let it rise"
         yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"
@@ -43,22 +50,16 @@ def side_warnings(state: AnyPreviewState) -> Iterator[str]:
 
 def form_warnings(state: AnyPreviewState, estimate: ErrorEstimate) -> Iterator[str]:
     """Other forms that the sheet may have, and results that are not a stable equilibrium."""
-    shown, two_modes = state.equilibrium, estimate.has_two_near_zero_modes
-    is_edit = shown.guess == EDIT_START
-    if estimate.size_ratio < MIN_SIZE_RATIO and not two_modes:
-        buckles = "the pins hold the sheet narrower than its natural size, so that it may buckle into several forms"
-        if is_edit:
-            yield f"{buckles}; start a new preview to search for forms of lower energy"
-        elif any(form.gap < MAX_BUCKLED_GAP for form in estimate.other_forms):
-            yield f"{buckles} of similar energy; the exact model may take another form"
-    elif is_edit and not state.is_supported:
+    shown, far = state.equilibrium, estimate.distance_percent
+    if shown.guess == EDIT_START and (not state.is_supported or estimate.sources.size_ratio < MIN_SIZE_RATIO):
         yield "the edit kept the form of the sheet before it; start a new preview to search for forms of lower energy"
     if not shown.converged:
         yield f"not an equilibrium: gradient {shown.gradient_norm:.1e} N is above {shown.tolerance:.1e} N"
     elif not shown.definite:
         yield "an unstable equilibrium: a real sheet leaves this shape; start a new preview to search for a minimum"
-    if two_modes:
-        yield "two near-zero modes: a small disturbance can take the sheet to another form; check with the exact model"
+    if far is not None and far > FAR_PERCENT:
+        cause = CAUSES[estimate.main_part]
+        yield f"the exact shape may be {far:.1f} % of the diameter away: {cause}; check with the exact model"
     if (other := estimate.close_form) is not None:
         energy = f"nearly the same energy ({100.0 * other.gap:+.1f} %); the exact model may take that form"
         if other.gap < -estimate.energy_uncertainty:

@@ -26,10 +26,8 @@ from typing import Any, Literal
 Origin = Literal["derived", "computed from cells", "computed from sheets", "fitted to sheets", "unknown"]
 
 STUDY = "no command repeats the choice; python -m benchmarks.accuracy FOLDER measures what it does"
-ERRORS = "python -m benchmarks.accuracy.expectation FOLDER"
-CHOSEN = f"no command repeats the choice; {ERRORS} measures what it does"
-AMPLITUDE_SHARE = "python -m benchmarks.accuracy.amplitude_share"
-ERROR_DESIGNS = "the study (42 designs), random-24 to -47 and 20 small free sheets of equal stars"
+ERRORS = "python -m benchmarks.accuracy.error_model"
+ERROR_DESIGNS = "the designs of accuracy.expectation and accuracy.held"
 
 
 @dataclass(frozen=True)
@@ -198,23 +196,20 @@ class PreviewModel:
         0.005, "-", "share of the energy within which the law cannot order two forms", "computed from cells",
         "origin unknown", "test cells of the law: its error at best",
     )  # fmt: skip
-    # near-zero modes: search/near_zero_modes.py
-    second_amplitude_percent: float = _fitted(
-        18.0, "% of diameter", "second amplitude from which a sheet likely has another form", ERROR_DESIGNS, CHOSEN
-    )
-    # estimated error of the distance: uncertainty/distance_error.py
-    floor_percent: float = _fitted(0.3, "% of diameter", "error of a stiff sheet", ERROR_DESIGNS, ERRORS)
-    amplitude_share: float = _fitted(
-        0.08, "-", "share of the amplitudes of the near-zero modes, and of the sensitivity of unequal stars",
-        "the 174 designs of accuracy.expectation and accuracy.held", AMPLITUDE_SHARE,
-    )  # fmt: skip
+    # estimated error: uncertainty/distance_error.py, the same three constants for distance, height and other forms
     energy_uncertainty: float = _fitted(
-        0.1, "-", "standard deviation of the law's energies over the energy at stake", ERROR_DESIGNS, CHOSEN
+        0.049, "-", "standard deviation of the energy over the energy at stake", ERROR_DESIGNS, ERRORS
     )
-    # estimated error of the height: uncertainty/height_error.py
-    height_softness_share: float = _fitted(
-        0.5, "-", "share of the amplitudes in the height over that in the distance", ERROR_DESIGNS, ERRORS
+    stiffness_uncertainty: float = _fitted(
+        0.297, "-", "relative standard deviation of each stiffness of the sheet", ERROR_DESIGNS, ERRORS
     )
+    buckling_share: float = _fitted(
+        0.188, "-", "standard deviation of the shape of a narrow sheet over what it is narrower", ERROR_DESIGNS, ERRORS
+    )
+    mesh_error_percent: float = _of(
+        0.37, "% of diameter", "distance of exact shapes on two meshes, median of supported sheets",
+        "computed from sheets", "python -m benchmarks.accuracy FOLDER", "the study",
+    )  # fmt: skip
     # stars that may be inverted: inverted_stars.py
     inverted_min_arm: float = _unknown(0.5, "spacing", "stars with longer arms may be inverted")
 

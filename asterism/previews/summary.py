@@ -18,6 +18,7 @@ from asterism.shape.needle_clearance import needle_clearance
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.tube import roll_radius
+from fem.search.stiffness_response import STIFFNESSES
 from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.mesh.mesh import Mesh
 
@@ -74,7 +75,7 @@ def common_numbers(
     mesh : mesh of the shape.
     axis_deg : direction of the axis of a rolled sheet, on the print; None for other shapes.
     """
-    equilibrium, layout = state.equilibrium, state.layout
+    equilibrium, layout, sources = state.equilibrium, state.layout, estimate.sources
     clearance = needle_clearance(layout, shape)
     return {
         "model": PreviewRecord.model_name,
@@ -85,8 +86,9 @@ def common_numbers(
         "energy_n_mm": equilibrium.energy,
         "energy_parts_n_mm": equilibrium.energies,
         "soft_modes_n_mm3": [float(value) for value in equilibrium.soft_modes],
-        "soft_amplitudes_percent": [float(value) for value in estimate.amplitudes_percent],
-        "contrast_percent": estimate.sensitivity_percent,
+        "soft_amplitudes_percent": sources.amplitudes_percent.tolist(),
+        "stiffness_percent": dict(zip(STIFFNESSES, sources.stiffness_percent.tolist(), strict=True)),
+        "size_ratio": sources.size_ratio if np.isfinite(sources.size_ratio) else None,
         "stars": len(layout.centres),
         "roll_axis_deg": axis_deg,
         "equivalent_axes_deg": equivalent_axes_deg(state, axis_deg),
@@ -98,11 +100,11 @@ def common_numbers(
             for trial in equilibrium.trials
         ],
         "other_forms": [
-            vars(form) | {"probability": probability_lower(form.gap, state.model)} for form in estimate.other_forms
+            vars(form) | {"probability": probability_lower(form.gap, state.model)} for form in sources.other_forms
         ],
         "expected_rms_percent": estimate.distance_percent,
         "expected_height_percent": estimate.height_percent,
-        "height_doubts_mm": vars(estimate.height_doubts) if estimate.height_doubts else None,
+        "height_doubts_mm": vars(sources.height) if sources.height else None,
         "shell_triangles": state.sheet.space.mesh.nelements,
         "dofs": state.shell.reduction.map.shape[1],
         "vertices": len(mesh.points),
@@ -119,7 +121,7 @@ def common_numbers(
         "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
         "above_needles_mm": clearance and clearance.above_mm,
         "below_needles_mm": clearance and clearance.below_mm,
-        "diameter_mm": estimate.diameter_mm,
+        "diameter_mm": sources.diameter_mm,
         "contraction": contraction(layout, shape),
         "version": __version__,
         "design": state.design.to_dict(),

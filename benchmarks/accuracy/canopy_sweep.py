@@ -3,7 +3,7 @@
 python -m benchmarks.accuracy.canopy_sweep FOLDER [NAME ...]
 
 FOLDER keeps exact shapes, from the flat print and from the preview, and finished comparisons. No number of the preview
-was fitted to these designs.
+was fitted to these designs; they judge its error model (`benchmarks.accuracy.error_model`).
 """
 
 from __future__ import annotations

@@ -1,12 +1,10 @@
-"""How good the preview's own expectation is, on designs that it was fitted to and on designs that it was not.
+"""How good the preview's own expectation is, kind of sheet by kind.
 
 python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
-The numbers of the estimate in `asterism/previews/model.py` belong to the study, 24 further designs and small even
-sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn, ribbons,
-and designs of other outlines and pins, which no number was ever fitted to. Forty more were drawn later, and fifty after
-that. The share of the softness in the heights belongs to the share of the amplitudes in use: after a change of that,
-once more with --kept gives it.
+The constants of the estimate are fitted by `benchmarks.accuracy.error_model`, to these designs and those of
+`benchmarks.accuracy.held`. Here the estimate is compared with what is measured, kind by kind: the study and 24 further
+designs, small even sheets, ribbons, other outlines and pins, and designs that were drawn later.
 FOLDER is that of the study, which comes first; --kept as there: designs without a finished comparison are left out, and
 the text names them. As in the study, the exact model starts from the released sheet and from the preview, and the lower
 minimum counts. Supported sheets are compared as held.
@@ -15,23 +13,17 @@ minimum counts. Supported sheets are compared as held.
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
-from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
-from asterism.previews.search.near_zero_modes import has_two_near_zero_modes
-from asterism.verification.numbers import MAX_LIKE_DISTANCE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import RANDOM, designs, drawn, even, ribbons
 from benchmarks.accuracy.exact import exact, lowest
-from benchmarks.accuracy.expected_heights import AFTERWARDS, PREDICTED
 from benchmarks.accuracy.finished import read_row, row_path
 from benchmarks.accuracy.report import HEADER, announced, missed, row
 from benchmarks.accuracy.unlike import unlike
@@ -48,12 +40,13 @@ LATER, LAST = range(600, 640), range(640, 690)  # seeds
 NAMES = [
     "design", "stars", "held", "rms %", "expected %", "same form", "height %", "expected height %", "warnings",
 ]  # fmt: skip
-IN_USE = (PREVIEW_MODEL.floor_percent, PREVIEW_MODEL.amplitude_share)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
-NARROW = "ribbons, never fitted to"
+NARROW = "ribbons"
 FORTY, FIFTY = "forty more", "fifty drawn after that"
 OTHERWISE = "other outlines and pins"
+AFTERWARDS = "designs drawn afterwards"
+HEIGHTS = (STUDY, SMALL, AFTERWARDS, OTHERWISE, FORTY, FIFTY)
 
 Row = dict[str, Any]
 
@@ -95,9 +88,7 @@ def _rows(chosen: Sequence[Design], folder: Path, law: Law, as_is: bool, left_ou
             if not lowest(design, folder).summary["is_minimum"]:
                 print(f"{design.name}: the exact model has found no certain shape", flush=True)
                 continue
-        entry = kept(design, folder, law, starts=False, as_is=as_is)
-        shown = entry["preview"]
-        rows.append(entry | {"amplitude": math.hypot(*shown["soft_amplitudes_percent"], shown["contrast_percent"])})
+        rows.append(kept(design, folder, law, starts=False, as_is=as_is))
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
@@ -112,31 +103,20 @@ def section(
     last: Sequence[Row],
 ) -> str:
     """Markdown."""
-    known = [*study, *small]
-    fits = [fitted([entry for entry in known if entry is not left_out]) for left_out in known]
-    again = [entry | {"expected_rms_percent": _again(entry, fit)} for entry, fit in zip(known, fits, strict=True)]
-    groups = [
-        (STUDY, study),
-        (SMALL, small),
-        (PREDICTED, again),
-        (AFTERWARDS, unseen),
-        (NARROW, narrow),
-        (OTHERWISE, others),
-        (FORTY, later),
-        (FIFTY, last),
-    ]
-    lines = [[name, *_goodness(rows)] for name, rows in groups if rows]
+    groups = {
+        STUDY: study,
+        SMALL: small,
+        AFTERWARDS: unseen,
+        NARROW: narrow,
+        OTHERWISE: others,
+        FORTY: later,
+        FIFTY: last,
+    }
+    lines = [[name, *_goodness(rows)] for name, rows in groups.items() if rows]
     header = [
         "", "designs", "supported", "rms, median %", "nine in ten %", "distance over expected, median", "nine in ten",
         "misses", "of these announced", "announced in all",
     ]  # fmt: skip
-    numbers = [["floor %", "share of the amplitudes"]]
-    numbers += [[f"{x:.3f}" for x in fit] for fit in (IN_USE, fitted(known))]
-    numbers += [
-        [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
-    ]
-    others_too = {OTHERWISE: others, FORTY: later, FIFTY: last}
-    names = ["", "in use", "fitted", "fitted without one"]
     tables = [
         [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)]
         for rows in (small, unseen, narrow, others, list(filter(missed, [*later, *last])))
@@ -144,11 +124,8 @@ def section(
     return "\n\n".join(
         [
             markdown(header, lines),
-            markdown(
-                [names[0], *numbers[0]], [[name, *line] for name, line in zip(names[1:], numbers[1:], strict=True)]
-            ),
             "Heights:",
-            expected_heights.section({STUDY: study, SMALL: small}, unseen, others_too),
+            expected_heights.section({name: groups[name] for name in HEIGHTS}),
             "Small free sheets of equal stars (lengths l and thicknesses h in mm):",
             markdown(NAMES, tables[0]),
             "The designs drawn afterwards:",
@@ -161,38 +138,6 @@ def section(
             markdown(NAMES, tables[4]),
         ]
     )
-
-
-def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
-    """Floor and share: least squares of the logarithms, then scaled from the median to the mean square.
-
-    From designs within 10 % of the exact shape that are not soft in two ways.
-    """
-    some = [entry for entry in rows if entry["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and not _two_ways(entry)]
-    size = np.array([entry["amplitude"] for entry in some])
-    distance = np.log([entry["rms_percent"] for entry in some])
-
-    def off(w: np.ndarray) -> np.ndarray:
-        return np.asarray(distance - np.log(np.hypot(w[0], w[1] * size)))
-
-    best = minimize(lambda w: float((off(w) ** 2).sum()), IN_USE, method="Nelder-Mead").x
-    return tuple(float(x) for x in np.abs(best) * np.exp(off(best).var()))
-
-
-def _again(entry: Row, fit: tuple[float, ...]) -> float | None:
-    """What another fit expects: the part for the near form is exchanged, that for other forms stays."""
-    if entry["expected_rms_percent"] is None:
-        return None
-    form = entry["expected_rms_percent"] ** 2 - _near(entry, IN_USE) ** 2
-    return float(np.sqrt(max(form, 0.0) + _near(entry, fit) ** 2))
-
-
-def _near(entry: Row, fit: tuple[float, ...]) -> float:
-    return math.hypot(fit[0], fit[1] * entry["amplitude"])
-
-
-def _two_ways(entry: Row) -> bool:
-    return has_two_near_zero_modes(entry["preview"]["soft_amplitudes_percent"])
 
 
 def _goodness(rows: Sequence[Row]) -> list[str]:

@@ -19,7 +19,6 @@ import numpy as np
 from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
 from fem.search.mixed_newton import MAX_STEP
-from fem.shell.fields import Fields
 from fem.shell.shell import Shell
 
 MIN_SUPPORT_MOVE = 1e-9  # 1: displacement of a support over the extent, below which it counts as zero
@@ -77,29 +76,6 @@ def _response_to_moved_supports(shell: Shell, x: Floats, moved: Floats, factor: 
     forces = forces + shell.assembly.product(shell.assembly.tangent(x, stiffness, stress), moved)
     move = shell.move(moved, _newton_step(shell, x, factor, shell.restrict(forces)))
     return Response(x + move, shell, x, strains)
-
-
-def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:
-    """Displacement of the equilibrium x under other fields, to first order: rms over the printed sheet in mm.
-
-    The shell is unchanged. Free rigid motions are chosen such that the displacement is smallest. The factor holds the
-    Hessian at x (N, 3).
-
-    Raises
-    ------
-    FieldError
-        The fields are not admissible.
-    """
-    strains = shell.assembly.strains(x, fields.rest(shell.points))
-    _, stress, _ = fields.densities(shell.points)(strains)
-    gradient = shell.restrict(shell.assembly.forces(x, stress) + shell.external_gradient(x))
-    move = _newton_step(shell, x, factor, gradient)
-    rigid = shell.rigid_modes(x)
-    if rigid.shape[1]:
-        image = shell.mass @ rigid
-        move = move - rigid @ np.linalg.solve(rigid.T @ image, image.T @ move)
-    square = float(move @ (shell.mass @ move[:, None])[:, 0])
-    return float(np.sqrt(max(square, 0.0) / shell.assembly.weights.sum()))
 
 
 def _newton_step(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:

@@ -1,8 +1,6 @@
 """Estimated error of the preview of a motif: rms distance to the exact shape, in % of the diameter.
 
-As for stars (`asterism.previews.uncertainty.distance_error`), with a floor of their own:
-
-    error^2 = floor^2 + (share a)^2 + max P_j d_j^2.
+As for stars (`asterism.previews.uncertainty.distance_error`), with a floor of their own in place of the mesh error.
 
 The floor is that of the shell: it has no rods that end at the rim, where the exact sheet bends more or less than its
 cell. The error of the height has a further part in % of the height, for the same reason, and one in mm, which counts on
@@ -14,20 +12,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.state import AnyPreviewState
-from asterism.previews.uncertainty.distance_error import distance_error_percent
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
-from asterism.previews.uncertainty.height_error import height_doubts, height_error_percent
-from asterism.previews.uncertainty.other_forms import close_form, other_forms
-from asterism.shape.diameter import diameter
+from asterism.previews.uncertainty.error_sources import error_sources
 from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from equilibrium.clock import Clock
-from fem.search.mean_fields import mean_fields
-from pattern.layout.free_rotations import count_free_tilts
 
 # share of the places on rods: with more of them outside the law no estimate is available
 MAX_OUTSIDE_SHARE = 0.1
@@ -62,35 +52,11 @@ def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock
     shape : the sheet, its height along z.
     up : (3,) unit vector, that direction in the pose of the shell.
     """
-    equilibrium, layout = state.equilibrium, state.layout
-    model = replace(state.model, floor_percent=MOTIF_ERROR.floor_percent)
-    is_supported = state.is_supported
-    has_height = state.design.gravity.on or not layout.pins or not count_free_tilts(layout)
-    doubts = None
-    if equilibrium.is_minimum and has_height:
-        doubts = clock("expected height", height_doubts, state, shape, up)
-    across = diameter(shape.positions)
-    amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, layout.area_mm2, across)
-    means = mean_fields(state.shell) if is_supported else None
-    size_ratio = means.chord / means.stretch if means else np.inf
-    others = other_forms(state, across)
-    distance, height = None, None
-    if len(state.values.outside) <= MAX_OUTSIDE_SHARE * state.values.places:
-        distance = distance_error_percent(amplitudes, others, model=model)
-        near = height_error_percent(doubts, across, model) if doubts else None
-        if doubts is not None and near is not None:
-            parts = near, MOTIF_ERROR.height_percent, 100.0 * MOTIF_ERROR.height_mm / doubts.height
-            height = math.hypot(*parts)
-    return ErrorEstimate(
-        distance_percent=distance,
-        height_percent=height,
-        diameter_mm=across,
-        amplitudes_percent=amplitudes,
-        sensitivity_percent=0.0,
-        other_forms=tuple(others),
-        close_form=close_form(others, model.energy_uncertainty),
-        size_ratio=size_ratio,
-        has_two_near_zero_modes=has_two_near_zero_modes(amplitudes, model),
-        energy_uncertainty=model.energy_uncertainty,
-        height_doubts=doubts,
-    )
+    model = replace(state.model, mesh_error_percent=MOTIF_ERROR.floor_percent)
+    is_known = len(state.values.outside) <= MAX_OUTSIDE_SHARE * state.values.places
+    estimate = ErrorEstimate.of(error_sources(state, shape, up, clock), model, is_known)
+    doubts, near = estimate.sources.height, estimate.height_percent
+    if doubts is None or near is None:
+        return estimate
+    parts = near, MOTIF_ERROR.height_percent, 100.0 * MOTIF_ERROR.height_mm / doubts.height
+    return replace(estimate, height_percent=math.hypot(*parts))

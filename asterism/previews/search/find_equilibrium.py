@@ -111,13 +111,13 @@ def _lowest_on_any_side(
     equilibrium = relax(shell, factor, side, symmetries=turns, energy_tie=model.energy_tie)
     guesses = candidate_shapes(means, size, side)
     if free:
-        near_another = is_equilibrium_near_another(shell, equilibrium, means.stretch * size, model)
+        near_another = is_equilibrium_near_another(shell, equilibrium, means.stretch * size)
         return _lowest_free(shell, factor, equilibrium, side, traits, guesses, near_another)
     right_side = means.side if side == "auto" else side
     if equilibrium.is_minimum and equilibrium.guess != "flat" and is_inverted(shell, equilibrium.x, right_side):
         flat = [shape for shape in guesses if shape.name == "flat"]
         equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
-    near_another = is_equilibrium_near_another(shell, equilibrium, means.stretch * size, model)
+    near_another = is_equilibrium_near_another(shell, equilibrium, means.stretch * size)
     if not equilibrium.is_minimum:
         return equilibrium
     if near_another:

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.arrays import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.shell.shell import Shell
 
 # smaller and negative eigenvalues are replaced by this one
 MIN_STIFFNESS_N_MM3 = 1e-12
+# % of the diameter: with a larger second amplitude the search tries further initial guesses
+SECOND_AMPLITUDE_PERCENT = 18.0
 
 
 def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: float) -> Floats:
@@ -38,8 +39,8 @@ def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: 
     return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
 
 
-def has_two_near_zero_modes(amplitudes: Floats, model: PreviewModel = PREVIEW_MODEL) -> bool:
-    """Whether the second of the amplitudes (k,), in % of the diameter, is above `second_amplitude_percent`.
+def has_two_near_zero_modes(amplitudes: Floats) -> bool:
+    """Whether the second of the amplitudes (k,), in % of the diameter, is above `SECOND_AMPLITUDE_PERCENT`.
 
     Examples
     --------
@@ -48,13 +49,11 @@ def has_two_near_zero_modes(amplitudes: Floats, model: PreviewModel = PREVIEW_MO
     >>> has_two_near_zero_modes(np.array([80.0, 10.0]))
     False
     """
-    return len(amplitudes) > 1 and bool(amplitudes[1] > model.second_amplitude_percent)
+    return len(amplitudes) > 1 and bool(amplitudes[1] > SECOND_AMPLITUDE_PERCENT)
 
 
-def is_equilibrium_near_another(
-    shell: Shell, equilibrium: ShellEquilibrium, size: float, model: PreviewModel = PREVIEW_MODEL
-) -> bool:
+def is_equilibrium_near_another(shell: Shell, equilibrium: ShellEquilibrium, size: float) -> bool:
     """Whether the equilibrium of a sheet with a diameter of about `size` mm has two near-zero modes."""
     area = float(shell.assembly.weights.sum())
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
-    return has_two_near_zero_modes(amplitudes, model)
+    return has_two_near_zero_modes(amplitudes)

@@ -1,55 +1,64 @@
 """Estimated error of a preview: rms distance to the exact shape, in % of the diameter.
 
-With a the root of the sum of squares of the amplitudes a_i of the near-zero modes
-(`asterism.previews.search.near_zero_modes`), and c the sensitivity to size-dependent strain error
-(`asterism.previews.uncertainty.strain_sensitivity`), the estimate is
+The preview is a minimum of an energy that is wrong. Its error is a sum of independent normal errors:
 
-    error^2 = floor^2 + share^2 (a^2 + c^2) + max P_j d_j^2.
+- **Energy.** The energy is uncertain by the share u = `energy_uncertainty` of the energy E at stake, in each mode of
+  the sheet. A mode of stiffness k would take the energy E up to the amplitude `a = sqrt(2 E/k)`
+  (`asterism.previews.search.near_zero_modes`). If the energy's error changes by u E over that amplitude, it is a force
+  `u E/a`, and moves the mode by `u E/(a k) = u a/2`. So the covariance of the shape is `u^2 E/2` times the inverse of
+  the Hessian.
+- **Stiffnesses.** Membrane, bending, sixfold term and Gaussian modulus have the relative standard deviation
+  s = `stiffness_uncertainty`. With the linear response r_p of the sheet to each
+  (`fem.search.stiffness_response`), they move it by s r_p.
+- **Narrow sheets.** Supports that hold a sheet narrower than its natural size, by the share 1 - q of it, let it buckle,
+  and the exact sheet may buckle at other places: n (1 - q) with n = `buckling_share`.
+- **Other forms.** A minimum that the search met, d away and a share g of the energy higher, is the lower one with the
+  probability `P = erfc(g/(sqrt(2) u))/2`, by the same u.
 
-- **Share.** The law's energies and contractions are wrong by a small part, so that the shape is off by a small share of
-  a and of c: `amplitude_share`, one for all sheets.
-- **Other forms.** A minimum that the search met, d % away and a share g of the energy higher, is the lower one with the
-  probability `P = erfc(g/(sqrt(2) u))/2` if the law's energies are uncertain by the share u, normally distributed.
+With the error m = `mesh_error_percent` of the exact shape itself, and z = `COVERAGE`,
 
-`python -m benchmarks.accuracy.amplitude_share` chooses the share and states how many exact shapes are as near as
-estimated; `python -m benchmarks.accuracy.expectation` compares the estimate with exact shapes. Over many designs it is
-a root mean square, and most previews are closer.
+    error^2 = m^2 + z^2 (u^2/4 sum a_i^2 + s^2 sum r_p^2 + n^2 (1 - q)^2 + max P_j d_j^2).
+
+So nine of ten exact shapes are nearer than estimated. `python -m benchmarks.accuracy.error_model` fits u, s and n.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+
+import numpy as np
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.uncertainty.other_forms import OtherForm
-from equilibrium.arrays import Floats
+from asterism.previews.uncertainty.error_sources import ErrorSources
+
+# standard deviations of a normal error within which nine of ten are
+COVERAGE = 1.645
 
 
-def distance_error_percent(
-    amplitudes: Floats,
-    others: Sequence[OtherForm] = (),
-    sensitivity_percent: float = 0.0,
-    model: PreviewModel = PREVIEW_MODEL,
-) -> float | None:
-    """The estimated error in % of the diameter; None without two amplitudes.
-
-    Parameters
-    ----------
-    amplitudes : (k,) %, the largest first.
-    sensitivity_percent : to size-dependent strain error, in % of the diameter.
+def distance_error_percent(sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL) -> float | None:
+    """The estimated error in % of the diameter; None without two near-zero modes.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> distance_error_percent(np.array([6.0, 4.0, 3.0])).__round__(2)
-    0.69
+    >>> calm = ErrorSources(100.0, np.array([6.0, 4.0, 3.0]))
+    >>> narrow = ErrorSources(100.0, np.array([6.0, 4.0, 3.0]), size_ratio=0.8)
+    >>> distance_error_percent(narrow) > 5.0 * distance_error_percent(calm)
+    True
     """
-    if len(amplitudes) < 2:
+    if len(sources.amplitudes_percent) < 2:
         return None
-    soft = model.amplitude_share * math.hypot(*amplitudes, sensitivity_percent)
-    form = max((math.sqrt(probability_lower(o.gap, model)) * o.distance_percent for o in others), default=0.0)
-    return math.hypot(model.floor_percent, soft, form)
+    return math.hypot(model.mesh_error_percent, COVERAGE * math.hypot(*distance_parts(sources, model).values()))
+
+
+def distance_parts(sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL) -> dict[str, float]:
+    """Standard deviations in % of the diameter: `soft`, `stiffness`, `narrow` and `form`."""
+    forms = [math.sqrt(probability_lower(o.gap, model)) * o.distance_percent for o in sources.other_forms]
+    return {
+        "soft": 0.5 * model.energy_uncertainty * float(np.linalg.norm(sources.amplitudes_percent)),
+        "stiffness": model.stiffness_uncertainty * float(np.linalg.norm(sources.stiffness_percent)),
+        "narrow": 100.0 * model.buckling_share * sources.narrowing,
+        "form": max(forms, default=0.0),
+    }
 
 
 def probability_lower(gap: float, model: PreviewModel = PREVIEW_MODEL) -> float:
@@ -57,7 +66,7 @@ def probability_lower(gap: float, model: PreviewModel = PREVIEW_MODEL) -> float:
 
     Examples
     --------
-    >>> probability_lower(0.0), round(probability_lower(0.05), 2), round(probability_lower(0.3), 3)
-    (0.5, 0.31, 0.001)
+    >>> round(probability_lower(0.0), 2), round(probability_lower(PREVIEW_MODEL.energy_uncertainty), 2)
+    (0.5, 0.16)
     """
     return 0.5 * math.erfc(gap / (math.sqrt(2.0) * model.energy_uncertainty))

@@ -1,41 +1,51 @@
-"""The estimated error of a preview as a value."""
+"""Estimated error of a preview as a value."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from asterism.previews.uncertainty.height_error import HeightDoubts
-from asterism.previews.uncertainty.other_forms import OtherForm
-from equilibrium.arrays import Floats
+from asterism.previews.model import PreviewModel
+from asterism.previews.uncertainty.distance_error import distance_error_percent, distance_parts
+from asterism.previews.uncertainty.error_sources import ErrorSources
+from asterism.previews.uncertainty.height_error import height_error_percent
+from asterism.previews.uncertainty.other_forms import OtherForm, close_form
 
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimated error of a preview, and what it is computed from.
+    """Estimated error of a preview, and its sources.
 
     Attributes
     ----------
-    distance_percent : rms distance to the exact shape, in % of the diameter; None if no estimate is available.
+    distance_percent : nine of ten exact shapes are nearer, rms, in % of the diameter; None if no estimate is available.
     height_percent : error of the height in % of it; None if no estimate is available.
-    diameter_mm : of the shape.
-    amplitudes_percent : (k,) of the near-zero modes, in % of the diameter, the largest first.
-    sensitivity_percent : to size-dependent strain error, in % of the diameter; 0 for equal stars and supported sheets.
-    other_forms : minima that are not the one shown, the lowest first.
-    close_form : the one of these that the sheet may rest in as well.
-    size_ratio : size that the supports allow over the natural size; inf for free sheets.
-    has_two_near_zero_modes : another form is likely.
+    sources : from which both are computed.
+    main_part : the largest contribution to the distance, a key of `distance_parts`.
+    close_form : another form that the sheet may rest in as well.
     energy_uncertainty : of the law, as a share of the energy.
-    height_doubts : contributions to the error of the height; None without a certain height.
     """
 
     distance_percent: float | None
     height_percent: float | None
-    diameter_mm: float
-    amplitudes_percent: Floats
-    sensitivity_percent: float
-    other_forms: tuple[OtherForm, ...]
+    sources: ErrorSources
+    main_part: str
     close_form: OtherForm | None
-    size_ratio: float
-    has_two_near_zero_modes: bool
     energy_uncertainty: float
-    height_doubts: HeightDoubts | None
+
+    @classmethod
+    def of(cls, sources: ErrorSources, model: PreviewModel, is_known: bool) -> ErrorEstimate:
+        """The estimate from its sources.
+
+        Parameters
+        ----------
+        is_known : whether an estimate is available for sheets of this kind.
+        """
+        parts, doubt = distance_parts(sources, model), model.energy_uncertainty
+        return cls(
+            distance_error_percent(sources, model) if is_known else None,
+            height_error_percent(sources, model) if is_known else None,
+            sources,
+            max(parts, key=lambda name: parts[name]),
+            close_form(sources.other_forms, doubt),
+            doubt,
+        )

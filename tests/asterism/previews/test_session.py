@@ -685,10 +685,7 @@ def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
     """Which side was asked for may hide it."""
     high, low = (OtherForm("arc", 1.0, gap, 9.0) for gap in (-0.01, -0.29))
     estimate = estimate_error(curly.state, curly.shape(), np.eye(3)[2], Clock())
-    estimates = (
-        replace(estimate, other_forms=(form,), close_form=close_form([form], estimate.energy_uncertainty))
-        for form in (high, low)
-    )
+    estimates = (replace(estimate, close_form=close_form([form], estimate.energy_uncertainty)) for form in (high, low))
     near, below = (
         next(line for line in preview_warnings(curly.state, each, None, 0, 10.0) if "another form, " in line)
         for each in estimates

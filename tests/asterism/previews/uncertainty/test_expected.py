@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
-from asterism.previews.uncertainty.distance_error import distance_error_percent
+from asterism.previews.uncertainty.distance_error import COVERAGE, distance_error_percent, distance_parts
+from asterism.previews.uncertainty.error_estimate import ErrorEstimate
+from asterism.previews.uncertainty.error_sources import ErrorSources
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
+from equilibrium.arrays import Floats
 
-UNSURE, FLOOR = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.floor_percent
-SHARE = PREVIEW_MODEL.amplitude_share
-WITHOUT_SHARE = replace(PREVIEW_MODEL, amplitude_share=0.0)
+UNSURE, MESH = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.mesh_error_percent
+STIFF = np.zeros(2)
+
+
+def expected(amplitudes: Floats, **more: Any) -> float:
+    return distance_error_percent(ErrorSources(100.0, amplitudes, **more)) or 0.0
 
 
 def test_amplitudes_take_the_energy():
@@ -26,22 +32,52 @@ def test_amplitudes_take_the_energy():
 
 
 def test_softer_sheets_expect_more():
-    expected = [distance_error_percent(np.array([a, 0.7 * a, 0.3 * a])) for a in (1.0, 5.0, 20.0, 40.0, 80.0)]
-    assert all(one < other for one, other in pairwise(expected))
+    found = [expected(np.array([a, 0.7 * a, 0.3 * a])) for a in (1.0, 5.0, 20.0, 40.0, 80.0)]
+    assert all(one < other for one, other in pairwise(found))
 
 
-def test_a_share_of_all_amplitudes_counts():
-    soft = np.array([30.0, 12.0, 8.0])
-    none, found = distance_error_percent(soft, model=WITHOUT_SHARE), distance_error_percent(soft)
-    assert found == pytest.approx(np.hypot(none, SHARE * np.linalg.norm(soft)))
+def test_the_error_of_the_energy_is_a_force_on_each_mode():
+    """With the energy k x^2/2 of a mode and an error u E x/a of it, the minimum moves to -u a/2."""
+    stiffness, energy = 0.3, 20.0
+    amplitude = np.sqrt(2.0 * energy / stiffness)
+    x = np.linspace(-amplitude, amplitude, 200001)
+    moved = abs(x[(0.5 * stiffness * x**2 + UNSURE * energy * x / amplitude).argmin()])
+    parts = distance_parts(ErrorSources(100.0, np.array([amplitude, 0.0])))
+    assert parts["soft"] == pytest.approx(moved, rel=1e-3)
+
+
+def test_contributions_add_as_independent_errors():
+    soft, stiffness = np.array([30.0, 12.0, 8.0]), np.array([2.0, 1.0, 0.5, 0.1])
+    alone = [expected(soft), expected(STIFF, stiffness_percent=stiffness), expected(STIFF, size_ratio=0.8)]
+    together = expected(soft, stiffness_percent=stiffness, size_ratio=0.8)
+    assert together**2 - MESH**2 == pytest.approx(sum(each**2 - MESH**2 for each in alone))
+
+
+def test_only_sheets_that_are_held_narrower_count_as_narrow():
+    assert expected(STIFF, size_ratio=1.2) == expected(STIFF, size_ratio=np.inf) == expected(STIFF) == MESH
+    assert MESH < expected(STIFF, size_ratio=0.9) < expected(STIFF, size_ratio=0.8)
 
 
 def test_forms_count_by_the_chance_that_they_are_lower():
     """Of a normal error of the energies: one in two at equal ones, .1587 one standard deviation above."""
-    stiff = np.zeros(2)
     for gap, chance in ((0.0, 0.5), (UNSURE, 0.158655), (-UNSURE, 0.841345)):
-        found = distance_error_percent(stiff, [OtherForm("arc", 1.0, gap, 60.0)], model=WITHOUT_SHARE)
-        assert found == pytest.approx(np.hypot(FLOOR, 60.0 * np.sqrt(chance)), rel=1e-5)
+        found = expected(STIFF, other_forms=(OtherForm("arc", 1.0, gap, 60.0),))
+        assert found == pytest.approx(np.hypot(MESH, COVERAGE * 60.0 * np.sqrt(chance)), rel=1e-5)
+
+
+def test_the_main_part_is_the_largest():
+    other = (OtherForm("arc", 1.0, 0.0, 30.0),)
+    cases = {
+        "soft": ErrorSources(100.0, np.array([90.0, 30.0])),
+        "stiffness": ErrorSources(100.0, STIFF, stiffness_percent=np.full(4, 5.0)),
+        "narrow": ErrorSources(100.0, STIFF, size_ratio=0.8),
+        "form": ErrorSources(100.0, np.array([90.0, 30.0]), size_ratio=0.8, other_forms=other),
+    }
+    for name, sources in cases.items():
+        estimate = ErrorEstimate.of(sources, PREVIEW_MODEL, is_known=True)
+        assert estimate.main_part == name and (estimate.distance_percent or 0.0) > MESH
+    unknown = ErrorEstimate.of(cases["soft"], PREVIEW_MODEL, is_known=False)
+    assert unknown.distance_percent is None and unknown.height_percent is None
 
 
 def test_one_soft_motion_is_forgiven():
@@ -50,15 +86,8 @@ def test_one_soft_motion_is_forgiven():
     assert has_two_near_zero_modes(np.array([80.0, 40.0]))
 
 
-def test_sheets_that_hang_on_unequal_stars_expect_more():
-    stiff = np.array([6.0, 4.0, 3.0])
-    alike, little, much = (distance_error_percent(stiff, sensitivity_percent=contrast) for contrast in (0.0, 5.0, 40.0))
-    assert alike == distance_error_percent(stiff) < little < much
-    assert much == pytest.approx(np.hypot(alike, 40.0 * SHARE))
-
-
 def test_nothing_is_expected_of_what_is_not_stable():
-    assert distance_error_percent(np.empty(0)) is None
+    assert distance_error_percent(ErrorSources(100.0, np.empty(0))) is None
     assert not has_two_near_zero_modes(np.empty(0))
 
 

@@ -10,7 +10,8 @@ from scipy.stats import norm
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from asterism.previews.uncertainty.distance_error import distance_error_percent
+from asterism.previews.uncertainty.distance_error import COVERAGE, distance_error_percent
+from asterism.previews.uncertainty.error_sources import ErrorSources
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from asterism.results.records.preview import MIN_SHOWN_PROBABILITY
 from fem.search.evidence import Trial
@@ -58,11 +59,12 @@ def test_forms_that_symmetry_makes_equal_are_one() -> None:
 
 def test_a_form_counts_by_how_likely_it_is() -> None:
     def expected(*gaps: float) -> float:
-        return distance_error_percent(AMPLITUDES, [OtherForm("arc", 1.0, gap, 20.0) for gap in gaps]) or 0.0
+        forms = tuple(OtherForm("arc", 1.0, gap, 20.0) for gap in gaps)
+        return distance_error_percent(ErrorSources(100.0, AMPLITUDES, other_forms=forms)) or 0.0
 
     alone = expected()
-    assert expected(0.0) == pytest.approx(np.hypot(alone, 20.0 / np.sqrt(2.0)))
-    assert expected(-0.01) > expected(0.0) > expected(0.05) > expected(0.2) > alone
+    assert expected(0.0) == pytest.approx(np.hypot(alone, COVERAGE * 20.0 / np.sqrt(2.0)))
+    assert expected(-0.01) > expected(0.0) > expected(0.05) > expected(0.1) > alone
     assert expected(1.0) == pytest.approx(alone)
     assert expected(0.3, 0.05) == expected(0.05)
 
