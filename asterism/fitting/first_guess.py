@@ -159,13 +159,13 @@ def sizes_from_law(target_map: TargetMap, menu: StarMenu, centres: Floats) -> Fl
     bend, gauss = curvatures.sum(axis=1), curvatures.prod(axis=1)
     locked = np.minimum(4.0 * np.abs(gauss) / np.maximum(bend**2, 1e-12), 1.0)
     kappa = bend * (1.0 - locked * (1.0 - 0.5 * (1.0 + BENDING_POISSON)))
-    return menu.sizes(contraction, kappa, bend)
+    return menu.sizes(contraction, kappa)
 
 
 def _log_size(flat: FlatDisk, menu: StarMenu) -> float:
     """Logarithm of the size of the print over the flat disk: the needed contractions lie in the middle of the menu."""
     ends = [int(np.abs(menu.lengths_mm - length).argmin()) for length in MIDDLE_ARMS_MM]
-    contraction = menu.contraction(0.0)
+    contraction = menu.contraction
     columns = [contraction[end][menu.allowed[end]] for end in ends]
     middle = float(np.mean([np.log(column).mean() if len(column) else np.log(menu.range).mean() for column in columns]))
     u = flat.log_scale

@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from asterism.previews.model import PREVIEW_MODEL
 from equilibrium.arrays import Floats
 from homogenize.law.law import Law
 from homogenize.law.law_table import LawTable
@@ -30,7 +29,7 @@ class StarMenu:
     stretch, spacing_mm, width_mm : of all stars.
     lengths_mm : (L,).
     thicknesses_mm : (H,).
-    natural, flat : (L, H) contraction (length over printed length) of the natural tube and of the flat sheet.
+    contraction : (L, H) length over printed length of the natural tube, as in supported previews.
     kappa : (L, H) 1/mm, natural curvature, positive with the plastic outside.
     allowed : (L, H) in the range of the law, and separated in scale from the sheet.
     """
@@ -40,8 +39,7 @@ class StarMenu:
     width_mm: float
     lengths_mm: Floats
     thicknesses_mm: Floats
-    natural: Floats
-    flat: Floats
+    contraction: Floats
     kappa: Floats
     allowed: np.ndarray
 
@@ -56,26 +54,14 @@ class StarMenu:
         grid = np.stack(np.meshgrid(lengths, thicknesses, indexing="ij"), axis=-1).reshape(-1, 2)
         stars = table(grid[:, 0], grid[:, 1], width_mm)
         shape = (len(lengths), len(thicknesses))
-        names = ("lam_n", "lam", "kappa")
-        natural, flat, kappa = (stars.value[name].reshape(shape) for name in names)
+        contraction, kappa = (stars.value[name].reshape(shape) for name in ("lam_n", "kappa"))
         allowed = (stars.inside & ~stars.not_scale_separated).reshape(shape)
-        return cls(stretch, table.spacing_mm, width_mm, lengths, thicknesses, natural, flat, kappa, allowed)
-
-    def contraction(self, bend: Floats | float) -> Floats:
-        """(..., L, H) contraction in a supported sheet whose principal curvatures add up to `bend` (...) in 1/mm.
-
-        The rest metric follows the curvature as in `asterism.previews.fields.sheet_fields`.
-        """
-        share = PREVIEW_MODEL.supported_length_share
-        kappa = np.where(np.abs(self.kappa) > 1e-4, self.kappa, 1e-4)
-        unbent = np.clip(1.0 - np.asarray(bend)[..., None, None] / kappa, -1.0, 2.0)
-        square = self.natural**2
-        return np.asarray(np.sqrt(square + share * (self.flat**2 - square) * unbent))
+        return cls(stretch, table.spacing_mm, width_mm, lengths, thicknesses, contraction, kappa, allowed)
 
     @cached_property
     def range(self) -> tuple[float, float]:
         """Smallest and largest contraction of allowed stars."""
-        contractions = self.contraction(0.0)[self.allowed]
+        contractions = self.contraction[self.allowed]
         return float(contractions.min()), float(contractions.max())
 
     @property
@@ -90,16 +76,15 @@ class StarMenu:
         curvatures = self.kappa[self.allowed]
         return float(curvatures.min()), float(curvatures.max())
 
-    def sizes(self, contraction: Floats, kappa: Floats, bend: Floats) -> Floats:
+    def sizes(self, contraction: Floats, kappa: Floats) -> Floats:
         """(S, 2) length and thickness (mm) of the stars that come nearest to contractions and natural curvatures.
 
         Parameters
         ----------
         contraction : (S,) wanted contractions.
         kappa : (S,) 1/mm, wanted natural curvatures.
-        bend : (S,) 1/mm, sums of the principal curvatures that the sheet will have.
         """
-        miss = (np.log(self.contraction(bend) / contraction[:, None, None]) / _CONTRACTION_STEP) ** 2
+        miss = (np.log(self.contraction / contraction[:, None, None]) / _CONTRACTION_STEP) ** 2
         miss += ((self.kappa - kappa[:, None, None]) * self.spacing_mm / _TURN_STEP) ** 2
         best = np.where(self.allowed, miss, np.inf).reshape(len(contraction), -1).argmin(axis=1)
         length, thickness = np.unravel_index(best, self.allowed.shape)

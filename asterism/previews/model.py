@@ -92,10 +92,6 @@ class PreviewModel:
     )  # fmt: skip
     # lengths at rest follow the curvature: fields/sheet_fields.py
     has_curvature_lengths: bool = _derived(True, "-", "switch: curled sheets contract more than flat ones")
-    supported_length_share: float = _fitted(
-        0.3, "-", "share of the way from natural tube to flat cell that counts in supported sheets",
-        "bell, cone, fig9-linear, u-shape, fig8-h-increasing",
-    )  # fmt: skip
     length_turn_rad: float = _of(
         1.5, "rad", "turn over a spacing in which cells make most of that way", "computed from cells",
         "origin unknown", "cells of long thin stars",

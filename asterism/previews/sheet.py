@@ -114,9 +114,7 @@ class Sheet(PrintSheet):
         stars, length, spacing, model = self.stars, values.sizes[:, 0], self.layout.spacing_mm, self.model
         arms = [(along, shares(length)) for along, shares in stars.along_arms]
         shares = stars.shares(length)
-        early: float | Floats = model.supported_length_share
-        if not self.layout.is_supported_in_plane:
-            early = free_length_share(values, spacing, model)
+        early = 0.0 if self.layout.is_supported_in_plane else free_length_share(values, spacing, model)
         gaussian, shape = gaussian_moduli(values, spacing, model), self.table.weights.shape
         fields = sheet_fields(
             shares, values, shape, arms, stars.rim_normals, early, stars.carried, gaussian, spacing, model

@@ -61,16 +61,14 @@ def contraction_map(fitted: Fit) -> bytes:
 
 
 def contraction_ranges(fitted: Fit) -> bytes:
-    """PNG of the contraction that each star needs, over the range that stars have at the curvature of its place."""
+    """PNG of the contraction that each star needs, over the range that stars have."""
     figure = Figure(figsize=(5.6, 3.6), dpi=PLOT_DPI, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     here, low, high = star_contractions(fitted)
     order = np.argsort(here, kind="stable")
     rank, outside = np.arange(len(here)), ((here < low) | (here > high))[order]
-    axes.vlines(
-        rank, low[order], high[order], color="#cfd6e2", linewidth=max(1.0, 220.0 / len(here)), label="available"
-    )
+    axes.axhspan(low, high, color="#cfd6e2", label="available")
     axes.plot(rank[~outside], here[order][~outside], "o", color=BLUE, markersize=3.5, label="needed")
     if outside.any():
         axes.plot(rank[outside], here[order][outside], "o", color=TARGET_COLOUR, markersize=4.5, label="not available")
@@ -81,16 +79,12 @@ def contraction_ranges(fitted: Fit) -> bytes:
     return png_of(figure)
 
 
-def star_contractions(fitted: Fit) -> tuple[Floats, Floats, Floats]:
-    """(S,) contraction that each star's place needs, and the smallest and the largest one of stars at its curvature."""
-    plan, target_map, menu = fitted.shape.layout, fitted.guess.target_map, fitted.guess.menu
+def star_contractions(fitted: Fit) -> tuple[Floats, float, float]:
+    """(S,) contraction that each star's place needs, and the smallest and the largest one of all stars."""
+    plan, target_map = fitted.shape.layout, fitted.guess.target_map
     assert plan is not None
     needed = np.exp(target_map.interpolate(target_map.log_contraction, plan.centres))
-    bend = target_map.principal_curvatures(plan.centres).sum(axis=1)
-    contraction = menu.contraction(bend)
-    low = np.where(menu.allowed, contraction, np.inf).min(axis=(1, 2))
-    high = np.where(menu.allowed, contraction, -np.inf).max(axis=(1, 2))
-    return needed, low, high
+    return needed, *fitted.guess.menu.range
 
 
 def sections(fitted: Fit) -> bytes:

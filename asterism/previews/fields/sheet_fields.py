@@ -29,8 +29,8 @@ that membrane and bending are coupled. At rims that curl on their own, `tr b` co
 curl to opposite sides, `1/kappa` is the mean curvature over the square of the mean absolute curvature.
 Cells of long thin stars change most of their length at a fraction of the natural curvature: the change is a tanh of x,
 where x is the turn over one spacing in units of `length_turn_rad`. Free sheets are near their natural curvature, so
-that the slope there counts: `e = 2x / sinh(2x)` for each star. Supported sheets may have any curvature, and use the
-constant `e = supported_length_share`.
+that the slope there counts: `e = 2x / sinh(2x)` for each star. Supported sheets may have any curvature, and their
+lengths are those of the natural tube: e = 0.
 
 **Stars and bare fabric bend in series** (`_in_series`): at a place that they share, their compliances add. Arms carry
 no moment into the fabric beyond the last stars. In exact strips, thick outer rows bend 11 to 28 % more than a mean of
@@ -81,7 +81,7 @@ def sheet_fields(
     shape: tuple[int, ...],
     arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
     normals: Floats | None = None,
-    early: float | Floats = PREVIEW_MODEL.supported_length_share,
+    early: float | Floats = 0.0,
     carried: Floats | None = None,
     gaussian: Floats | None = None,
     spacing: float = DEFAULT_SPACING_MM,

@@ -43,7 +43,9 @@ CAP_CURVATURES = (1.0, 0.7)
 ROLLED = {"arc", "bent", "saddle"}
 # kinds of initial guesses that are not flat
 KINDS = ROLLED | {"cap"}
-# amplitude of the perturbation of a supported sheet with two near-zero modes, over the size of the sheet
+# supported sheets whose second near-zero mode has a larger amplitude, in % of the diameter, are perturbed
+PERTURBED_AMPLITUDE_PERCENT = 10.0
+# amplitude of the perturbation, over the size of the sheet
 PERTURBATION = 0.04
 
 
@@ -117,7 +119,8 @@ def _lowest_on_any_side(
     if equilibrium.is_minimum and equilibrium.guess != "flat" and is_inverted(shell, equilibrium.x, right_side):
         flat = [shape for shape in guesses if shape.name == "flat"]
         equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
-    near_another = is_equilibrium_near_another(shell, equilibrium, means.stretch * size)
+    size_mm = means.stretch * size
+    near_another = is_equilibrium_near_another(shell, equilibrium, size_mm, PERTURBED_AMPLITUDE_PERCENT)
     if not equilibrium.is_minimum:
         return equilibrium
     if near_another:

@@ -39,8 +39,8 @@ def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: 
     return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
 
 
-def has_two_near_zero_modes(amplitudes: Floats) -> bool:
-    """Whether the second of the amplitudes (k,), in % of the diameter, is above `SECOND_AMPLITUDE_PERCENT`.
+def has_two_near_zero_modes(amplitudes: Floats, percent: float = SECOND_AMPLITUDE_PERCENT) -> bool:
+    """Whether the second of the amplitudes (k,), in % of the diameter, is above a limit.
 
     Examples
     --------
@@ -49,11 +49,13 @@ def has_two_near_zero_modes(amplitudes: Floats) -> bool:
     >>> has_two_near_zero_modes(np.array([80.0, 10.0]))
     False
     """
-    return len(amplitudes) > 1 and bool(amplitudes[1] > SECOND_AMPLITUDE_PERCENT)
+    return len(amplitudes) > 1 and bool(amplitudes[1] > percent)
 
 
-def is_equilibrium_near_another(shell: Shell, equilibrium: ShellEquilibrium, size: float) -> bool:
-    """Whether the equilibrium of a sheet with a diameter of about `size` mm has two near-zero modes."""
+def is_equilibrium_near_another(
+    shell: Shell, equilibrium: ShellEquilibrium, size: float, percent: float = SECOND_AMPLITUDE_PERCENT
+) -> bool:
+    """Whether the equilibrium of a sheet with a diameter of about `size` mm has two near-zero modes of a size."""
     area = float(shell.assembly.weights.sum())
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
-    return has_two_near_zero_modes(amplitudes)
+    return has_two_near_zero_modes(amplitudes, percent)

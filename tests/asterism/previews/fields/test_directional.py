@@ -54,7 +54,7 @@ def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
 
 def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
     """(6,) stress of a sheet of the first star on its natural length with curvatures about y and x, over lam^2."""
-    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1))
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1), early=0.3)
     square = stars.value["lam_n"][0] ** 2
     state = square * np.array([0.5, 0.5, 0.0, -curvature[0], -curvature[1], 0.0])
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]

@@ -20,11 +20,8 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 
-EARLY, SIXFOLD, TURN = (
-    PREVIEW_MODEL.supported_length_share,
-    PREVIEW_MODEL.sixfold_factor,
-    PREVIEW_MODEL.length_turn_rad,
-)
+SIXFOLD, TURN = PREVIEW_MODEL.sixfold_factor, PREVIEW_MODEL.length_turn_rad
+EARLY = 0.3
 
 TUBE = gallery.load("tube")
 VALUES = star_values(TUBE, layout(TUBE), plain_law())
@@ -70,7 +67,7 @@ def test_a_sheet_held_flat_is_longer_than_a_tube_by_part_of_what_the_cells_are()
     flat = VALUES.value["lam"].copy()
     flat[:-1] = 1.03 * lam
     values = replace(VALUES, value=VALUES.value | {"lam": flat, "c3": np.zeros(STARS + 1)})
-    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), values, (1, 1))
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), values, (1, 1), early=EARLY)
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
 
     def stress(a: float, k: float) -> Floats:
@@ -178,7 +175,7 @@ def test_an_arm_cut_short_counts_as_it_is() -> None:
 def test_stars_and_bare_fabric_bend_in_series() -> None:
     weights = sp.csr_matrix(np.array([[1.0], [0.5], [0.0]]) * np.eye(1, STARS))
     bending, natural = VALUES.value["bending"], VALUES.value["lam_n"]
-    fields = sheet_fields(weights, VALUES, (3, 1), early=0.0)
+    fields = sheet_fields(weights, VALUES, (3, 1))
     found = 1.0 / fields.density.stiffness[:, 0, 3, 3]  # type: ignore[index]
     lam = np.exp(np.array([1.0, 0.5, 0.0]) * np.log(natural[0] / natural[-1])) * natural[-1]
     alone = np.array([1.0 / bending[0], 0.5 / bending[0] + 0.5 / bending[-1], 1.0 / bending[-1]])
@@ -202,7 +199,7 @@ def test_between_stars_that_curl_to_opposite_sides_lengths_stay_between_theirs()
     stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, tube_curvature=value["kappa"])
     share = np.linspace(0.0, 1.0, 201)
     shares = [1.0 - share, share, *np.zeros((STARS - 2, len(share)))]
-    fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1))
+    fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1), early=EARLY)
     stiffness = np.asarray(fields.densities(np.zeros((len(share), 1, 2))).stiffness)[:, 0]
     # mm, by which half of the metric changes per curvature
     coupling = -np.linalg.solve(stiffness[:, :3, :3], stiffness[:, :3, 3:])[:, 0, 0]
