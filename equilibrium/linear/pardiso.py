@@ -83,6 +83,13 @@ class PardisoFactor:
         self._solver.set_iparm(8, 0)
         # no two-level factorisation: it is a few percent faster, but misses negative pivots of unconnected dofs
         self._solver.set_iparm(24, 0)
+        # pointers of the arguments that stay: a preview calls the solver fifty times
+        self._handle, self._permutation, self._parameters = (
+            _at(self._solver.pt, self._solver._pt_type[0]),
+            _at(self._solver.perm, ctypes.c_int32),
+            _at(self._solver.iparm, ctypes.c_int32),
+        )
+        self._values = _at(self._data, ctypes.c_double)
         # MKL owns the memory; the end of the process frees it without our call
         self._release = weakref.finalize(self, self._solver.free_memory, everything=True)
         self._release.atexit = False
@@ -109,9 +116,8 @@ class PardisoFactor:
         )
         one = ctypes.byref(ctypes.c_int32(1))
         solver._mkl_pardiso(
-            _at(solver.pt, solver._pt_type[0]), one, one, kind, phase, size, _at(self._data, ctypes.c_double),
-            self._starts, self._columns, _at(solver.perm, ctypes.c_int32), columns, _at(solver.iparm, ctypes.c_int32),
-            silent, _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
+            self._handle, one, one, kind, phase, size, self._values, self._starts, self._columns, self._permutation,
+            columns, self._parameters, silent, _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
         )  # fmt: skip
         if error.value:
             raise PyPardisoError(error.value)
@@ -124,6 +130,7 @@ class PardisoFactor:
         if not np.isfinite(data).all():
             return False
         self._data = np.ascontiguousarray(data, dtype=float)
+        self._values = _at(self._data, ctypes.c_double)
         try:
             self._call(22, np.zeros(self._size))
         except PyPardisoError as error:

@@ -278,6 +278,10 @@ class Shell(SupportedSheet):
         return self.assembly.pattern.lower(self._flat_tangent)
 
     @cached_property
+    def _flat_upper(self) -> sp.csr_matrix:
+        return self._flat_lower.T
+
+    @cached_property
     def flat_stiffness(self) -> Floats:
         """(nnz,) N/mm, linear stiffness of the printed sheet without stress, over the free unknowns."""
         return self._reduced(self._flat_tangent)
@@ -285,7 +289,7 @@ class Shell(SupportedSheet):
     def flat_forces(self, moves: Floats) -> Floats:
         """(n,) N, forces over the free unknowns of the printed sheet under small displacements (N, 3) mm."""
         low, x = self._flat_lower, moves.ravel()
-        return self.restrict(low @ x + low.T @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
+        return self.restrict(low @ x + self._flat_upper @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
 
     def path(self, x: Floats, direction: Floats, straight: bool) -> tuple[Callable[[float], Floats], float]:
         """States along a straight line from x, as a function of the step, and the longest step."""
