@@ -99,18 +99,10 @@ class PreviewModel:
     # stars and bare fabric: fields/sheet_fields.py
     has_series_bending: bool = _derived(True, "-", "switch: compliances of stars and bare fabric add")
     # Gaussian curvature works against the stress within cells: fields/self_stress.py
-    gaussian_arm_factor: float = _of(
-        0.14, "-", "area G over the square of the arms' length", "computed from sheets",
-        "python -m benchmarks.self_stress", "flat sheets of equal stars",
+    gaussian_area: float = _fitted(
+        1.0 / 60.0, "-", "area of the Gaussian modulus, in squared spacings; flat sheets give 1/100 to 1/59",
+        "ribbons and free caps", "python -m benchmarks.self_stress",
     )  # fmt: skip
-    gaussian_strain_factor: float = _of(
-        0.12, "-", "decrease of G, in squared spacings, with the stretch of the stars over that of bare fabric",
-        "computed from sheets", "python -m benchmarks.self_stress", "flat sheets of equal stars",
-    )  # fmt: skip
-    gaussian_softening_exponent: float = _fitted(
-        7.0, "-", "power of the membrane stiffness by which stars with bumps lose G", "ribbons and free caps"
-    )
-    max_gaussian_area: float = _fitted(1.0 / 60.0, "-", "largest G, in squared spacings", "ribbons and free caps")
     # the metric where stars change: fields/star_arms.py
     has_rosette_metric: bool = _derived(True, "-", "switch: fabric along an arm contracts as that arm's star does")
     arm_setback: float = _derived(0.5, "spacing", "how far back along an arm its star is: half way to the next one")

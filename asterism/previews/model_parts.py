@@ -11,7 +11,7 @@ PARTS: dict[str, dict[str, Any]] = {
     "rosette metric": {"has_rosette_metric": False},
     "lengths that follow curvature": {"has_curvature_lengths": False},
     "series bending": {"has_series_bending": False},
-    "Gaussian curvature": {"gaussian_arm_factor": 0.0},
+    "Gaussian curvature": {"gaussian_area": 0.0},
     "roll axis": {"sixfold_factor": 0.0},
     "directions": {"anisotropy_share": 0.0},
     "holes": {"has_holes": False},

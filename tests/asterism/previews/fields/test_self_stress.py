@@ -1,4 +1,4 @@
-"""What stars gain by Gaussian curvature goes with the pull of the fabric, the arms' length and the bumps."""
+"""What stars gain by Gaussian curvature goes with the pull of the fabric alone."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from pattern import gallery
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 
-ACROSS, GREEN = PREVIEW_MODEL.gaussian_arm_factor, PREVIEW_MODEL.gaussian_strain_factor
-SOFTER, MOST = PREVIEW_MODEL.gaussian_softening_exponent, PREVIEW_MODEL.max_gaussian_area
+AREA = PREVIEW_MODEL.gaussian_area
 
 DESIGN = gallery.load("tube")
 PLAN = layout(DESIGN)
@@ -42,24 +41,20 @@ def areas(values: StarValues) -> Floats:
 BARE = {name: float(VALUES.value[name][-1]) for name in ("a11", "a12", "lam_n")}
 
 
-def test_of_short_stars_that_do_not_bump_it_is_that_of_a_sheet_in_its_plane() -> None:
-    as_stiff = {name: BARE[name] for name in ("a11", "a12")}
-    flat = changed(5.0, lam_n=1.04 * BARE["lam_n"], **as_stiff)
-    assert areas(flat) == pytest.approx(ACROSS * 25.0 - GREEN * SPACING**2 * 0.04)
-    softer = changed(5.0, lam_n=1.04 * BARE["lam_n"], **{name: stiff / 1.05 for name, stiff in as_stiff.items()})
-    assert areas(softer) == pytest.approx(1.05**SOFTER * areas(flat))
-    pull = 0.5 * (BARE["a11"] + BARE["a12"]) * (1.04**2 - 1.0) * BARE["lam_n"] ** 2
-    assert pulls(flat) == pytest.approx(pull)
+def test_it_is_the_pull_of_the_fabric_by_a_share_of_the_squared_spacing() -> None:
+    for length in (4.0, 10.0):
+        stars = changed(length, lam_n=1.04 * BARE["lam_n"])
+        assert areas(stars) == pytest.approx(AREA * SPACING**2)
+        pull = 0.5 * (BARE["a11"] + BARE["a12"]) * (1.04**2 - 1.0) * BARE["lam_n"] ** 2
+        assert pulls(stars) == pytest.approx(pull)
 
 
-def test_it_has_a_largest_value_and_is_never_negative() -> None:
+def test_bumps_do_not_change_it() -> None:
     soft = {name: 0.5 * BARE[name] for name in ("a11", "a12")}
-    assert areas(changed(10.0, lam_n=1.1 * BARE["lam_n"], **soft)) == pytest.approx(MOST * SPACING**2)
-    assert not gaussian_moduli(changed(3.0, lam_n=1.2 * BARE["lam_n"]), SPACING).any()
+    stars, bumps = changed(5.0, lam_n=1.1 * BARE["lam_n"]), changed(5.0, lam_n=1.1 * BARE["lam_n"], **soft)
+    assert gaussian_moduli(bumps, SPACING) == pytest.approx(gaussian_moduli(stars, SPACING))
+
+
+def test_it_is_never_negative_and_bare_sites_have_none() -> None:
     assert not gaussian_moduli(changed(8.0, lam_n=0.9 * BARE["lam_n"]), SPACING).any()
-
-
-def test_it_is_larger_on_a_larger_print_by_the_square_of_its_size() -> None:
-    values = changed(5.0, lam_n=1.04 * BARE["lam_n"])
-    twice = replace(values, sizes=values.sizes * [2.0, 1.0, 1.0])
-    assert gaussian_moduli(twice, 2.0 * SPACING) == pytest.approx(4.0 * gaussian_moduli(values, SPACING))
+    assert not gaussian_moduli(changed(0.0, lam_n=1.1 * BARE["lam_n"]), SPACING).any()
