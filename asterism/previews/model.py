@@ -9,12 +9,12 @@ Lengths without a unit of their own are counted in spacings of the stars.
 
 Examples
 --------
-A preview without the curl of free rims, and the origin of that constant:
+A preview without the turn of free rims, and the origin of a constant:
 
 >>> from dataclasses import replace
->>> replace(PREVIEW_MODEL, rim_curl_factor=0.0).rim_curl_factor
-0.0
->>> describe("rim_curl_factor").origin
+>>> replace(PREVIEW_MODEL, has_rim_turn=False).has_rim_turn
+False
+>>> describe("rim_arm_start").origin
 'fitted to sheets'
 """
 
@@ -139,10 +139,7 @@ class PreviewModel:
         "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
     )  # fmt: skip
     # free rims: edges/free_rim.py
-    rim_curl_factor: float = _fitted(
-        2.0, "-", "rest curvature of bare fabric at a free side over that of the bumps beside it",
-        "fig8-h-decreasing, random-30, random-39, fig8-l-increasing",
-    )  # fmt: skip
+    has_rim_turn: bool = _derived(True, "-", "switch: a free rim goes on with the slope of the arms' tips")
     rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
     # arms that point into a free rim: edges/rim_arms.py
     has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")

@@ -17,7 +17,7 @@ PARTS: dict[str, dict[str, Any]] = {
     "holes": {"has_holes": False},
     "softness at points": {"has_point_softness": False},
     "neo-Hookean fabric": {"has_neo_hookean_fabric": False},
-    "curl of free rims": {"rim_curl_factor": 0.0},
+    "turn of free rims": {"has_rim_turn": False},
     "arms into free rims": {"has_rim_arms": False},
     "supported rims": {"supported_rim_width": 0.0},
     "bumps": {"has_bumps": False},

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from asterism.previews.corrugation.arms import Arms
-from asterism.previews.edges.free_rim import free_normals
+from asterism.previews.edges.free_rim import free_normals, stars_share
 from asterism.previews.edges.rim_arms import rim_curvature_share
 from asterism.previews.fields.self_stress import gaussian_moduli
 from asterism.previews.fields.sheet_fields import free_length_share, sheet_fields
@@ -28,6 +28,8 @@ from homogenize.errors import LawError
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
+# steps in spacings across a free rim, over which the decrease of the stars' share is taken
+RIM_STEP = 0.05
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
 
@@ -42,6 +44,8 @@ class StarShares:
     shares : shares of the stars at the points.
     along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
     rim_normals : (n, 2) normals of free sides, from `asterism.previews.edges.free_rim.free_normals`.
+    across : the shares a step inwards and outwards from the points that have a normal.
+    spacing_mm : of the stars.
     carried : (S, N), see `asterism.previews.edges.rim_arms.rim_curvature_share`; None for supported sheets.
     """
 
@@ -49,6 +53,8 @@ class StarShares:
     shares: Shares
     along_arms: tuple[tuple[Floats, Shares], ...]
     rim_normals: Floats
+    across: tuple[Shares, Shares]
+    spacing_mm: float
     carried: Floats | None
 
     @classmethod
@@ -60,7 +66,19 @@ class StarShares:
         along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
         normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_supported_in_plane
         part = rim_curvature_share(layout, lattice.arm_directions, model) if curls else None
-        return cls(cells, shares, along, normals, part)
+        rim = normals.any(axis=1)
+        step = RIM_STEP * lattice.spacing_mm * normals[rim]
+        across = cells.shares(points[rim] - step), cells.shares(points[rim] + step)
+        return cls(cells, shares, along, normals, across, lattice.spacing_mm, part)
+
+    def border(self, length: Floats) -> Floats:
+        """(n,) 1/mm, decrease of the stars' share across free rims, for arm lengths (S,) in mm; zero elsewhere."""
+        rim = np.flatnonzero(self.rim_normals.any(axis=1))
+        fall = np.zeros(len(self.rim_normals))
+        if len(rim):
+            inner, outer = (stars_share(shares(length)) for shares in self.across)
+            fall[rim] = (inner - outer) / (2.0 * RIM_STEP * self.spacing_mm)
+        return fall
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +134,9 @@ class Sheet(PrintSheet):
         shares = stars.shares(length)
         early = 0.0 if self.layout.is_supported_in_plane else free_length_share(values, spacing, model)
         gaussian, shape = gaussian_moduli(values, spacing, model), self.table.weights.shape
+        border = stars.border(length) if model.has_rim_turn else None
         fields = sheet_fields(
-            shares, values, shape, arms, stars.rim_normals, early, stars.carried, gaussian, spacing, model
+            shares, values, shape, arms, stars.rim_normals, border, early, stars.carried, gaussian, spacing, model
         )
         if self.pin_softness is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self.pin_softness.shape)

@@ -1,14 +1,15 @@
-"""Curl of a free rim: the bare fabric beyond the last stars.
+"""Turn of a free rim: the bare fabric beyond the last stars.
 
 In a periodic cell, the fabric rises again between a star and its neighbour. Beyond the last stars it stays as low as
-the tips of their arms, and continues with the slope and curvature of their bumps. A bump of height B over arms of
-length l is a cap of curvature `2 B / l^2`. Therefore bare fabric has the rest curvature
+the tips of their arms, and goes straight on with their slope, as cells of ribbons show
+(`python -m benchmarks.ribbon_cells`). A bump of height B over arms of length l is a cap whose slope is `2 B / l` at the
+tips. By this angle the rim turns out of the mean surface of the stars. The turn is at the border of the stars' share s.
+Therefore bare fabric has the rest curvature
 
-    b_r = -c 2 B / l^2 lam^2 n n^T
+    b_r = (2 B / l) lam^2 (n . grad s) n n^T
 
-across the nearest side of the outline, whose normal is n, and zero rest curvature along it. The factor c is
-`rim_curl_factor`. It is above 1, because the shares of the stars are smoothed, so that less than half of the rim counts
-as bare. Without this term, the free rims of previews turn down less than those of the exact model.
+across the nearest side of the outline, whose normal is n, and zero rest curvature along it. The integral of
+`-n . grad s` across the rim is one, however wide the rim is.
 
 A side has no rest curvature if it is supported along its length, or at a point of a sheet with several supported
 points: there the fabric is pulled straight along the rim. Points that slide along the print do not pull. A hole, bare
@@ -54,18 +55,16 @@ def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_M
     return np.where(in_holes(layout, points, model)[:, None], 0.0, normal[nearest])
 
 
-def rim_curvature(
-    weights: sp.csr_matrix, values: StarValues, normals: Floats, model: PreviewModel = PREVIEW_MODEL
-) -> Floats:
-    """(n, 3) 1/mm, components 11, 22, 12 of `c 2 B / l^2 n n^T` times the share of bare fabric.
+def rim_curvature(weights: sp.csr_matrix, values: StarValues, normals: Floats, border: Floats) -> Floats:
+    """(n, 3) 1/mm, components 11, 22, 12 of `-(2 B / l) (n . grad s) n n^T`.
 
     Parameters
     ----------
     weights : (n, S) share of each star at the places.
     normals : (n, 2), from `free_normals`.
+    border : (n,) 1/mm, `-n . grad s`, from `asterism.previews.sheet.StarShares.border`.
     """
-    share = stars_share(weights)
-    size = model.rim_curl_factor * (1.0 - share) * beside(weights, values.bump_curvature[:-1])
+    size = border * beside(weights, values.tip_slope[:-1])
     x, y = normals.T
     return np.asarray(size[:, None] * np.column_stack([x * x, y * y, x * y]))
 

@@ -81,6 +81,7 @@ def sheet_fields(
     shape: tuple[int, ...],
     arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
     normals: Floats | None = None,
+    border: Floats | None = None,
     early: float | Floats = 0.0,
     carried: Floats | None = None,
     gaussian: Floats | None = None,
@@ -100,6 +101,8 @@ def sheet_fields(
         (`asterism.previews.fields.star_arms`). Without arms, the rest metric is `lam^2 I`.
     normals : (n, 2) normals of free rims (`asterism.previews.edges.free_rim.free_normals`); without them, rims do not
         curl.
+    border : (n,) 1/mm, decrease of the stars' share along the normals (`asterism.previews.edges.free_rim`); without it,
+        rims do not turn.
     early : e above, one number or (S + 1,); see `free_length_share`.
     carried : (S, N) share of the natural curvature that arms carry into a free rim
         (`asterism.previews.edges.rim_arms`).
@@ -147,7 +150,9 @@ def sheet_fields(
         ),
     )
     if normals is not None:
-        rim = rim_curvature(weights, values, normals, model)
+        rim = np.zeros((weights.shape[0], 3))
+        if border is not None:
+            rim += rim_curvature(weights, values, normals, border)
         if carried is not None:
             rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + BENDING_POISSON)
         curvature -= square[..., None] * rim.reshape(*shape, 3)

@@ -41,7 +41,7 @@ class StarValues:
         and to the other side, or hardly, in others.
     tip_heights : (S + 1, 2) mm and mm^2, corrugation at the tips of a star's arms, mean over the arms: flat, and change
         per curvature.
-    bump_curvature : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its
+    tip_slope : (S + 1,) slope `2 B / l` at the tips of a star's bump, a cap of height B over arms of length l, on its
         natural tube.
     tube_curvature : (S + 1,) 1/mm, natural curvature of the tube of largest gain; `kappa` for isotropic stars.
     anisotropy : (S + 1, K) difference between directions, `anisotropy_share` times `homogenize.law.anisotropy`;
@@ -56,7 +56,7 @@ class StarValues:
     not_scale_separated: tuple[int, ...]
     strongly_anisotropic: tuple[int, ...]
     tip_heights: Floats
-    bump_curvature: Floats
+    tip_slope: Floats
     tube_curvature: Floats
     anisotropy: Floats
 
@@ -97,7 +97,7 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
     corrugation = law.corrugation(design, *asked.T)
-    tip_heights, bump_curvature = _bumps(design, law, asked[:, 0], corrugation, values.value["kappa"], model)
+    tip_heights, tip_slope = _bumps(design, law, asked[:, 0], corrugation, values.value["kappa"], model)
     c3, too_much = _bounded_sixfold(values.value, model.max_sixfold_share)
     strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
     return StarValues(
@@ -109,7 +109,7 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
         not_scale_separated,
         strongly_anisotropic,
         tip_heights,
-        bump_curvature,
+        tip_slope,
         tube_curvature,
         anisotropy,
     )
@@ -126,7 +126,7 @@ def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats
 def _bumps(
     design: Design, law: Law, length: Floats, corrugation: Floats, kappa: Floats, model: PreviewModel
 ) -> tuple[Floats, Floats]:
-    """`tip_heights` and `bump_curvature` of stars, see `StarValues`.
+    """`tip_heights` and `tip_slope` of stars, see `StarValues`.
 
     Parameters
     ----------
@@ -141,8 +141,8 @@ def _bumps(
     tip_heights = np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
     tops = corrugation @ law.waves(np.zeros((1, 2)))[0]
     flat, more = (tops - tip_heights).T
-    bump_curvature = 2.0 * (flat + kappa * more) / np.maximum(reach, model.min_bump_radius * lattice.spacing_mm) ** 2
-    return tip_heights, np.where(length > 0.0, bump_curvature, 0.0)
+    tip_slope = 2.0 * (flat + kappa * more) / np.maximum(reach, model.min_bump_radius * lattice.spacing_mm)
+    return tip_heights, np.where(length > 0.0, tip_slope, 0.0)
 
 
 def _placed(line: str, where: Sequence[str]) -> str:

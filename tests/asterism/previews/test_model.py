@@ -22,7 +22,7 @@ ALWAYS = [
     "series bending",
     "Gaussian curvature",
     "roll axis",
-    "curl of free rims",
+    "turn of free rims",
     "arms into free rims",
     "bumps",
     "last arms",
@@ -57,7 +57,7 @@ def test_a_part_that_is_turned_off_changes_a_free_sheet(part: str) -> None:
 
 
 def test_an_edit_keeps_the_model() -> None:
-    model = replace(PREVIEW_MODEL, rim_curl_factor=0.0)
+    model = replace(PREVIEW_MODEL, has_rim_turn=False)
     preview = Preview(Design.from_dict(FREE), plain_law(), model=model)
     preview.update(Design.from_dict(FREE | {"border": {"rings": 1}}))
     assert preview.state.model is model

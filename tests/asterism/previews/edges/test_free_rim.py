@@ -1,4 +1,4 @@
-"""Free rims lie as low as the arms' tips and curl across, not along; held ones do not curl."""
+"""Free rims lie as low as the arms' tips and go on with their slope; held ones do not turn."""
 
 from __future__ import annotations
 
@@ -9,19 +9,16 @@ import pytest
 import scipy.sparse as sp
 
 from asterism.previews.corrugation.bumps import corrugation_heights
-from asterism.previews.edges.free_rim import (
-    free_normals,
-    rim_curvature,
-)
+from asterism.previews.edges.free_rim import free_normals, rim_curvature, stars_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
+from asterism.previews.sheet import StarShares
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
-CURL = PREVIEW_MODEL.rim_curl_factor
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
 VALUES = star_values(TUBE, PLAN, plain_law())
@@ -51,17 +48,35 @@ def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> 
     assert free_normals(alone, places) == pytest.approx(expected)
 
 
-def test_bare_fabric_curls_across_the_rim_by_the_bumps_beside_it() -> None:
+def test_bare_fabric_turns_across_the_rim_by_the_bumps_beside_it() -> None:
     share = np.array([1.0, 0.6, 0.0])
     weights = sp.csr_matrix(share[:, None] * np.eye(1, COUNT))
     normals = np.tile([0.6, 0.8], (3, 1))
-    found = rim_curvature(weights, VALUES, normals)
+    border = np.array([0.0, 0.05, 0.01])
+    found = rim_curvature(weights, VALUES, normals, border)
     # the plain law: one wave, 1 on the star
     wave = plain_law().waves(np.vstack([np.zeros((1, 2)), 10.0 * np.asarray(TUBE.lattice.arm_directions)]))[:, 0]
     top = (0.1 + 0.5 * VALUES.value["kappa"][0]) * 10.0
-    cap = 2.0 * top * (1.0 - wave[1:].mean() / wave[0]) / 10.0**2
-    assert found[1] == pytest.approx(CURL * 0.4 * cap * np.array([0.36, 0.64, 0.48]))
+    slope = 2.0 * top * (1.0 - wave[1:].mean() / wave[0]) / 10.0
+    assert found[1] == pytest.approx(0.05 * slope * np.array([0.36, 0.64, 0.48]))
     assert found[[0, 2]] == pytest.approx(0.0)  # among stars, and far from all of them
+
+
+@pytest.mark.parametrize("half_width", [30.0, 34.0])
+def test_the_rim_turns_by_one_slope_however_wide_it_is(half_width: float) -> None:
+    """The decrease of the share across the rim adds up to the share inside less that at the side."""
+    data = TUBE.to_dict() | {"border": {"rectangle_mm": [2.0 * half_width, 240.0]}, "pins": []}
+    design = Design.from_dict(data)
+    plan = layout(design)
+    across = np.linspace(0.0, half_width, 401)
+    points = np.column_stack([across, np.full(401, 3.0)])
+    shares = StarShares.at(points, design, plan, PREVIEW_MODEL)
+    length = np.full(len(plan.centres), 8.0)
+    share = stars_share(shares.shares(length))
+    near = shares.rim_normals[:, 0] > 0.5
+    turned = np.trapezoid(shares.border(length)[near], across[near])
+    assert turned == pytest.approx(share[near][0] - share[-1], abs=0.02)
+    assert turned > 0.8
 
 
 def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
@@ -89,7 +104,7 @@ def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
         inner, outer = np.split(normals, 2)
         return np.asarray(np.degrees(np.arccos((inner * outer).sum(axis=1))))
 
-    curled, straight = tilt(PREVIEW_MODEL), tilt(replace(PREVIEW_MODEL, rim_curl_factor=0.0))
+    curled, straight = tilt(PREVIEW_MODEL), tilt(replace(PREVIEW_MODEL, has_rim_turn=False))
     if pins:
         assert curled == pytest.approx(straight)
     else:
