@@ -29,7 +29,7 @@ from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
 # steps in spacings across a free rim, over which the decrease of the stars' share is taken
-RIM_STEP = 0.05
+BORDER_STEP = 0.05
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
 
@@ -67,7 +67,7 @@ class StarShares:
         normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_supported_in_plane
         part = rim_curvature_share(layout, lattice.arm_directions, model) if curls else None
         rim = normals.any(axis=1)
-        step = RIM_STEP * lattice.spacing_mm * normals[rim]
+        step = BORDER_STEP * lattice.spacing_mm * normals[rim]
         across = cells.shares(points[rim] - step), cells.shares(points[rim] + step)
         return cls(cells, shares, along, normals, across, lattice.spacing_mm, part)
 
@@ -77,7 +77,7 @@ class StarShares:
         fall = np.zeros(len(self.rim_normals))
         if len(rim):
             inner, outer = (stars_share(shares(length)) for shares in self.across)
-            fall[rim] = (inner - outer) / (2.0 * RIM_STEP * self.spacing_mm)
+            fall[rim] = (inner - outer) / (2.0 * BORDER_STEP * self.spacing_mm)
         return fall
 
 

@@ -145,7 +145,7 @@ def test_free_sheets_say_that_an_edit_keeps_their_form(name: str, said: bool) ->
     preview = Preview(edited(name))
     told = [
         any("start a new preview" in line for line in shape.summary["warnings"])
-        for shape in (preview.shape(), preview.update(edited(name, stars={"thickness_mm": 0.41})))
+        for shape in (preview.shape(), preview.update(edited(name, stars={"thickness_mm": 0.42})))
     ]
     assert told == [False, said]
 
