@@ -14,7 +14,7 @@ A preview without the turn of free rims, and the origin of a constant:
 >>> from dataclasses import replace
 >>> replace(PREVIEW_MODEL, has_rim_turn=False).has_rim_turn
 False
->>> describe("rim_arm_start").origin
+>>> describe("rim_arm_among").origin
 'fitted to sheets'
 """
 
@@ -143,8 +143,8 @@ class PreviewModel:
     rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
     # arms that point into a free rim: edges/rim_arms.py
     has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")
-    rim_arm_start: float = _fitted(0.7, "spacing", "border distance at which an arm carries none", "42 free sheets")
-    rim_arm_full: float = _fitted(1.2, "spacing", "border distance at which an arm carries all", "42 free sheets")
+    rim_arm_start: float = _derived(0.5, "spacing", "border distance at which an arm carries none: no room ahead")
+    rim_arm_full: float = _derived(1.5, "spacing", "border distance at which it carries all: room for a whole cell")
     rim_arm_among: float = _fitted(
         0.2, "-", "share that an arm carries that leads to another star", "42 free sheets; 100x40, 100x85, tube"
     )

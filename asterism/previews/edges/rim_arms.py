@@ -6,8 +6,10 @@ down, or determines the axis about which it rolls. In a free sheet, the addition
 deviator of a strain rosette of the stars half a spacing back along each arm.
 
 **Wide rims.** The tension of the fabric along an arm and beyond its tip bends the arm. An arm that ends at the border
-stays nearly straight; an arm with a wide rim ahead bends as much as one among other stars. With the distance x from the
-star to the border along its arm, in spacings, the arm carries this share of its natural curvature into the rim:
+stays nearly straight; an arm with a wide rim ahead bends as much as one among other stars. If the cell of a star ends
+at the border, the border is half a spacing away; if the rim ahead has room for a whole cell, it is a spacing further
+away. With the distance x from the star to the border along its arm, in spacings, the arm carries this share of its
+natural curvature into the rim:
 
     (x - rim_arm_start) / (rim_arm_full - rim_arm_start), limited to the range from 0 to 1.
 
