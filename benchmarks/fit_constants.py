@@ -42,7 +42,7 @@ from pattern.layout.print_layout import print_layout
 from pattern.layout.symmetries import Symmetry, symmetries
 
 FACTORS = (0.67, 1.5)
-MIN_GAIN_ERRORS = 1.0
+MIN_GAIN_ERRORS = 2.0
 FLOOR_PERCENT = 0.15
 # these constants decide the estimate of the preview's error, not its shape
 ESTIMATES = CONSTANTS

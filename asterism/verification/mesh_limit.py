@@ -14,9 +14,9 @@ from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
 from asterism.results.records.mesh_limit import MeshLimitRecord
-from asterism.shape.comparison import compare_shapes
+from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
-from asterism.verification.numbers import alike
+from asterism.verification.numbers import alike, axes_apart_deg
 from equilibrium.errors import Error
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -25,8 +25,10 @@ from pattern.layout.layout import Layout
 from pattern.layout.symmetries import symmetries
 
 # factor of the sixfold term that keeps the gallery's tube at its axis from edges of 1.92 mm to the limit; with the
-# term itself the axis turns by 22 deg
+# term itself the axis turns by 17 deg
 AXIS_HOLD = 2.0
+# axes of the two previews that are further apart are held
+MAX_AXIS_TURN_DEG = 5.0
 
 
 def mesh_limit(design: Design, law: Law, shown: Shape, plan: Layout) -> MeshLimitRecord | None:
@@ -48,7 +50,7 @@ def mesh_limit(design: Design, law: Law, shown: Shape, plan: Layout) -> MeshLimi
         fine = law_on_mesh(law, design, plan, LIMIT)
         limit = preview(design, fine, plan=plan)
         comparison = compare_shapes(limit, shown, plan, symmetries(design, plan), design.gravity.pull)
-        if None not in comparison.roll_axes_deg and not alike(comparison):
+        if _has_turned(comparison):
             own = law_on_mesh(law, design, plan, design.mesh.edge_mm)
             model = replace(PREVIEW_MODEL, sixfold_factor=AXIS_HOLD * PREVIEW_MODEL.sixfold_factor)
             held, limit = (preview(design, each, plan=plan, model=model) for each in (own, fine))
@@ -65,6 +67,12 @@ def mesh_limit(design: Design, law: Law, shown: Shape, plan: Layout) -> MeshLimi
         distance_percent=comparison.rms_percent,
         wall_s=time.perf_counter() - begun,
     )
+
+
+def _has_turned(comparison: Comparison) -> bool:
+    """Whether both previews are rolled, about different axes."""
+    one, other = comparison.roll_axes_deg
+    return one is not None and other is not None and axes_apart_deg(one, other) > MAX_AXIS_TURN_DEG
 
 
 def has_mesh_limit(design: Design, law: Law | None = None) -> bool:

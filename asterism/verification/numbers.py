@@ -57,8 +57,19 @@ def alike(comparison: Comparison) -> bool:
         return False
     if one is None or other is None:
         return True
+    return axes_apart_deg(one, other) < MAX_LIKE_AXIS_DEG
+
+
+def axes_apart_deg(one: float, other: float) -> float:
+    """Angle between two axes in degrees, at most 90.
+
+    Examples
+    --------
+    >>> axes_apart_deg(175.0, 5.0)
+    10.0
+    """
     apart = abs(one - other) % 180.0
-    return min(apart, 180.0 - apart) < MAX_LIKE_AXIS_DEG
+    return min(apart, 180.0 - apart)
 
 
 def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
