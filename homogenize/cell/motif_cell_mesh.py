@@ -90,6 +90,11 @@ def _stations(motif: MotifGraph, number: int, edge_mm: float) -> Floats:
     places = shapely.points(rod.at(rod.points, along / rod.length))
     for other in _images_beside(motif, number):
         gap = np.minimum(gap, shapely.distance(places, shapely.LineString(other)))
+    if not gap.all():
+        x, y = rod.at(rod.points, along[gap.argmin() : gap.argmin() + 1] / rod.length)[0]
+        raise MeshError(
+            f"two lines touch at ({x:.3g}, {y:.3g}) mm: move the end of one away, or to an end of the other"
+        )
     return graded_steps(along, longest, gap)
 
 

@@ -21,6 +21,7 @@ from homogenize.cell.periodic_mesh import PeriodicMesh
 from homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
 from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
+from pattern.design.errors import MeshError
 from pattern.rods.motif_graph import motif_graph
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.cells import full, shaken
@@ -261,3 +262,11 @@ def test_cells_that_cannot_be_are_refused() -> None:
         UnitCell(motif_design(pattern, rods={"motif": pattern[0], "thickness_mm": {"formula": "0.3 + 0.001*r"}}), EDGE)
     with pytest.raises(ValueError, match="weight"):
         UnitCell(motif_design(pattern, gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
+
+
+def test_a_line_that_ends_beside_a_copy_of_another_is_refused_with_its_place() -> None:
+    lines = [{"line_mm": [[0, 0], [9, 0.5]], "width_mm": 1.0}, {"line_mm": [[0, 0], [0, 9]], "width_mm": 1.0}]
+    rods = {"motif": lines, "thickness_mm": 0.4}
+    design = Design.from_dict({"rods": rods, "lattice": {"kind": "square", "spacing_mm": 9.0}, "border": {"rings": 1}})
+    with pytest.raises(MeshError, match=r"two lines touch at \(9, 0\.5\) mm: move the end of one away"):
+        motif_cell_mesh(motif_graph(design.rods, design.lattice), 1.0)
