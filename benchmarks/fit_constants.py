@@ -4,8 +4,8 @@ python -m benchmarks.fit_constants FOLDER [--write]
 
 FOLDER is that of `benchmarks.frozen.solve`. The constants that change a shape are tried at factors of their values, one
 after the other, on the working half. A value is taken if the distances become smaller by more than `MIN_GAIN_ERRORS`
-standard errors, and its neighbours are tried again until none is better. The other half of the first set, which nothing
-is chosen on, shows how far the choice holds. The estimated errors are fitted after the shapes
+standard errors, and its neighbours are tried again until none is better. The other half of the first set, on which this
+command chooses nothing, shows how far the choice holds. The estimated errors are fitted after the shapes
 (`benchmarks.accuracy.error_model`).
 
 The measure of a choice is the mean logarithm of the distance, as the supports hold the sheet, in % of the diameter, at

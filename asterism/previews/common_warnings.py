@@ -25,9 +25,9 @@ FAR_PERCENT = 2.5
 # why an error is large, by the largest contribution (`asterism.previews.uncertainty.distance_error`)
 CAUSES = {
     "soft": "the sheet is soft, so that small errors of the energy move it far",
-    "stiffness": "its form depends on the balance of bending and membrane",
-    "narrow": "the pins hold the sheet narrower than its natural size, so that it may buckle into another form",
-    "form": "another form has nearly the same energy",
+    "stiffness": "the shape depends on the balance of several stiffnesses",
+    "narrow": "the supports hold the sheet narrower than its natural size, so that it may buckle into another form",
+    "form": "the exact model may take another form",
 }
 
 
@@ -60,6 +60,8 @@ def form_warnings(state: AnyPreviewState, estimate: ErrorEstimate) -> Iterator[s
     if far is not None and far > FAR_PERCENT:
         cause = CAUSES[estimate.main_part]
         yield f"the exact shape may be {far:.1f} % of the diameter away: {cause}; check with the exact model"
+    elif far is None and estimate.sources.size_ratio < MIN_SIZE_RATIO:
+        yield f"{CAUSES['narrow']}; check with the exact model"
     if (other := estimate.close_form) is not None:
         energy = f"nearly the same energy ({100.0 * other.gap:+.1f} %); the exact model may take that form"
         if other.gap < -estimate.energy_uncertainty:

@@ -25,7 +25,7 @@ from typing import Any, Literal
 
 Origin = Literal["derived", "computed from cells", "computed from sheets", "fitted to sheets", "unknown"]
 
-STUDY = "no command repeats the choice; python -m benchmarks.accuracy FOLDER measures what it does"
+STUDY = "python -m benchmarks.fit_constants FOLDER"
 ERRORS = "python -m benchmarks.accuracy.error_model"
 ERROR_DESIGNS = "the designs of accuracy.expectation and accuracy.held"
 
@@ -91,7 +91,7 @@ class PreviewModel:
         "computed from cells", "origin unknown", "cells of the paper's material stay below",
     )  # fmt: skip
     # lengths at rest follow the curvature: fields/sheet_fields.py
-    has_curvature_lengths: bool = _derived(True, "-", "switch: curled sheets contract more than flat ones")
+    has_curvature_lengths: bool = _derived(True, "-", "switch: free sheets contract more where they curl")
     length_turn_rad: float = _of(
         1.5, "rad", "turn over a spacing in which cells make most of that way", "computed from cells",
         "origin unknown", "cells of long thin stars",
@@ -101,7 +101,7 @@ class PreviewModel:
     # Gaussian curvature works against the stress within cells: fields/self_stress.py
     gaussian_area: float = _fitted(
         1.0 / 60.0, "-", "area of the Gaussian modulus, in squared spacings; flat sheets give 1/100 to 1/59",
-        "ribbons and free caps", "python -m benchmarks.self_stress",
+        "ribbons and free caps",
     )  # fmt: skip
     # the metric where stars change: fields/star_arms.py
     has_rosette_metric: bool = _derived(True, "-", "switch: fabric along an arm contracts as that arm's star does")
@@ -109,9 +109,7 @@ class PreviewModel:
     last_arm_margin: float = _unknown(0.3, "spacing", "an arm is a last one if the next star is further away by this")
     # smoothed cells: fields/star_cells.py
     smoothing_per_arm: float = _fitted(
-        0.4,
-        "-",
-        "width of the Gaussian over the length of the arms",
+        0.4, "-", "width of the Gaussian over the length of the arms",
         "random-10, random-04, random-44, fig8-h-increasing",
     )  # fmt: skip
     cell_radius: float = _unknown(0.6, "spacing", "a bump ends at this distance from its star")

@@ -117,7 +117,7 @@ def _pictures(fitted: Fit) -> list[str]:
         figures(
             [
                 (contraction_map(fitted), "needed on the print; red stars cannot contract so"),
-                (contraction_ranges(fitted), "what each star needs, and what stars have at the curvature of its place"),
+                (contraction_ranges(fitted), "what each star needs, and the range that stars have"),
             ]
         ),
     ]

@@ -134,7 +134,7 @@ def section(
             markdown(NAMES, tables[2]),
             "Other outlines and pins (`benchmarks/accuracy/unlike.py`):",
             markdown(NAMES, tables[3]),
-            "The ninety drawn last, those that miss:",
+            "Of those drawn last and compared, those that miss:",
             markdown(NAMES, tables[4]),
         ]
     )

@@ -3,7 +3,7 @@
 python -m benchmarks.accuracy.free_rims FOLDER FROZEN_FOLDER
 
 The rim turns beyond the tips of the arms (`asterism.previews.edges.free_rim`, no fitted constant), and the arms bend it
-(`asterism.previews.edges.rim_arms`, three). FOLDER is that of the study, and FROZEN_FOLDER that of
+(`asterism.previews.edges.rim_arms`, one). FOLDER is that of the study, and FROZEN_FOLDER that of
 `benchmarks.frozen.solve`; designs without exact shapes there are left out. Frozen designs are those of the first set.
 """
 

@@ -4,8 +4,7 @@ python -m benchmarks.frozen.compare FOLDER [--half sealed] [--open-second-set] [
 
 FOLDER is that of `benchmarks.frozen.solve`; it keeps finished comparisons as long as the preview and its code stay the
 same. The working half is compared, or with `--half sealed` the half that judged an earlier model and is open since.
-**The second set is sealed**: it judges the preview model after the last change, and is opened once, then;
-`--open-second-set` does. Whoever compares it before has no judge left.
+`--open-second-set` compares the second set, which judged the model of 26 November 2026.
 """
 
 from __future__ import annotations

@@ -62,7 +62,7 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)
     gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.external_gradient(start))
-    move = shell.move(np.zeros_like(start), _newton_step(shell, start, factor, gradient))
+    move = shell.move(np.zeros_like(start), newton_step(shell, start, factor, gradient))
     largest = float(np.abs(move).max())
     limit = MAX_STEP * shell.extent
     return Response(start + (move if largest <= limit else limit / largest * move), shell, start, strains)
@@ -74,11 +74,11 @@ def _response_to_moved_supports(shell: Shell, x: Floats, moved: Floats, factor: 
     _, stress, stiffness = shell.density(strains)
     forces = shell.assembly.forces(x, stress) + shell.external_gradient(x)
     forces = forces + shell.assembly.product(shell.assembly.tangent(x, stiffness, stress), moved)
-    move = shell.move(moved, _newton_step(shell, x, factor, shell.restrict(forces)))
+    move = shell.move(moved, newton_step(shell, x, factor, shell.restrict(forces)))
     return Response(x + move, shell, x, strains)
 
 
-def _newton_step(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:
-    """(n,) Newton step for a gradient (n,) over the free unknowns, without the free rigid motions."""
+def newton_step(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:
+    """(n,) or (n, k) Newton steps for gradients over the free unknowns, without the free rigid motions."""
     step, rigid = -factor.solve(gradient), shell.rigid_modes(x)
     return np.asarray(step - rigid @ (rigid.T @ step))

@@ -13,6 +13,7 @@ import numpy as np
 
 from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
+from fem.search.linear_response import newton_step
 from fem.shell.density import Density
 from fem.shell.shell import Shell
 
@@ -29,8 +30,7 @@ def stiffness_responses(shell: Shell, x: Floats, factor: Factor) -> Floats:
     x : (N, 3) mm, equilibrium; the factor holds the Hessian there.
     """
     forces = np.stack([shell.restrict(shell.assembly.forces(x, each)) for each in part_stresses(shell, x)], axis=1)
-    moves, rigid = -np.asarray(factor.solve(forces)), shell.rigid_modes(x)
-    return np.asarray(moves - rigid @ (rigid.T @ moves))
+    return newton_step(shell, x, factor, forces)
 
 
 def part_stresses(shell: Shell, x: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -40,15 +40,13 @@ def part_stresses(shell: Shell, x: Floats) -> tuple[Floats, Floats, Floats, Floa
     gaussian = np.zeros_like(strains)
     gaussian[..., 3:] = modulus[..., None] * np.stack([b22, b11, -0.5 * double_b12], axis=-1)
     linear = np.einsum("tqab,tqb->tqa", density.stiffness, strains) + density.prestress
-    bent = Density(
-        np.zeros((6, 6)), density.sixfold, density.orientation, density.saturation
-    )(strains)[1]  # fmt: skip
+    sixfold = Density(np.zeros((6, 6)), density.sixfold, density.orientation, density.saturation)(strains)[1]
     plane = np.linalg.solve(density.stiffness[..., :3, :3], linear[..., :3, None])[..., 0]
     membrane = np.einsum("tqab,tqb->tqa", density.stiffness[..., :3], plane)
     bending = linear - membrane - gaussian
     if density.term is not None:
         membrane = membrane + density.term(strains.reshape(-1, 6))[1].reshape(strains.shape)
-    return membrane, bending, bent, gaussian
+    return membrane, bending, sixfold, gaussian
 
 
 def rms_of(shell: Shell, x: Floats, moves: Floats) -> Floats:

@@ -19,6 +19,8 @@ from pattern.rods.motif_graph import MotifGraph
 MIN_EDGES_A_CELL = 3
 # places along a rod, for the distance to other rods
 _FINE = 128
+# lines that are nearer to each other than this touch
+TOUCH_MM = 1e-6
 
 
 def motif_cell_mesh(
@@ -90,7 +92,7 @@ def _stations(motif: MotifGraph, number: int, edge_mm: float) -> Floats:
     places = shapely.points(rod.at(rod.points, along / rod.length))
     for other in _images_beside(motif, number):
         gap = np.minimum(gap, shapely.distance(places, shapely.LineString(other)))
-    if not gap.all():
+    if gap.min() < TOUCH_MM:
         x, y = rod.at(rod.points, along[gap.argmin() : gap.argmin() + 1] / rod.length)[0]
         raise MeshError(
             f"two lines touch at ({x:.3g}, {y:.3g}) mm: move the end of one away, or to an end of the other"

@@ -20,7 +20,7 @@ stiffnesses are averaged, and the curvatures themselves. For a place with contra
   where cos(6 phi) is -1 and 1.
 
 **Curled sheets contract more.** `lam` is the contraction of the natural tube. Most stars contract less in a flat sheet,
-to `lam_flat`. The rest metric follows the curvature:
+to `lam_flat`. The rest metric of a free sheet follows the curvature:
 
     a = (lam^2 + e (lam_flat^2 - lam^2) (1 + tr b / (kappa lam^2))) I.
 

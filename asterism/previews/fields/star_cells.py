@@ -59,12 +59,12 @@ class Shares:
 
     @cached_property
     def wide(self) -> sp.csr_matrix:
-        """(n, S) shares of stars with long arms."""
+        """(n, S) shares with the largest width."""
         return self._by_width(self._widths[0])
 
     @cached_property
     def narrow(self) -> sp.csr_matrix:
-        """(n, S) shares of stars with short arms."""
+        """(n, S) shares with the smallest width."""
         return self._by_width(self._widths[1])
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
@@ -95,7 +95,7 @@ class Shares:
 def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) interpolation between the smallest width (0) and the largest (1), for lengths (n,) and a spacing in mm."""
     shortest = MIN_WIDTH / model.smoothing_per_arm
-    return np.clip((length / spacing - shortest) / (HALF_WAY - shortest), 0.0, 1.0)
+    return np.clip((length / spacing - shortest) / max(HALF_WAY - shortest, 1e-9), 0.0, 1.0)
 
 
 def _entries(matrix: sp.csr_matrix) -> tuple[Ints, Ints]:

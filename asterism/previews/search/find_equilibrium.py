@@ -3,8 +3,8 @@
 1. The initial guesses of `fem.search`: caps, tubes about several axes, saddles; the most promising ones are followed.
 2. Where experience shows that other forms are likely, more are tried: caps for free sheets whose stars curl within
    their own spacing; other kinds of guesses for free sheets without symmetry that have two near-zero modes; the flat
-   sheet for supported sheets that come out inverted; both sides of the softest mode for supported sheets with two
-   near-zero modes; caps and arcs for supported sheets that are narrower than their natural size.
+   sheet for supported sheets that come out inverted; both sides of the softest mode for supported sheets with
+   two soft modes; caps and arcs for supported sheets that are narrower than their natural size.
 3. If one side is asked for, the lowest minimum on that side.
 """
 
@@ -43,7 +43,7 @@ CAP_CURVATURES = (1.0, 0.7)
 ROLLED = {"arc", "bent", "saddle"}
 # kinds of initial guesses that are not flat
 KINDS = ROLLED | {"cap"}
-# supported sheets whose second near-zero mode has a larger amplitude, in % of the diameter, are perturbed
+# supported sheets whose second softest mode has a larger amplitude, in % of the diameter, are perturbed; chosen by hand
 PERTURBED_AMPLITUDE_PERCENT = 10.0
 # amplitude of the perturbation, over the size of the sheet
 PERTURBATION = 0.04

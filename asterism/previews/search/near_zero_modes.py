@@ -18,7 +18,7 @@ from fem.shell.shell import Shell
 
 # smaller and negative eigenvalues are replaced by this one
 MIN_STIFFNESS_N_MM3 = 1e-12
-# % of the diameter: with a larger second amplitude the search tries further initial guesses
+# % of the diameter: with a larger second amplitude the search tries further initial guesses; chosen by hand
 SECOND_AMPLITUDE_PERCENT = 18.0
 
 
@@ -55,7 +55,7 @@ def has_two_near_zero_modes(amplitudes: Floats, percent: float = SECOND_AMPLITUD
 def is_equilibrium_near_another(
     shell: Shell, equilibrium: ShellEquilibrium, size: float, percent: float = SECOND_AMPLITUDE_PERCENT
 ) -> bool:
-    """Whether the equilibrium of a sheet with a diameter of about `size` mm has two near-zero modes of a size."""
+    """Whether a sheet with a diameter of about `size` mm has two modes with amplitudes above `percent`."""
     area = float(shell.assembly.weights.sum())
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
     return has_two_near_zero_modes(amplitudes, percent)

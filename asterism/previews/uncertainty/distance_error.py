@@ -36,7 +36,7 @@ COVERAGE = 1.645
 
 
 def distance_error_percent(sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL) -> float | None:
-    """The estimated error in % of the diameter; None without two near-zero modes.
+    """The estimated error in % of the diameter; None with fewer than two computed modes.
 
     Examples
     --------

@@ -17,7 +17,8 @@ class ErrorEstimate:
 
     Attributes
     ----------
-    distance_percent : nine of ten exact shapes are nearer, rms, in % of the diameter; None if no estimate is available.
+    distance_percent : rms distance to the exact shape in % of the diameter, fitted so that nine of ten exact shapes are
+        nearer; None if no estimate is available.
     height_percent : error of the height in % of it; None if no estimate is available.
     sources : from which both are computed.
     main_part : the largest contribution to the distance, a key of `distance_parts`.

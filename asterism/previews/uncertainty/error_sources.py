@@ -28,7 +28,7 @@ class ErrorSources:
     diameter_mm : of the shape.
     amplitudes_percent : (k,) of the near-zero modes, the largest first.
     stiffness_percent : (4,) responses per relative error of each of `fem.search.stiffness_response.STIFFNESSES`.
-    size_ratio : size that the supports allow over the natural size; inf for free sheets.
+    size_ratio : size that the supports allow over the natural size; inf unless two points are fixed in all directions.
     other_forms : minima that are not the one shown, the lowest first.
     height : of the height; None without a certain height.
     """

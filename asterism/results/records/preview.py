@@ -162,7 +162,7 @@ class PreviewRecord(ShapeRecord):
     )
     expected_rms_percent: float | None = key(
         "Estimated error: rms distance from the exact shape in percent of the diameter, measured as a verification "
-        "does; null if no estimate is available. Nine of ten designs are nearer.",
+        "does; null if no estimate is available. Fitted so that nine of ten designs are nearer.",
         unit="%",
         label="estimated error",
         show=_expected_distance,

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
-from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
+from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.print.known_printers import size_warning
 from pattern import gallery
 from pattern.layout.load_design import load_design
 
-# a template's estimated error may be this part of its diameter, apart from buckling: arches are held narrow on purpose
+# % of the diameter: the estimated error of a template whose supports do not hold it narrow
 MAX_ERROR_PERCENT = 4.0
 
 
@@ -33,7 +31,10 @@ def test_a_template_is_certified_and_printable(name: str) -> None:
     assert design.name == name and not list(size_warning(design))
     # one or two layers of the printers that are listed
     assert design.required_stars.thickness_mm in (0.3, 0.4)
-    summary = preview(design, model=replace(PREVIEW_MODEL, buckling_share=0.0)).summary
+    summary = preview(design).summary
     assert summary.is_minimum and summary.law_in_range and not summary.self_intersections
-    assert summary.expected_rms_percent < MAX_ERROR_PERCENT
+    if summary.size_ratio is None or summary.size_ratio >= MIN_SIZE_RATIO:
+        assert summary.expected_rms_percent < MAX_ERROR_PERCENT
+    else:  # the supports bring the ends together: the sheet may buckle into another form, as a warning says
+        assert any("narrower than its natural size" in line for line in summary.warnings)
     assert summary.height_mm > 25.0

@@ -51,7 +51,7 @@ def test_the_response_is_that_of_a_shell_with_another_stiffness() -> None:
     factor = shell.factor()
     start = relax(shell, factor)
     moves = stiffness_responses(shell, start.x, factor)
-    distances, area = rms_of(shell, start.x, moves), shell.assembly.weights.sum()
+    distances = rms_of(shell, start.x, moves)
     largest = np.abs(moves).max()
     assert np.abs(moves.sum(axis=1)).max() < 1e-6 * largest  # a common error moves nothing
     for k, part in enumerate(STIFFNESSES):
@@ -61,4 +61,4 @@ def test_the_response_is_that_of_a_shell_with_another_stiffness() -> None:
         (left,) = rms_of(shell, start.x, (apart - moves[:, k])[:, None])
         assert found.is_minimum and turned == pytest.approx(distances[k], rel=0.02)
         assert left < 0.05 * distances[k], part
-        assert 0.0 < distances[k] < largest and area > 0.0
+        assert 0.0 < distances[k] < largest

@@ -22,6 +22,7 @@ from homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_fl
 from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
 from pattern.design.errors import MeshError
+from pattern.design.lattice import Lattice
 from pattern.rods.motif_graph import motif_graph
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.cells import full, shaken
@@ -264,9 +265,12 @@ def test_cells_that_cannot_be_are_refused() -> None:
         UnitCell(motif_design(pattern, gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
 
 
-def test_a_line_that_ends_beside_a_copy_of_another_is_refused_with_its_place() -> None:
-    lines = [{"line_mm": [[0, 0], [9, 0.5]], "width_mm": 1.0}, {"line_mm": [[0, 0], [0, 9]], "width_mm": 1.0}]
-    rods = {"motif": lines, "thickness_mm": 0.4}
-    design = Design.from_dict({"rods": rods, "lattice": {"kind": "square", "spacing_mm": 9.0}, "border": {"rings": 1}})
-    with pytest.raises(MeshError, match=r"two lines touch at \(9, 0\.5\) mm: move the end of one away"):
+@pytest.mark.parametrize(("kind", "aside"), [("square", 0.05), ("triangular", 0.03)])
+def test_a_line_that_ends_beside_a_copy_of_another_is_refused_with_its_place(kind: str, aside: float) -> None:
+    lattice = {"kind": kind, "spacing_mm": 10.0}
+    one, other = np.asarray(Lattice.model_validate(lattice).vectors)
+    ends = [one.tolist(), (other + aside * one).tolist()]
+    rods = {"motif": [{"line_mm": [[0, 0], end], "width_mm": 1.0} for end in ends], "thickness_mm": 0.4}
+    design = Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rings": 1}})
+    with pytest.raises(MeshError, match=r"two lines touch at \(.*\) mm: move the end of one away"):
         motif_cell_mesh(motif_graph(design.rods, design.lattice), 1.0)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from asterism.previews.common_warnings import CAUSES, FAR_PERCENT, form_warnings
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.uncertainty.distance_error import COVERAGE, distance_error_percent, distance_parts
@@ -18,6 +21,11 @@ from equilibrium.arrays import Floats
 
 UNSURE, MESH = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.mesh_error_percent
 STIFF = np.zeros(2)
+
+# a state with a certified minimum, as far as warnings of other forms ask
+MINIMUM: Any = SimpleNamespace(
+    equilibrium=SimpleNamespace(guess="cap", converged=True, definite=True), is_supported=True
+)
 
 
 def expected(amplitudes: Floats, **more: Any) -> float:
@@ -76,8 +84,15 @@ def test_the_main_part_is_the_largest():
     for name, sources in cases.items():
         estimate = ErrorEstimate.of(sources, PREVIEW_MODEL, is_known=True)
         assert estimate.main_part == name and (estimate.distance_percent or 0.0) > MESH
+        (line, *_) = form_warnings(MINIMUM, estimate)
+        assert line.startswith("the exact shape may be") and CAUSES[name] in line
     unknown = ErrorEstimate.of(cases["soft"], PREVIEW_MODEL, is_known=False)
     assert unknown.distance_percent is None and unknown.height_percent is None
+    assert not list(form_warnings(MINIMUM, unknown))
+    (line,) = form_warnings(MINIMUM, ErrorEstimate.of(cases["narrow"], PREVIEW_MODEL, is_known=False))
+    assert line.startswith(CAUSES["narrow"])
+    small = replace(unknown, distance_percent=0.99 * FAR_PERCENT)
+    assert not list(form_warnings(MINIMUM, small))
 
 
 def test_one_soft_motion_is_forgiven():
