@@ -28,7 +28,8 @@ def contraction(found: Comparison, model: int, part: Callable[[Floats, Floats], 
 def test_the_tunnel_is_a_cylinder_clear_of_itself(model: int) -> None:
     found = both("tunnel")
     most, least = middles(found)[model]
-    assert abs(least) < 0.25 * most
+    # the preview bends the middle along the tunnel too, by a third of the curvature across; the exact model does not
+    assert abs(least) < (0.25, 0.4)[model] * most
     # it stands on two edges, and nothing reaches from one half of it to the other
     places = (found.reference, found.other)[model].at(found.layout.centres)
     left = found.layout.centres[:, 0] < -20.0
