@@ -28,7 +28,7 @@ from homogenize.errors import LawError
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
-# steps in spacings across a free rim, over which the decrease of the stars' share is taken
+# spacings: half of the distance across a free rim over which the decrease of the stars' share is taken
 BORDER_STEP = 0.05
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
@@ -74,11 +74,11 @@ class StarShares:
     def border(self, length: Floats) -> Floats:
         """(n,) 1/mm, decrease of the stars' share across free rims, for arm lengths (S,) in mm; zero elsewhere."""
         rim = np.flatnonzero(self.rim_normals.any(axis=1))
-        fall = np.zeros(len(self.rim_normals))
+        decrease = np.zeros(len(self.rim_normals))
         if len(rim):
             inner, outer = (stars_share(shares(length)) for shares in self.across)
-            fall[rim] = (inner - outer) / (2.0 * BORDER_STEP * self.spacing_mm)
-        return fall
+            decrease[rim] = (inner - outer) / (2.0 * BORDER_STEP * self.spacing_mm)
+        return decrease
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ class DesignTexts:
 
     Attributes
     ----------
-    on_disk : what the file of the document holds, as far as the document knows.
+    on_disk : text that was last read from the document's file, or written to it; None without a file.
     saved_revision : of the state that the file holds; -1 without one.
 
     Examples

@@ -111,19 +111,17 @@ def _lowest_on_any_side(
         if tube.is_minimum:
             return tube
     equilibrium = relax(shell, factor, side, symmetries=turns, energy_tie=model.energy_tie)
-    guesses = candidate_shapes(means, size, side)
+    guesses, natural_size = candidate_shapes(means, size, side), means.stretch * size
     if free:
-        near_another = is_equilibrium_near_another(shell, equilibrium, means.stretch * size)
+        near_another = is_equilibrium_near_another(shell, equilibrium, natural_size)
         return _lowest_free(shell, factor, equilibrium, side, traits, guesses, near_another)
     right_side = means.side if side == "auto" else side
     if equilibrium.is_minimum and equilibrium.guess != "flat" and is_inverted(shell, equilibrium.x, right_side):
         flat = [shape for shape in guesses if shape.name == "flat"]
         equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
-    size_mm = means.stretch * size
-    near_another = is_equilibrium_near_another(shell, equilibrium, size_mm, PERTURBED_AMPLITUDE_PERCENT)
     if not equilibrium.is_minimum:
         return equilibrium
-    if near_another:
+    if is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT):
         return perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
     return buckle(shell, factor, equilibrium, means, guesses) if is_narrow(means) else equilibrium
 
