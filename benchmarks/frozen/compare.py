@@ -1,10 +1,11 @@
 """The preview against the exact model on the frozen designs, as their supports hold them.
 
-python -m benchmarks.frozen.compare FOLDER [--half sealed] [--open-second-set] [NAME ...]
+python -m benchmarks.frozen.compare FOLDER [--half sealed] [--open-second-set | --open-third-set] [NAME ...]
 
 FOLDER is that of `benchmarks.frozen.solve`; it keeps finished comparisons as long as the preview and its code stay the
 same. The working half is compared, or with `--half sealed` the half that judged an earlier model and is open since.
-`--open-second-set` compares the second set, which judged the model of 26 November 2026.
+`--open-second-set` compares the second set, which judged the model of 26 November 2026, and `--open-third-set` the
+third.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.held import HEADER as DESIGN_HEADER
 from benchmarks.accuracy.held import line
 from benchmarks.accuracy.report import HEIGHT_FAR, announced, height_announced, height_missed, missed
-from benchmarks.frozen.draw import FREE, HALVES, KINDS, SEALED, SECOND, SUPPORTED, WORKING, frozen
+from benchmarks.frozen.draw import FREE, HALVES, KINDS, LATER, SEALED, SUPPORTED, WORKING, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
 
@@ -37,11 +38,13 @@ Row = dict[str, Any]
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.compare")
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--half", choices=HALVES, default=WORKING)
-    parser.add_argument("--open-second-set", action="store_true")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--half", choices=HALVES, default=WORKING)
+    for each in LATER:
+        which.add_argument(f"--open-{each}-set", dest="half", action="store_const", const=each)
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
-    half = SECOND if options.open_second_set else options.half
+    half = options.half
     rows, without = [], []
     for kind, design in frozen(half):
         if options.names and design.name not in options.names:
@@ -55,7 +58,7 @@ def main() -> None:
     text = section(rows, without)
     print(text)
     if not options.names:
-        flag = {WORKING: "", SEALED: " --half sealed", SECOND: " --open-second-set"}[half]
+        flag = {WORKING: "", SEALED: " --half sealed"}.get(half, f" --open-{half}-set")
         write_report(f"frozen.{half}", rows, text, command=f"python -m benchmarks.frozen.compare FOLDER{flag}")
 
 

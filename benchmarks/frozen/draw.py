@@ -1,12 +1,13 @@
-"""The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and the second set.
+"""The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and two later sets.
 
-python -m benchmarks.frozen.draw [--second]
+python -m benchmarks.frozen.draw [--second | --third]
 
 Six kinds: free sheets and supported sheets with the outlines of `benchmarks.accuracy.held_designs`, canopies on four
 to six needles, ribbons, held edges under weight, and stars of four to six arms. The command writes the designs into
 benchmarks/results. The other commands read them from there, so that a later change of what can be printed does not
 draw other ones; for the same reason the command does not replace other designs. The second set has the same kinds and
-counts as both halves together. It was drawn when both halves had judged a preview model, and judges the next one.
+counts as both halves together. It was drawn when both halves had judged a preview model, and judges the next one. The
+third set has half as many designs of each kind, but all of the unlike stars; it was drawn when the second was open.
 """
 
 from __future__ import annotations
@@ -30,21 +31,23 @@ from pattern.geometry.planar import polygon_area
 from pattern.layout.build import layout
 
 WORKING, SEALED = HALVES = ("working", "sealed")
-SECOND = "second"
-GROUPS = (*HALVES, SECOND)
+SECOND, THIRD = LATER = ("second", "third")
+GROUPS = (*HALVES, *LATER)
 FREE, SUPPORTED, CANOPY, RIBBON, WEIGHT, ARMS = KINDS = (
     "free", "supported", "canopy", "ribbon", "weight", "arms",
 )  # fmt: skip
 COUNTS = {FREE: 20, SUPPORTED: 20, CANOPY: 16, RIBBON: 8, WEIGHT: 8, ARMS: 8}
+LATER_COUNTS = {SECOND: COUNTS, THIRD: {FREE: 10, SUPPORTED: 10, CANOPY: 8, RIBBON: 4, WEIGHT: 4, ARMS: 8}}
 STARS = (12, 130)  # fewest and most
 # fewest and most stars that the area of an outline is drawn for
 AIMED_STARS = {FREE: (14, 80), SUPPORTED: (14, 80), CANOPY: (40, 125), WEIGHT: (14, 60), ARMS: (14, 40)}
 CELL_MM2 = DEFAULT_SPACING_MM**2 * np.sqrt(3.0) / 2.0
-SEED, SECOND_SEED, SPLIT_SEED = 38, 39, 3838
+SEED, SPLIT_SEED = 38, 3838
+LATER_SEEDS = {SECOND: 39, THIRD: 40}
 # lattice, arms, turn in degrees
 OTHER_STARS = [("square", 4, 0), ("triangular", 5, 0), ("square", 6, 0), ("triangular", 4, 30)]
 
-NAME, SECOND_NAME = "frozen.draw", "frozen.draw.second"
+NAME = "frozen.draw"
 
 Data = dict[str, Any]
 
@@ -52,10 +55,12 @@ Data = dict[str, Any]
 def main() -> int:
     """Write all designs of a set; exit status 1 if other ones are there."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.draw")
-    parser.add_argument("--second", action="store_true")
-    is_second = parser.parse_args().second
-    groups = {SECOND: second_designs()} if is_second else drawn_designs()
-    name = SECOND_NAME if is_second else NAME
+    which = parser.add_mutually_exclusive_group()
+    for each in LATER:
+        which.add_argument(f"--{each}", dest="later", action="store_const", const=each)
+    later = parser.parse_args().later
+    groups = {later: later_designs(later)} if later else drawn_designs()
+    name = _name(later)
     rows: list[Data] = [
         {"half": group, "kind": kind, "stars": len(layout(design).centres), "design": design.to_dict()}
         for group, designs in groups.items()
@@ -69,16 +74,15 @@ def main() -> int:
     for row in rows:
         stars[row["kind"], row["half"]].append(str(row["stars"]))
     lines = [[kind, *(" ".join(stars[kind, group]) for group in groups)] for kind in KINDS]
-    flag = " --second" if is_second else ""
-    header = ["kind", *("stars, second set" if group == SECOND else f"stars, {group} half" for group in groups)]
+    flag = f" --{later}" if later else ""
+    header = ["kind", *(f"stars, {group} {'set' if group in LATER else 'half'}" for group in groups)]
     write_report(name, rows, markdown(header, lines), command=f"python -m benchmarks.frozen.draw{flag}")
     return 0
 
 
 def frozen(group: str) -> list[tuple[str, Design]]:
-    """The designs of a half, or of the second set, as they were written, each with its kind."""
-    name = SECOND_NAME if group == SECOND else NAME
-    content = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    """The designs of a half, or of a later set, as they were written, each with its kind."""
+    content = json.loads((RESULTS / f"{_name(group)}.json").read_text(encoding="utf-8"))
     return [(row["kind"], Design.from_dict(row["design"])) for row in content["rows"] if row["half"] == group]
 
 
@@ -98,10 +102,12 @@ def drawn_designs() -> dict[str, list[tuple[str, Design]]]:
     return halves
 
 
-def second_designs() -> list[tuple[str, Design]]:
-    """The designs of the second set, each with its kind."""
+def later_designs(group: str) -> list[tuple[str, Design]]:
+    """The designs of a later set, each with its kind."""
     return [
-        (kind, drawn(kind, number, SECOND_SEED, "second")) for kind, count in COUNTS.items() for number in range(count)
+        (kind, drawn(kind, number, LATER_SEEDS[group], group))
+        for kind, count in LATER_COUNTS[group].items()
+        for number in range(count)
     ]
 
 
@@ -195,6 +201,11 @@ def _stars(rng: np.random.Generator, outline: Floats) -> Data:
 
 def _fabric(rng: np.random.Generator) -> Data:
     return {"fabric": {"stretch": 1.35 if rng.random() < 0.8 else 1.75}}
+
+
+def _name(group: str | None) -> str:
+    """Of the file in benchmarks/results that holds a group."""
+    return f"{NAME}.{group}" if group in LATER else NAME
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """The exact shapes of the frozen designs, from the released sheet and from the preview.
 
-python -m benchmarks.frozen.solve FOLDER [--half sealed | second] [NAME ...] [--table]
+python -m benchmarks.frozen.solve FOLDER [--half sealed | second | third] [NAME ...] [--table]
 
 FOLDER keeps shapes, as in the study (`benchmarks.accuracy.exact`), and laws of stars with four to six arms; finished
 ones are not computed again. The preview is a start of the exact model and is compared with nothing: that would open
 the sealed designs. --table solves nothing, and writes energies and certificates of all shapes in FOLDER, of both
-halves and the second set, into benchmarks/results.
+halves and the later sets, into benchmarks/results.
 """
 
 from __future__ import annotations
