@@ -29,7 +29,8 @@ CLOSE = 1.0  # % of the diameter: of sheets within it few should carry a warning
 HEADER = [
     "kind", "designs", "rms, median %", "nine in ten %", "largest %", "after a rigid motion, median %", "same form",
     "height, median %", f"heights within {HEIGHT_FAR:g} %", "others announced", "misses", "announced",
-    "rms within expected", f"within {CLOSE:g} %", "of these with a warning",
+    "rms within expected", f"within {CLOSE:g} %", "of these with a warning", "exact, two meshes, median %",
+    "exact, two meshes, nine in ten %", "previews closer than that",
 ]  # fmt: skip
 
 Row = dict[str, Any]
@@ -81,6 +82,8 @@ def _totals(rows: Sequence[Row]) -> list[str]:
     far, high = [row for row in rows if missed(row)], [row for row in rows if height_missed(row)]
     known = [row for row in rows if row["expected_rms_percent"] is not None]
     close = [row for row in rows if row["rms_percent"] <= CLOSE]
+    meshes = [row for row in rows if row["mesh_change_percent"] is not None]
+    changes = np.array([row["mesh_change_percent"] for row in meshes])
     return [
         str(len(rows)),
         f"{np.median(rms):.2f}",
@@ -96,6 +99,9 @@ def _totals(rows: Sequence[Row]) -> list[str]:
         f"{sum(row['rms_percent'] <= row['expected_rms_percent'] for row in known)} of {len(known)}",
         f"{len(close)}",
         f"{sum(bool(row['warnings']) for row in close)}",
+        f"{np.median(changes):.2f}",
+        f"{np.quantile(changes, 0.9):.2f}",
+        f"{sum(row['rms_percent'] < row['mesh_change_percent'] for row in meshes)} of {len(meshes)}",
     ]
 
 
