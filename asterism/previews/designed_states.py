@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from asterism.previews.kinds import kind_of
+from asterism.previews.kept_prints import keep_print, kept_print
+from asterism.previews.kinds import kind_of, serves
 from asterism.previews.model import PreviewModel
 from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.solve import at_form, carried, state_from_guesses, state_without_search, with_pattern
@@ -45,8 +46,7 @@ class EvaluatedDesign:
 
     def is_same_print(self, state: AnyPreviewState) -> bool:
         """Whether the sheet of a state serves this design."""
-        sheet = state.sheet
-        return type(kind_of(sheet.design)) is type(self.kind) and bool(sheet.is_same_print(self.design, self.plan))
+        return serves(state.sheet, self.design, self.plan)
 
 
 class DesignedStates:
@@ -121,12 +121,24 @@ class DesignedStates:
         return EvaluatedDesign(design, plan, kind, law, values)
 
     def new(self, new: EvaluatedDesign, side: Side, model: PreviewModel) -> AnyPreviewState:
-        """The state of a design on a new sheet, from guesses."""
-        sheet = self.clock("mesh", new.kind.sheet, new.design, new.plan, self.triangles, model)
+        """The state of a design from guesses, on a new sheet or on a kept one of the same print."""
+        kept = kept_print(new.design, new.plan, self.triangles, model)
+        if kept is None:
+            sheet = self.clock("mesh", new.kind.sheet, new.design, new.plan, self.triangles, model)
+        else:
+            sheet = self.clock("mesh", kept.sheet.with_pattern, new.design, new.plan)
         count = sheet.space.mesh.nelements
         patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
         self.say(f"{new.kind.size_in_words(new.plan)} on {count} triangles{patience}")
-        return state_from_guesses(sheet, new.law, new.values, side, self.clock, self.watch)
+        state = state_from_guesses(sheet, new.law, new.values, side, self.clock, self.watch)
+        if kept is not None:
+            state = replace(state, shown=self.clock("shown", kept.shown_on, sheet))
+        self.keep(state)
+        return state
+
+    def keep(self, state: AnyPreviewState) -> None:
+        """Keep the print of a state for further previews."""
+        keep_print(state, self.triangles)
 
     def printed(self, new: EvaluatedDesign, state: AnyPreviewState) -> AnyPreviewState:
         """The state of a design on a new sheet, before a search."""

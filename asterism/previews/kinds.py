@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from asterism.previews.pattern_kind import PatternKind
+from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.star_kind import StarKind
 from pattern.design.design import Design
+from pattern.layout.layout import Layout
 
 
 def kind_of(design: Design) -> PatternKind:
@@ -14,3 +16,8 @@ def kind_of(design: Design) -> PatternKind:
 
         return MotifKind()
     return StarKind()
+
+
+def serves(sheet: PrintSheet, design: Design, plan: Layout) -> bool:
+    """Whether a sheet serves a design with its layout: the same print, and a pattern of the same kind."""
+    return type(kind_of(sheet.design)) is type(kind_of(design)) and sheet.is_same_print(design, plan)

@@ -6,7 +6,7 @@ Kinds of patterns differ in their fields and their weight, which subclasses give
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
 
@@ -25,6 +25,7 @@ from fem.supports.conditions import ConditionError, impose_conditions
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.layout import Layout
+from pattern.layout.supports import PinSet
 from pattern.layout.symmetries import Symmetry, symmetries
 from pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
 
@@ -45,6 +46,7 @@ class PrintSheet(ABC):
     mesh : coarse triangles of the shell.
     space : C1 quintic elements on these triangles.
     table : shape functions at the quadrature points.
+    shells : for each step a shell of this print, and the pins of its supports. Sheets of one print share them.
     """
 
     design: Design
@@ -53,6 +55,7 @@ class PrintSheet(ABC):
     mesh: SheetMesh
     space: Argyris
     table: Tabulation
+    shells: dict[int, tuple[tuple[PinSet, ...], Shell]] = field(default_factory=dict, kw_only=True)
 
     @abstractmethod
     def fields(self, values: Any) -> Fields:
@@ -87,7 +90,7 @@ class PrintSheet(ABC):
 
     def has_pins_of(self, layout: Layout) -> bool:
         """Whether another layout of this print has its pins at the same positions in space."""
-        return all(new.stands_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
+        return _stand_alike(layout.pins, self.layout.pins)
 
     @cached_property
     def symmetries(self) -> list[Symmetry]:
@@ -111,11 +114,15 @@ class PrintSheet(ABC):
         """
         # a sheet without supports would fall: gravity acts only from the step of the first supports on
         is_carried = self.layout.is_supported(step)
-        loads = self.loads() if self.design.gravity.on and is_carried else None
+        loads = self.loads() if self.design.gravity.on and is_carried else np.zeros((self.space.size, 3))
+        if step in self.shells and _stand_alike(self.layout.pins, self.shells[step][0]):
+            return self.shells[step][1].with_fields(fields, loads)
         try:
-            return Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
+            shell = Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
         except ConditionError as error:
             raise DesignError("pins", f"cannot all hold: {error}") from None
+        self.shells[step] = self.layout.pins, shell
+        return shell
 
     def support_target(self) -> Floats:
         """(3N,) mm, target of all supports, for `Shell.with_target`.
@@ -130,6 +137,11 @@ class PrintSheet(ABC):
             return impose_conditions(self.space, held).target
         except ConditionError as error:
             raise DesignError("pins", f"cannot all hold: {error}") from None
+
+
+def _stand_alike(pins: tuple[PinSet, ...], others: tuple[PinSet, ...]) -> bool:
+    """Whether pins of one print hold it at the same positions in space."""
+    return all(one.stands_as(other) for one, other in zip(pins, others, strict=True))
 
 
 def elements_of(layout: Layout, usual: float, triangles: int | None) -> tuple[SheetMesh, Argyris, Tabulation]:

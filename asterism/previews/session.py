@@ -262,6 +262,7 @@ class Preview(PreviewReadings):
         states, kind = self._states, kind_of(self.state.design)
         self.state = with_near_zero_modes(self.state, states.clock)
         self.state = kind.with_shown_sheet(self.state, states.clock)
+        states.keep(self.state)
         state, shown = self.state, self.state.shown
         assert shown is not None
         places = states.clock("shown", shown.lens, state.x, state.values)

@@ -109,9 +109,7 @@ def with_pattern(state: AnyPreviewState, design: Design, layout: Layout, values:
     shell = state.shell.with_fields(fields, sheet.loads() if design.gravity.on else None)
     if not state.sheet.has_pins_of(layout):
         shell = shell.with_target(sheet.support_target())
-    shown = None
-    if state.shown is not None and state.sheet.has_rods_of(layout) and design.mesh == state.design.mesh:
-        shown = replace(state.shown, lens=state.shown.lens.renewed(sheet))
+    shown = None if state.shown is None else state.shown.renewed(state.sheet, sheet)
     return replace(state, sheet=sheet, values=values, shell=shell, shown=shown)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from asterism.previews.surface.smooth_surface import SmoothSurface
@@ -56,3 +56,14 @@ class ShownSheet:
 
     mesh: Mesh
     lens: SheetLens
+
+    def renewed(self, old: Any, sheet: Any) -> ShownSheet | None:
+        """The same triangles for a sheet with another pattern; None if that moves its rods or asks for another mesh.
+
+        Parameters
+        ----------
+        old, sheet : the sheet of these triangles, and another one of the same print.
+        """
+        if not (old.has_rods_of(sheet.layout) and old.design.mesh == sheet.design.mesh):
+            return None
+        return replace(self, lens=self.lens.renewed(sheet))

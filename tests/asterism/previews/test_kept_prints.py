@@ -1,0 +1,86 @@
+"""A preview of a kept print has the shape of one that computes everything."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.previews import kept_prints
+from asterism.previews.kept_prints import KEPT_PRINTS, forget_prints, kept_print
+from asterism.previews.model import PREVIEW_MODEL
+from asterism.previews.session import Preview
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+
+
+@pytest.fixture(autouse=True)
+def _without_kept_prints() -> Iterator[None]:
+    forget_prints()
+    yield
+    forget_prints()
+
+
+def small(**sections: Any) -> Design:
+    data = gallery.load("dome").to_dict() | {"mesh": {"edge_mm": 5.0}, "border": {"rings": 1}}
+    for section, entries in sections.items():
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
+    return Design.from_dict(data)
+
+
+def is_kept(design: Design, triangles: int | None = None) -> bool:
+    return kept_print(design, layout(design), triangles, PREVIEW_MODEL) is not None
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"stars": {"thickness_mm": 0.35}},
+        {"stars": {"length_mm": 7.0}},
+        {"stars": {"override": [{"star": 2, "length_mm": 0.0}]}},
+        {"mesh": {"edge_mm": 4.0}},
+        {"pins": [{"where": "border", "scale": 0.8}]},
+    ],
+    ids=["same", "thickness", "length", "removed", "mesh", "pins"],
+)
+def test_the_shape_is_that_of_a_new_print(change: dict[str, Any]) -> None:
+    edited = small(**change)
+    new = Preview(edited).shape()
+    forget_prints()
+    Preview(small()).shape()
+    assert is_kept(edited)
+    again = Preview(edited).shape()
+    assert np.array_equal(again.triangles, new.triangles)
+    assert again.positions == pytest.approx(new.positions, abs=1e-6)  # the tolerance of Newton's method leaves 1e-8
+    assert again.summary["warnings"] == new.summary["warnings"]
+
+
+def test_the_same_print_shares_its_elements_and_the_shape_its_triangles() -> None:
+    first, second = Preview(small()), Preview(small(stars={"width_mm": 0.7}))
+    assert second.state.sheet.space is first.state.sheet.space
+    assert second.state.shell.assembly is first.state.shell.assembly
+    assert second.state.factor is not first.state.factor
+    first.shape()
+    shown = first.state.shown
+    assert shown is not None
+    third = Preview(small())
+    assert third.state.shown is not None and third.state.shown.mesh is shown.mesh
+
+
+def test_other_prints_share_nothing() -> None:
+    Preview(small(), triangles=30)
+    assert is_kept(small(), triangles=30)
+    assert not is_kept(small())
+    assert not is_kept(small(border={"rings": 2}), triangles=30)
+    assert kept_print(small(), layout(small()), 30, PREVIEW_MODEL) is kept_prints._kept[-1]
+
+
+def test_few_prints_are_kept() -> None:
+    prints = [small(border={"rectangle_mm": [40.0, 40.0 + k], "rings": None}) for k in range(KEPT_PRINTS + 1)]
+    for design in prints:
+        Preview(design)
+    assert [is_kept(design) for design in prints] == [False] + KEPT_PRINTS * [True]
