@@ -48,7 +48,7 @@ class GuessBuilder:
     def __init__(self, shell: Shell, factor: Factor, centre: Floats, stretch: float) -> None:
         self._shell, self._factor = shell, factor
         self._plane = similar(centre, stretch)
-        self._located: dict[bytes, Evaluation] = {}
+        self._located: dict[bytes, tuple[Floats, Evaluation]] = {}
         self._bent: dict[SimpleShape, InitialGuess] = {}
 
     @cached_property
@@ -115,8 +115,9 @@ class GuessBuilder:
         def plane(points: Floats) -> Floats:
             key = points.tobytes()
             if key not in self._located:
-                self._located[key] = self._shell.space.locate(points)
-            return self._plane(points) + self._located[key].jets(moves[:, :2])
+                self._located[key] = self._plane(points), self._shell.space.locate(points)
+            places, at = self._located[key]
+            return places + at.jets(moves[:, :2])
 
         return plane
 

@@ -6,13 +6,14 @@ All other shapes are parts of a torus: arcs of curvature k along u, bent with th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
 
 from equilibrium.arrays import Floats
+from equilibrium.compiled import formula, loop
 from fem.elements.space import Space
 
 # takes printed points (n, 2) to (n, 6, 2): points in the plane and derivatives 1, 2, 11, 22, 12
@@ -60,50 +61,14 @@ class SimpleShape:
 
     def over(self, space: Space, plane: Plane) -> Floats:
         """(N, 3) mm, the shape of a sheet that `plane` has deformed within its plane."""
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
-        turn = np.array([[cos, sin], [-sin, cos]])
-        bend = self._cap if self.name == "cap" else self._torus
+        along = np.cos(self.angle), np.sin(self.angle)
 
         def jets(points: Floats) -> Floats:
-            inner = plane(points) @ turn.T
-            out = _chain(inner) @ bend(inner[:, 0])
-            out[..., :2] = out[..., :2] @ turn
+            out = np.empty((len(points), 6, 3))
+            _bend(plane(points), self.name == "cap", self.curvature, self.across, *along, SERIES, out)
             return out
 
         return space.interpolate(jets)
-
-    def _torus(self, p: Floats) -> Floats:
-        """(n, 6, 3) position and derivatives at points (n, 2) of the plane."""
-        k, m = self.curvature, self.across
-        u, v = p.T
-        cu, su, cv, sv = np.cos(k * u), np.sin(k * u), np.cos(m * v), np.sin(m * v)
-        along, across, lift = su / k if k else u, sv / m if m else v, _rise(m, v)
-        inward = 1.0 - k * lift  # meridians rotate about an axis at the height 1/k
-        rows = [
-            (inward * along, across, _rise(k, u) + lift * cu),
-            (inward * cu, 0.0, inward * su),
-            (-k * sv * along, cv, sv * cu),
-            (-k * inward * su, 0.0, k * inward * cu),
-            (-k * m * cv * along, -m * sv, m * cv * cu),
-            (-k * sv * cu, 0.0, -k * sv * su),
-        ]
-        return _filled(rows, len(p))
-
-    def _cap(self, p: Floats) -> Floats:
-        """(n, 6, 3) position and derivatives at points (n, 2) of the plane."""
-        k, (u, v) = self.curvature, p.T
-        square = u * u + v * v
-        ray, slope, bend = np.polynomial.polynomial.polyval(k * k * square, SERIES) * (k * k) ** np.arange(3)[:, None]
-        first, third = 2.0 * slope, 4.0 * bend
-        rows = [
-            (ray * u, ray * v, _rise(k, np.sqrt(square))),
-            (ray + first * u * u, first * u * v, k * ray * u),
-            (first * u * v, ray + first * v * v, k * ray * v),
-            ((3.0 * first + third * u * u) * u, (first + third * u * u) * v, k * (ray + first * u * u)),
-            ((first + third * v * v) * u, (3.0 * first + third * v * v) * v, k * (ray + first * v * v)),
-            ((first + third * u * u) * v, (first + third * v * v) * u, k * first * u * v),
-        ]
-        return _filled(rows, len(p))
 
 
 def similar(centre: Floats, stretch: float) -> Plane:
@@ -119,30 +84,70 @@ def similar(centre: Floats, stretch: float) -> Plane:
     return plane
 
 
-def _chain(inner: Floats) -> Floats:
-    """(n, 6, 6) chain rule: from derivatives by inner coordinates to those by printed coordinates.
+@loop
+def _bend(inner, is_cap, k, m, cos, sin, series, out):  # type: ignore[no-untyped-def]
+    """Write position and derivatives 1, 2, 11, 22, 12 of a bent plane to out (n, 6, 3), with the chain rule.
 
-    `inner` (n, 6, 2) are the inner coordinates and their derivatives 1, 2, 11, 22, 12.
+    `inner` (n, 6, 2) are points in the plane and their derivatives by printed coordinates. The direction of the
+    curvature k has the components cos and sin.
     """
-    out = np.zeros((len(inner), 6, 6))
-    out[:, 0, 0] = 1.0
-    out[:, 1:, 1:3] = inner[:, 1:]
-    d1, d2 = inner[:, 1], inner[:, 2]
-    for row, (a, b) in enumerate(((d1, d1), (d2, d2), (d1, d2)), start=3):
-        out[:, row, 3:5] = a * b
-        out[:, row, 5] = a[:, 0] * b[:, 1] + a[:, 1] * b[:, 0]
-    return out
+    turned, bent = np.empty((6, 2)), np.empty((6, 3))
+    for p in range(inner.shape[0]):
+        for row in range(6):
+            x, y = inner[p, row]
+            turned[row, 0], turned[row, 1] = cos * x + sin * y, cos * y - sin * x
+        if is_cap:
+            _cap(turned[0, 0], turned[0, 1], k, series, bent)
+        else:
+            _torus(turned[0, 0], turned[0, 1], k, m, bent)
+        for c in range(3):
+            out[p, 0, c] = bent[0, c]
+            for row in range(1, 6):
+                out[p, row, c] = turned[row, 0] * bent[1, c] + turned[row, 1] * bent[2, c]
+            for row in range(3, 6):
+                a, b = (row - 2, row - 2) if row < 5 else (1, 2)
+                mixed = turned[a, 0] * turned[b, 1] + turned[a, 1] * turned[b, 0]
+                out[p, row, c] += turned[a, 0] * turned[b, 0] * bent[3, c]
+                out[p, row, c] += turned[a, 1] * turned[b, 1] * bent[4, c] + mixed * bent[5, c]
+        for row in range(6):
+            x, y = out[p, row, 0], out[p, row, 1]
+            out[p, row, 0], out[p, row, 1] = cos * x - sin * y, sin * x + cos * y
 
 
-def _filled(rows: Sequence[Sequence[Floats | float]], count: int) -> Floats:
-    """(n, 6, 3) array from rows of entries, each (n,) or a number."""
-    out = np.empty((count, 6, 3))
-    for row, entries in enumerate(rows):
-        for column, entry in enumerate(entries):
-            out[:, row, column] = entry
-    return out
+@formula
+def _torus(u, v, k, m, bent):  # type: ignore[no-untyped-def]
+    """Write position and derivatives of a torus at the point (u, v) of the plane to bent (6, 3)."""
+    cu, su, cv, sv = np.cos(k * u), np.sin(k * u), np.cos(m * v), np.sin(m * v)
+    along, across, lift = su / k if k != 0.0 else u, sv / m if m != 0.0 else v, _rise(m, v)
+    inward = 1.0 - k * lift  # meridians rotate about an axis at the height 1/k
+    bent[0, 0], bent[0, 1], bent[0, 2] = inward * along, across, _rise(k, u) + lift * cu
+    bent[1, 0], bent[1, 1], bent[1, 2] = inward * cu, 0.0, inward * su
+    bent[2, 0], bent[2, 1], bent[2, 2] = -k * sv * along, cv, sv * cu
+    bent[3, 0], bent[3, 1], bent[3, 2] = -k * inward * su, 0.0, k * inward * cu
+    bent[4, 0], bent[4, 1], bent[4, 2] = -k * m * cv * along, -m * sv, m * cv * cu
+    bent[5, 0], bent[5, 1], bent[5, 2] = -k * sv * cu, 0.0, -k * sv * su
 
 
-def _rise(k: float, s: Floats) -> Floats:
+@formula
+def _cap(u, v, k, series, bent):  # type: ignore[no-untyped-def]
+    """Write position and derivatives of a cap at the point (u, v) of the plane to bent (6, 3)."""
+    square = u * u + v * v
+    ray = slope = bend = 0.0
+    for power in range(series.shape[0] - 1, -1, -1):
+        ray = ray * k * k * square + series[power, 0]
+        slope = slope * k * k * square + series[power, 1]
+        bend = bend * k * k * square + series[power, 2]
+    first, third = 2.0 * k * k * slope, 4.0 * k**4 * bend
+    bent[0, 0], bent[0, 1], bent[0, 2] = ray * u, ray * v, _rise(k, np.sqrt(square))
+    bent[1, 0], bent[1, 1], bent[1, 2] = ray + first * u * u, first * u * v, k * ray * u
+    bent[2, 0], bent[2, 1], bent[2, 2] = first * u * v, ray + first * v * v, k * ray * v
+    bent[3, 0], bent[3, 1] = (3.0 * first + third * u * u) * u, (first + third * u * u) * v
+    bent[4, 0], bent[4, 1] = (first + third * v * v) * u, (3.0 * first + third * v * v) * v
+    bent[5, 0], bent[5, 1] = (first + third * u * u) * v, (first + third * v * v) * u
+    bent[3, 2], bent[4, 2], bent[5, 2] = k * (ray + first * u * u), k * (ray + first * v * v), k * first * u * v
+
+
+@formula
+def _rise(k, s):  # type: ignore[no-untyped-def]
     """`(1 - cos(k s))/k`, also for k = 0."""
-    return 2.0 / k * np.sin(0.5 * k * s) ** 2 if k else np.zeros_like(s)
+    return 2.0 / k * np.sin(0.5 * k * s) ** 2 if k != 0.0 else 0.0

@@ -23,9 +23,9 @@ def covariant(basis, jet, dual, bends):  # type: ignore[no-untyped-def]
 
 @formula
 def second_derivative(jet, dual, n, stiffness, stress, weight, h):  # type: ignore[no-untyped-def]
-    """Write weight times `B' A B + S : e''` to h (6, 5, 5), as a form in v_,1, v_,2, D_11 v, D_22 v and 2 D_12 v.
+    """Write weight times `B' A B + S : e''` to h (5, 5, 6), as a form in v_,1, v_,2, D_11 v, D_22 v and 2 D_12 v.
 
-    It has one table for each pair of components of the position: 00, 10, 11, 20, 21, 22.
+    The last index counts the pairs of components of the position: 00, 10, 11, 20, 21, 22.
     """
     bend = weight * (
         stress[3] * dot_3d(n, jet[2]) + stress[4] * dot_3d(n, jet[3]) + 2.0 * stress[5] * dot_3d(n, jet[4])
@@ -33,7 +33,7 @@ def second_derivative(jet, dual, n, stiffness, stress, weight, h):  # type: igno
     pair = 0
     for c in range(3):
         for d in range(c + 1):
-            part, both = h[pair], n[c] * n[d]
+            part, both = h[:, :, pair], n[c] * n[d]
             for a in range(2):
                 for b in range(2):
                     # A times the derivative of e by component c
@@ -61,8 +61,8 @@ def tangent(table, dofs, weights, x, stiffness, stress, places, indptr, data):  
     `places` (T, m (m + 1)/2) and `indptr` are those of the pattern of `fem.shell.assembly`.
     """
     points, m = table.shape[1], dofs.shape[1]
-    local, jet, dual, n, h = np.empty((3, m)), np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((6, 5, 5))
-    basis, right, element = np.empty((points, 5, m)), np.empty((points, 5, 6, m)), np.empty((m, 6 * m))
+    local, jet, dual, n, h = np.empty((3, m)), np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((5, 5, 6))
+    basis, right, element = np.empty((points, 5, m)), np.empty((points, 5, m, 6)), np.empty((m, 6 * m))
     for t in range(table.shape[0]):
         gather_dofs(x, dofs[t], local)
         for q in range(points):
@@ -71,21 +71,23 @@ def tangent(table, dofs, weights, x, stiffness, stress, places, indptr, data):  
             basis[q, :2] = table[t, q, :2]
             covariant(table[t, q], jet, dual, basis[q, 2:])
             second_derivative(jet, dual, n, stiffness[t, q], stress[t, q], weights[t, q], h)
-            b0, b1, b2, b3, b4 = basis[q, 0], basis[q, 1], basis[q, 2], basis[q, 3], basis[q, 4]
             for a in range(5):
-                for pair in range(6):
-                    line = right[q, a, pair]
-                    h0, h1, h2, h3, h4 = h[pair, a, 0], h[pair, a, 1], h[pair, a, 2], h[pair, a, 3], h[pair, a, 4]
-                    for j in range(m):
-                        line[j] = h0 * b0[j] + h1 * b1[j] + h2 * b2[j] + h3 * b3[j] + h4 * b4[j]
-        # half of the work: one dense product for all quadrature points, which BLAS does fastest
+                form, product = h[a], right[q, a]
+                for j in range(m):
+                    b0, b1, b2, b3, b4 = basis[q, 0, j], basis[q, 1, j], basis[q, 2, j], basis[q, 3, j], basis[q, 4, j]
+                    for pair in range(6):
+                        product[j, pair] = (
+                            b0 * form[0, pair] + b1 * form[1, pair] + b2 * form[2, pair]
+                            + b3 * form[3, pair] + b4 * form[4, pair]
+                        )  # fmt: skip
+        # a third of the work: one dense product for all quadrature points, which BLAS does fastest
         np.dot(basis.reshape(5 * points, m).T, right.reshape(5 * points, 6 * m), element)
-        scatter(element.reshape(m, 6, m), dofs[t], places[t], indptr, data)
+        scatter(element.reshape(m, m, 6), dofs[t], places[t], indptr, data)
 
 
 @formula
 def scatter(element, dofs, places, indptr, data):  # type: ignore[no-untyped-def]
-    """Add the lower triangle of an element matrix (m, 6, m) to the data of the pattern of `fem.shell.assembly`.
+    """Add the lower triangle of an element matrix (m, m, 6) to the data of the pattern of `fem.shell.assembly`.
 
     Its blocks have rows of component c and columns of component d, for the pairs (c, d) of `second_derivative`.
     """
@@ -95,7 +97,7 @@ def scatter(element, dofs, places, indptr, data):  # type: ignore[no-untyped-def
             place, low = places[entry], min(dofs[i], dofs[j])
             entry += 1
             row, column = (i, j) if place == 0 or dofs[i] > dofs[j] else (j, i)
-            block, transposed = element[row, :, column], element[column, :, row]
+            block, transposed = element[row, column], element[column, row]
             first, second, third = indptr[3 * low], indptr[3 * low + 1], indptr[3 * low + 2]
             if place:
                 first, second, third = first + 3 * place, second + 3 * place - 1, third + 3 * place - 2
