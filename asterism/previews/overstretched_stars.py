@@ -30,7 +30,6 @@ from pattern.design.design import Design
 from pattern.design.materials import Fabric
 from pattern.geometry.planar import triangle_areas
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import support_samples
 
 # supported points that are closer together in print, in spacings, are one point
 MIN_SUPPORT_DISTANCE = 1e-3
@@ -81,7 +80,7 @@ def mean_square_stretch(shape: Shape, layout: Layout) -> Floats:
 
 def support_ratio(layout: Layout) -> float:
     """The largest distance of two supported points in space over their distance in print; 0 with fewer than two."""
-    printed, places, _ = support_samples(layout)
+    printed, places, _ = layout.support_samples
     held = ~np.isnan(places[:, :2]).any(axis=1)
     if held.sum() < 2:
         return 0.0

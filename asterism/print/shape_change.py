@@ -11,7 +11,6 @@ from asterism.shape.shape import Shape
 from pattern.design.design import Design
 from pattern.layout.free_motions import free_motions
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from pattern.layout.symmetries import symmetries
 
@@ -25,7 +24,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     design, plan : the design and layout before or after rounding; both have the same stars.
     model : model of both shapes: `exact` or `preview`.
     """
-    supports = support_samples(plan)
+    supports = plan.support_samples
     off_sheet = off_sheet_mm(plan, min(len(drawn.printed), len(printed.printed)))
     free = free_motions(supports, drawn.at(supports.printed, off_sheet), design.gravity.pull)
     same = symmetries(design, plan)

@@ -28,7 +28,7 @@ from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.free_motions import free_motions
 from pattern.layout.layout import Layout
 from pattern.layout.roll_axis import roll_axis_from_normals
-from pattern.layout.support_samples import SupportSamples, support_samples
+from pattern.layout.support_samples import SupportSamples
 from pattern.layout.symmetries import Symmetry
 
 # at most about twice this many vertices are used to choose the nearest symmetric image
@@ -256,7 +256,7 @@ def compare_shapes(
     ----------
     Kabsch 1976 for free sheets, weights: printed area; `pattern.layout.free_motions` for supported ones.
     """
-    supports, off_sheet = support_samples(layout), off_curves_mm(layout, len(other.printed))
+    supports, off_sheet = layout.support_samples, off_curves_mm(layout, len(other.printed))
     symmetry = _nearest(reference, other, symmetries, supports, gravity, off_sheet)
     if mean is None or not mean.serves(reference.printed, reference.weights):
         mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)

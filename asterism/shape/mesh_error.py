@@ -13,7 +13,6 @@ from asterism.shape.shape import Shape
 from equilibrium.arrays import Floats
 from pattern.layout.free_motions import FreeMotions, free_motions
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import support_samples
 
 # assumed order of convergence in the edge length if only two meshes are available: the stress is singular at the tips
 # of the arms, and aligned meshes converge with this order (docs/explanation/mesh.md)
@@ -69,7 +68,7 @@ def mesh_error(
     free = FreeMotions()
     off_sheet = 0.0 if layout is None else off_curves_mm(layout, len(fine.printed))
     if layout is not None:
-        supports = support_samples(layout)
+        supports = layout.support_samples
         free = free_motions(supports, fine.at(supports.printed, off_sheet), gravity)
     edges, distances = [], []
     for printed, positions in coarser[-2:]:

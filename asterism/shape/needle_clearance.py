@@ -7,7 +7,6 @@ from typing import NamedTuple
 from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import support_samples
 
 
 class NeedleClearance(NamedTuple):
@@ -41,7 +40,7 @@ def needle_clearance(layout: Layout, shape: Shape) -> NeedleClearance | None:
     >>> [round(height, 6) for height in needle_clearance(plan, tent)]
     [12.0, 0.0]
     """
-    printed = support_samples(layout).printed
+    printed = layout.support_samples.printed
     if len(printed) == 0:
         return None
     supported, heights = shape.at(printed, off_sheet_mm(layout, len(shape.printed)))[:, 2], shape.positions[:, 2]

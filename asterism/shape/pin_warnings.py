@@ -8,7 +8,6 @@ import numpy as np
 
 from pattern.layout.free_rotations import count_free_tilts
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import support_samples
 
 # size of the supports in space over their size in print, above which a warning appears
 MAX_SIZE_OVER_PRINT = 1.05
@@ -29,7 +28,7 @@ def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
 
 def held_wide(layout: Layout) -> Iterator[str]:
     """Yield a line if the pins pull the sheet wider than it was printed, often by a scale given in percent."""
-    printed, places, _ = support_samples(layout)
+    printed, places, _ = layout.support_samples
     held = ~np.isnan(places[:, :2]).any(axis=1)
     if not held.any():
         return

@@ -67,7 +67,8 @@ def passing(pairs: int, sheet: str = "the sheet") -> str:
 
 
 def _lengths(points: Floats, pairs: Ints) -> Floats:
-    return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
+    apart = points[pairs[:, 0]] - points[pairs[:, 1]]
+    return np.asarray(np.sqrt(np.einsum("pi,pi->p", apart, apart)))  # faster than numpy's norm
 
 
 def _close_pairs(positions: Floats, triangles: Ints) -> Ints:

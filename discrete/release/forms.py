@@ -20,7 +20,6 @@ from equilibrium.newton.regularisation import Method
 from pattern.design.errors import DesignError
 from pattern.geometry.point_location import locate
 from pattern.layout.free_motions import FreeMotions, free_motions
-from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 
@@ -62,7 +61,7 @@ class ExactForm:
     @property
     def free_motions(self) -> FreeMotions:
         """The rigid motions that the supports leave free."""
-        supports = support_samples(self.model.layout)
+        supports = self.model.layout.support_samples
         if len(supports.printed) == 0:
             return FreeMotions()
         _, vertex = cKDTree(self.model.mesh.points).query(supports.printed)

@@ -7,7 +7,6 @@ import numpy as np
 from equilibrium.arrays import Floats
 from pattern.layout.free_motions import RIGID_MOTION_TOLERANCE, FreeMotions
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import support_samples
 
 
 def free_rotation_axes(layout: Layout) -> Floats:
@@ -15,7 +14,7 @@ def free_rotation_axes(layout: Layout) -> Floats:
 
     All three axes for a free sheet, no axis where the supports determine how it lies. Gravity plays no part.
     """
-    printed, places, _ = support_samples(layout)
+    printed, places, _ = layout.support_samples
     fixed = ~np.isnan(places)
     if not fixed.any():
         return np.eye(3)

@@ -12,6 +12,7 @@ from equilibrium.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, inside, split_for_table
 from pattern.geometry.plane_lattice import PlaneLattice
 from pattern.layout.sheet_edges import SheetEdges
+from pattern.layout.support_samples import SupportSamples, sample_supports
 from pattern.layout.supports import PinSet, all_points
 from pattern.rods.graph import Rod, RodGraph
 from pattern.rods.star_graph import star_graph
@@ -191,6 +192,11 @@ class Layout:
     def supported_edges(self) -> Ints:
         """(E,) numbers of the supported edges, see `edges`, one pin set after the other."""
         return np.array([edge for group in self.supported_edge_groups for edge in group], dtype=np.int64)
+
+    @cached_property
+    def support_samples(self) -> SupportSamples:
+        """Places at which the supports act, see `pattern.layout.support_samples`."""
+        return sample_supports(self.pins, self.edges)
 
     @property
     def is_supported_in_plane(self) -> bool:

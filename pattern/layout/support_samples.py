@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from equilibrium.arrays import Floats, Ints
-from pattern.layout.layout import Layout
+from pattern.layout.sheet_edges import SheetEdges
+from pattern.layout.supports import PinSet
 
 
 class SupportSamples(NamedTuple):
@@ -25,19 +27,19 @@ class SupportSamples(NamedTuple):
     kind: Ints
 
 
-def support_samples(layout: Layout) -> SupportSamples:
-    """All single points, and both ends and the middle of every straight stretch of supported edges.
+def sample_supports(pins: Sequence[PinSet], edges: SheetEdges) -> SupportSamples:
+    """Of pins all single points, and both ends and the middle of every straight stretch of supported edges.
 
     Places are affine along an edge. So the samples of a stretch determine all of its places. Edges on a curve are
     sampled one by one.
     """
     printed, places, kinds = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
-    for pin in layout.pins:
+    for pin in pins:
         fixed = np.asarray(pin.fixed)
         kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
-        stretches = pin.straight_stretches(layout.edges) if pin.curve is None else pin.segments(layout.edges)
-        edges = [np.vstack([*ends, np.mean(ends, axis=0)]) for ends in stretches]
-        for points, kind_of_points in [(pin.points, kind), *((edge, kind + 1) for edge in edges)]:
+        stretches = pin.straight_stretches(edges) if pin.curve is None else pin.segments(edges)
+        along = [np.vstack([*ends, np.mean(ends, axis=0)]) for ends in stretches]
+        for points, kind_of_points in [(pin.points, kind), *((edge, kind + 1) for edge in along)]:
             if len(points):
                 printed.append(points)
                 places.append(np.where(fixed, pin.places(points), np.nan))

@@ -14,7 +14,7 @@ from pattern.design.rods import IMPORT_CURVE_MM
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 from pattern.layout.drawn_motions import DrawingImages, candidate_turns, maps_holes
 from pattern.layout.layout import Layout
-from pattern.layout.support_samples import SupportSamples, support_samples
+from pattern.layout.support_samples import SupportSamples
 
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6
@@ -71,7 +71,7 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     arm_points = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
     # corners on a straight edge have no effect
     outline = layout.outline[np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD]
-    stars, corners, samples = cKDTree(layout.centres), cKDTree(outline), support_samples(layout)
+    stars, corners, samples = cKDTree(layout.centres), cKDTree(outline), layout.support_samples
     kept = []
     for turn in _lattice_symmetries(layout.lattice_vectors):
         shift = centre - turn @ centre
@@ -95,7 +95,7 @@ def _of_drawing(design: Design, layout: Layout) -> list[Symmetry]:
     curve_mm = max(design.required_rods.curve_mm, IMPORT_CURVE_MM)
     tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
     centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
-    samples, centres = support_samples(layout), cKDTree(layout.centres) if layout.has_stars else None
+    samples, centres = layout.support_samples, cKDTree(layout.centres) if layout.has_stars else None
     images = DrawingImages(layout, tolerance)
     kept = []
     for turn in candidate_turns(layout.graph, centre):

@@ -45,15 +45,7 @@ def star_graph(
     touched = np.bincount(end, minlength=len(kept)) > 0
     stars = np.bincount(node[: len(centres)], minlength=len(kept))
     paired = np.flatnonzero((stars == 1) & ~touched)
-    rods = tuple(
-        Rod(
-            np.stack([centres[star], tips[arm]]),
-            int(start[arm]),
-            int(end[arm]),
-            thickness[arm],
-            width[arm],
-            group=int(star),
-        )
-        for arm, star in enumerate(arm_star)
-    )
+    points = np.stack([centres[arm_star], tips], axis=1)
+    of_arms = zip(points, start.tolist(), end.tolist(), thickness, width, arm_star.tolist(), strict=True)
+    rods = tuple(Rod(ends, first, last, thick, wide, group=star) for ends, first, last, thick, wide, star in of_arms)
     return RodGraph(places[kept], rods, paired)

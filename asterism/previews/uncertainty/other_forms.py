@@ -16,7 +16,6 @@ from asterism.shape.diameter import diameter
 from equilibrium.arrays import Floats
 from fem.search.evidence import Trial
 from pattern.layout.free_motions import FreeMotions, free_motions
-from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
@@ -80,7 +79,7 @@ def _distance(state: AnyPreviewState, first: Floats, second: Floats, free: FreeM
 
 def _free(state: AnyPreviewState, x: Floats) -> FreeMotions:
     """The rigid motions that the supports leave to a minimum."""
-    supports = support_samples(state.layout)
+    supports = state.layout.support_samples
     if len(supports.printed) == 0:
         return FreeMotions()
     positions = state.sheet.space.locate(supports.printed).value @ x

@@ -12,7 +12,6 @@ from pattern.design.design import Design
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.build import layout
 from pattern.layout.free_motions import FreeMotions, free_motions
-from pattern.layout.support_samples import support_samples
 
 TWO_POINTS = {"points_mm": [[-30.0, 0.0], [30.0, 0.0]]}
 CORNERS = {"where": "corners"}
@@ -29,9 +28,8 @@ def motions(
 ) -> FreeMotions:
     """Of a rectangle that is lumpy wherever its supports leave it free, or flat."""
     border = {"rectangle_mm": [100, 60]}
-    samples = support_samples(
-        layout(Design.from_dict({"stars": {"length_mm": 8}, "border": border, "pins": list(pins)}))
-    )
+    plan = layout(Design.from_dict({"stars": {"length_mm": 8}, "border": border, "pins": list(pins)}))
+    samples = plan.support_samples
     places = np.column_stack([samples.printed, np.zeros(len(samples.printed))]) if flat else lumpy(samples.printed)
     return free_motions(samples, places, gravity)
 

@@ -11,7 +11,6 @@ from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.layout import Layout
 from pattern.layout.print_layout import print_layout
-from pattern.layout.support_samples import support_samples
 from pattern.mesh.meshing import mesh_layout
 
 SQUARE = {"polygon_mm": [[5, 5], [12, 5], [12, 12], [5, 12]]}
@@ -47,7 +46,7 @@ def test_a_hole_is_held_all_around() -> None:
     assert [len(chain) for chain in plan.pins[0].chains(plan.edges)] == [len(around) + 1, 5]
     assert len(plan.pins[0].straight_stretches(plan.edges)) == len(around) + 4
     assert plan.distance_to_supports(np.array([[8.0, 4.0], [-9.0, -4.0]])) == pytest.approx([1.0, 1.0], abs=0.02)
-    samples = support_samples(plan)
+    samples = plan.support_samples
     assert samples.places[:, :2] == pytest.approx(0.8 * samples.printed) and set(samples.places[:, 2]) == {3.0}
     mesh = mesh_layout(plan, 3.0)
     assert set(mesh.pin_vertices[0].tolist()) == {*mesh.hole_vertices[0].tolist(), *mesh.hole_vertices[1].tolist()}

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.layout.free_motions import free_motions
-from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import symmetries
 
@@ -30,7 +29,7 @@ def _tilted_bowl(points: np.ndarray) -> np.ndarray:
 def test_a_swing_on_needles_counts_and_that_of_a_free_sheet_does_not() -> None:
     design = _on_needles()
     plan = layout(design)
-    supports, identity = support_samples(plan), symmetries(design, plan)[:1]
+    supports, identity = plan.support_samples, symmetries(design, plan)[:1]
     first = _tilted_bowl(plan.centres)
     swung = first @ Rotation.from_rotvec([0.0, 0.2, 0.0]).as_matrix().T
     held = free_motions(supports, _tilted_bowl(supports.printed))
@@ -44,7 +43,7 @@ def test_a_swing_on_needles_counts_and_that_of_a_free_sheet_does_not() -> None:
 def test_symmetric_images_on_the_same_needles_are_one_shape() -> None:
     design = _on_needles()
     plan = layout(design)
-    supports, same = support_samples(plan), symmetries(design, plan)
+    supports, same = plan.support_samples, symmetries(design, plan)
     held = free_motions(supports, _tilted_bowl(supports.printed))
     first = _tilted_bowl(plan.centres)
     assert len(same) == 6
