@@ -18,6 +18,8 @@ except ImportError:  # numba supports new versions of Python late; everything ru
     HAVE_NUMBA = False
 
 
+# decorators of formulas, as files contain them
+MARKS = (b"@formula", b"@sum_formula")
 # names of loops whose machine code no folder keeps: they are compiled in each run
 uncached: list[str] = []
 
@@ -25,6 +27,14 @@ uncached: list[str] = []
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
     """Mark a function of one element: plain Python calls it unchanged, and compiled loops call it as well."""
     return register_jitable(function) if HAVE_NUMBA else function
+
+
+def sum_formula(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Mark a formula whose sums may be taken in any order: compiled loops add several terms at once.
+
+    The sums then differ by rounding from those of plain Python, and from those of other processors.
+    """
+    return register_jitable(fastmath={"reassoc", "contract"})(function) if HAVE_NUMBA else function
 
 
 def loop(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -89,5 +99,7 @@ def _package_of(function: Callable[..., Any]) -> Path:
 def _digest(package: Path) -> str:
     """Digest of all files with formulas that a function of this package may call: those there and beside this file."""
     files = sorted({*package.rglob("*.py"), *Path(__file__).parent.rglob("*.py")})
-    texts = [text for file in files if b"@formula" in (text := file.read_bytes()) or file == Path(__file__)]
+    texts = [
+        text for file in files if any(mark in (text := file.read_bytes()) for mark in MARKS) or file == Path(__file__)
+    ]
     return hashlib.sha256(b"".join(texts)).hexdigest()[:12]

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.compiled import formula, loop
+from equilibrium.compiled import formula, loop, sum_formula
 
 
 @formula
@@ -32,7 +32,7 @@ def gather_dofs(x, dofs, local):  # type: ignore[no-untyped-def]
             local[c, i] = x[dofs[i], c]
 
 
-@formula
+@sum_formula
 def jet_of(table, local, jet):  # type: ignore[no-untyped-def]
     """Write the derivatives 1, 2, 11, 22, 12 of the position to jet (5, 3), from table (5, m) and local (3, m)."""
     for a in range(5):

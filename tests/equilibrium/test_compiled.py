@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop
+from equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop, sum_formula
 
 LOOPS = """
 from equilibrium.compiled import formula
@@ -40,3 +40,21 @@ def test_changed_formulas_have_no_machine_code(tmp_path: Path, monkeypatch: pyte
     assert has_machine_code(package)
     monkeypatch.setattr("equilibrium.compiled._digest", lambda package: "of-other-formulas")
     assert not has_machine_code(package)
+
+
+@pytest.mark.skipif(not HAVE_NUMBA, reason="nothing is compiled without numba")
+def test_sums_in_another_order_differ_by_rounding_and_keep_nan() -> None:
+    @sum_formula
+    def total(values):  # type: ignore[no-untyped-def]
+        s = 0.0
+        for value in values:
+            s += value
+        return s
+
+    @loop
+    def compiled(values):  # type: ignore[no-untyped-def]
+        return total(values)
+
+    values = 1.0 / np.arange(1.0, 1000.0)
+    assert compiled(values) == pytest.approx(float(values.sum()), rel=1e-14)
+    assert np.isnan(compiled(np.r_[values, np.nan])) and np.isinf(compiled(np.r_[values, np.inf]))
