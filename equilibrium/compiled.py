@@ -19,7 +19,7 @@ except ImportError:  # numba supports new versions of Python late; everything ru
 
 
 # decorators of formulas, as files contain them
-MARKS = (b"@formula", b"@sum_formula")
+FORMULA_MARKS = (b"@formula", b"@sum_formula")
 # names of loops whose machine code no folder keeps: they are compiled in each run
 uncached: list[str] = []
 
@@ -100,6 +100,8 @@ def _digest(package: Path) -> str:
     """Digest of all files with formulas that a function of this package may call: those there and beside this file."""
     files = sorted({*package.rglob("*.py"), *Path(__file__).parent.rglob("*.py")})
     texts = [
-        text for file in files if any(mark in (text := file.read_bytes()) for mark in MARKS) or file == Path(__file__)
+        text
+        for file in files
+        if any(mark in (text := file.read_bytes()) for mark in FORMULA_MARKS) or file == Path(__file__)
     ]
     return hashlib.sha256(b"".join(texts)).hexdigest()[:12]
