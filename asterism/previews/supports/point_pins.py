@@ -106,15 +106,7 @@ def with_point_softness(fields: Fields, soft: Floats, bare: Floats, model: Previ
 
 
 def softened(stiffness: Floats, part: Floats) -> Floats:
-    """(..., 6, 6) stiffness with the membrane part multiplied by `part` (...,), and an unchanged bending part.
-
-    If membrane and bending are coupled, the bending part is the Schur complement: the stiffness to bending of a sheet
-    that is free to stretch.
-    """
-    out, near = stiffness.copy(), part != 1.0  # far from all pins the softness is below the last digit of 1
-    at, share = stiffness[near], part[near][:, None, None]
-    membrane, both = at[..., :3, :3], at[..., :3, 3:]
-    alone = np.zeros_like(at)
-    alone[..., 3:, 3:] = at[..., 3:, 3:] - np.swapaxes(both, -1, -2) @ np.linalg.solve(membrane, both)
-    out[near] = share * at + (1.0 - share) * alone
+    """(..., 6, 6) stiffness with the membrane part multiplied by `part` (...,), and an unchanged bending part."""
+    out = stiffness.copy()
+    out[..., :3, :3] *= part[..., None, None]
     return out

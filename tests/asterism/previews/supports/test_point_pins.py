@@ -11,6 +11,7 @@ from asterism.previews.session import Preview
 from asterism.previews.supports.point_pins import amounts_of, softened
 from asterism.shape.comparison import compare_shapes
 from benchmarks.point_pins import TURNED_DEG, exact_stiffness, measured, shell_stiffness
+from fem.shell.density import isotropic
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -54,18 +55,12 @@ def test_a_finer_exact_mesh_gives_way_more() -> None:
     assert (stiffer > -1.0).all()
 
 
-def test_bending_stays_where_the_sheet_may_stretch_as_it_likes() -> None:
-    root = np.random.default_rng(1).normal(size=(4, 6, 6))
-    whole = root @ np.swapaxes(root, 1, 2)
+def test_softer_sheets_stretch_more_easily_and_bend_as_before() -> None:
+    whole = isotropic(np.full(4, 5.0), np.full(4, 2.0), np.full(4, 0.4), 0.05)
     part = np.array([1.0, 0.7, 0.2, 0.01])
     soft = softened(whole, part)
-
-    def bending(stiffness: np.ndarray) -> np.ndarray:
-        return np.linalg.inv(np.linalg.inv(stiffness)[:, 3:, 3:])
-
-    assert bending(soft) == pytest.approx(bending(whole), rel=1e-9)
     assert soft[:, :3, :3] == pytest.approx(part[:, None, None] * whole[:, :3, :3])
-    assert np.linalg.eigvalsh(soft).min() > 0.0
+    assert soft[:, 3:] == pytest.approx(whole[:, 3:])
 
 
 @pytest.mark.slow
