@@ -3,8 +3,8 @@
 python -m benchmarks.ablation [DESIGN ...] [--frozen] [--part PART ...] [--keep FOLDER] [--edge MM] [--write]
 
 DESIGN is a name of the gallery, random-NN, a sheet on few supports (`benchmarks.accuracy.held_designs`), to which
-nothing was fitted, or a frozen design of the working half (`benchmarks.frozen`); by default the gallery and the 24
-random designs of the study. --frozen takes the whole working half: those that FOLDER has both exact shapes of, which
+nothing was fitted, or a frozen design of the first two sets (`benchmarks.frozen`); by default the gallery and the 24
+random designs of the study. --frozen takes both sets: those that FOLDER has both exact shapes of, which
 `benchmarks.frozen.solve` computes. With --part only these parts are turned off, each alone. Each preview is compared
 with the lower of two exact shapes: that of the released sheet, and that found from the preview with all parts. FOLDER
 keeps the exact shapes; without it they are computed again. Distances are rms as held, in % of the diameter
@@ -35,6 +35,7 @@ from asterism.previews.model_parts import PARTS, without
 from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
 from asterism.results.files import write_file
+from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import same_branch
@@ -42,7 +43,7 @@ from benchmarks.accuracy.__main__ import preview_code
 from benchmarks.accuracy.designs import EDGE_MM, RANDOM, drawn, meshed
 from benchmarks.accuracy.exact import exact, lowest
 from benchmarks.accuracy.held_designs import OTHERS, canopies, other_held
-from benchmarks.frozen.draw import WORKING, frozen
+from benchmarks.frozen.draw import HALVES, SECOND, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
@@ -55,7 +56,7 @@ from pattern.layout.symmetries import symmetries
 
 RANDOM_PREFIX = "random-"
 HELD_PREFIXES = ("canopy-", "held-")
-FROZEN_PREFIX = "frozen-"
+FROZEN_PREFIXES = ("frozen-", "second-")
 COMMAND = "python -m benchmarks.ablation"
 ROWS = "ablation"  # name of the report, and of the file of each design in the folder
 MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance are no change
@@ -81,7 +82,7 @@ def main(words: Sequence[str]) -> int:
     if options.frozen:
         if options.keep is None:
             parser.error("--frozen: needs --keep FOLDER, the folder of python -m benchmarks.frozen.solve")
-        names = [design.name for _, design in frozen(WORKING) if is_solved(design, options.keep)]
+        names = [design.name for design in _frozen_designs() if is_solved(design, options.keep)]
     with tempfile.TemporaryDirectory() as folder:
         rows = []
         for name in names:
@@ -107,23 +108,28 @@ def named(name: str, edge_mm: float = EDGE_MM) -> Design:
         return drawn(int(name.removeprefix(RANDOM_PREFIX)), edge_mm)
     if name.startswith(HELD_PREFIXES):
         return next(each for each in [*canopies(edge_mm), *other_held(OTHERS, edge_mm)] if each.name == name)
-    if name.startswith(FROZEN_PREFIX):
-        return next(design for _, design in frozen(WORKING) if design.name == name)
+    if name.startswith(FROZEN_PREFIXES):
+        return next(design for design in _frozen_designs() if design.name == name)
     return meshed(gallery.load(name), edge_mm)
+
+
+def _frozen_designs() -> list[Design]:
+    return [design for group in (*HALVES, SECOND) for _, design in frozen(group)]
 
 
 def ablated(design: Design, folder: Path, parts: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
     """Distance and form of a design's previews: with all parts, and by the part that is turned off."""
     plan = layout(design)
-    is_frozen = design.name.startswith(FROZEN_PREFIX)
+    is_frozen = design.name.startswith(FROZEN_PREFIXES)
     law = frozen_law(design, folder) if is_frozen else serving_law(design, plan)
     shown = preview(design, law, plan=plan)
     exact(design, folder, near=lambda: shown)
     reference = lowest(design, folder)
+    mean = CellMean(reference.printed, reference.weights, plan.lattice_vectors)
     return {
         "design": design.name,
-        "all": _distance(reference, shown, design, plan),
-        "without": {part: _ablated_distance(reference, design, plan, law, without(part)) for part in parts},
+        "all": _distance(reference, mean, shown, design, plan),
+        "without": {part: _ablated_distance(reference, mean, design, plan, law, without(part)) for part in parts},
     }
 
 
@@ -139,17 +145,19 @@ def _kept_row(design: Design, folder: Path, parts: Sequence[str]) -> dict[str, A
     return row
 
 
-def _ablated_distance(reference: Shape, design: Design, plan: Layout, law: Law, model: PreviewModel) -> dict[str, Any]:
+def _ablated_distance(
+    reference: Shape, mean: CellMean, design: Design, plan: Layout, law: Law, model: PreviewModel
+) -> dict[str, Any]:
     """Of the preview with a model; without numbers if its rest metric is not positive definite."""
     try:
-        return _distance(reference, preview(design, law, model=model, plan=plan), design, plan)
+        return _distance(reference, mean, preview(design, law, model=model, plan=plan), design, plan)
     except LawError:
         return {"rms_percent": None, "same_form": False, "height_percent": None, "bumps_percent": None}
 
 
-def _distance(reference: Shape, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
+def _distance(reference: Shape, mean: CellMean, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
     """rms distance to the exact shape in % of the diameter, form, and errors of height and bumps in %."""
-    comparison = compare_shapes(reference, shape, plan, symmetries(design, plan), design.gravity.pull)
+    comparison = compare_shapes(reference, shape, plan, symmetries(design, plan), design.gravity.pull, mean=mean)
     height, other = comparison.heights_mm
     return {
         "rms_percent": float(comparison.rms_percent),
