@@ -16,6 +16,7 @@ from asterism.previews.uncertainty.other_forms import OtherForm, close_form, oth
 from asterism.results.records.preview import MIN_SHOWN_PROBABILITY
 from fem.search.evidence import Trial
 from pattern.design.design import Design
+from pattern.layout.support_samples import SupportSamples
 from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry
 from tests.asterism.previews.laws import plain_law
@@ -83,7 +84,8 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     rolls = [np.column_stack([x, np.sin(k * y) / k, np.cos(k * y) / k]) for k in (0.01, 0.02, 0.0201)]
     trials = [Trial(f"arc {n}", 10.0 + n, True, 1, roll) for n, roll in enumerate(rolls)]
     lost = Trial("cap", 5.0, False, 1, 3.0 * rolls[0])
-    plan = SimpleNamespace(has_stars=True, sample_points=np.column_stack([x, y]), pins=())
+    no_supports = SupportSamples(np.empty((0, 2)), np.empty((0, 3)), np.empty(0, dtype=np.int64))
+    plan = SimpleNamespace(has_stars=True, sample_points=np.column_stack([x, y]), support_samples=no_supports)
     space = SimpleNamespace(locate=lambda points: SimpleNamespace(value=np.eye(9)))
     same = [Symmetry(np.eye(2), np.zeros(2), np.arange(9))]
     shown = SimpleNamespace(x=rolls[0], energy=10.0, absolute_energy=20.0, trials=[lost, *trials[::-1]])
