@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from asterism.process.collection import no_collection
 from asterism.process.version import __version__
 
 if TYPE_CHECKING:
@@ -154,4 +155,5 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     module, attribute = _HOMES[name]
-    return getattr(import_module(module), attribute)
+    with no_collection():
+        return getattr(import_module(module), attribute)

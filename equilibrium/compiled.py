@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -98,10 +99,16 @@ def _package_of(function: Callable[..., Any]) -> Path:
 @cache
 def _digest(package: Path) -> str:
     """Digest of all files with formulas that a function of this package may call: those there and beside this file."""
-    files = sorted({*package.rglob("*.py"), *Path(__file__).parent.rglob("*.py")})
-    texts = [
-        text
-        for file in files
-        if any(mark in (text := file.read_bytes()) for mark in FORMULA_MARKS) or file == Path(__file__)
-    ]
+    texts = []
+    for name in sorted({*_python_files(package), *_python_files(Path(__file__).parent)}):
+        text = Path(name).read_bytes()
+        if any(mark in text for mark in FORMULA_MARKS) or name == __file__:
+            texts.append(text)
     return hashlib.sha256(b"".join(texts)).hexdigest()[:12]
+
+
+def _python_files(package: Path) -> Iterator[str]:
+    """Paths of all Python files of a package; `Path.rglob` takes three times as long."""
+    for folder, inner, files in os.walk(package):
+        inner[:] = [each for each in inner if each != "__pycache__"]
+        yield from (os.path.join(folder, file) for file in files if file.endswith(".py"))

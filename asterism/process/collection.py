@@ -13,6 +13,18 @@ from contextlib import contextmanager
 
 
 @contextmanager
+def no_collection() -> Iterator[None]:
+    """Within the block, which loads libraries, nothing is collected; afterwards as before."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+@contextmanager
 def late_collection() -> Iterator[None]:
     """Within the block, nothing is collected before `libraries_are_loaded`."""
     gc.disable()

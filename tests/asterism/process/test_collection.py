@@ -9,7 +9,7 @@ import weakref
 import pytest
 
 from asterism.cli.common.run import Run
-from asterism.process.collection import late_collection
+from asterism.process.collection import late_collection, no_collection
 
 
 class Cycle:
@@ -47,3 +47,18 @@ def test_afterwards_nothing_is_left_out_of_the_collection() -> None:
     assert gc.get_freeze_count() == 0
     gc.collect()
     assert cycle() is None
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+def test_libraries_load_without_collection_and_the_setting_stays(enabled: bool) -> None:
+    states = []
+    if not enabled:
+        gc.disable()
+    try:
+        with pytest.raises(ImportError), no_collection():
+            states.append(gc.isenabled())
+            raise ImportError
+        states.append(gc.isenabled())
+    finally:
+        gc.enable()
+    assert states == [False, enabled]
