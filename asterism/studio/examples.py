@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -56,18 +56,17 @@ def design_files(folder: Path) -> list[str]:
             name = name[1 : -len(AUTOSAVE_SUFFIX)]
             name = name if name.endswith(".json") else f"{name}.toml"
         with suppress(OSError):
-            if _is_design(file) and not name.startswith("."):
-                times[name] = max(file.stat().st_mtime, times.get(name, 0.0))
-    return sorted(times, key=lambda name: times[name], reverse=True)[:MAX_FILES]
+            stamp = file.stat()
+            if _is_design(file, stamp.st_mtime_ns, stamp.st_size) and not name.startswith("."):
+                times[name] = max(stamp.st_mtime, times.get(name, 0.0))
+    return sorted(times, key=lambda name: times[name], reverse=True)
 
 
-def _is_design(file: Path) -> bool:
-    """Whether a file looks like a design: it has a border, and stars or rods."""
-    try:
-        with file.open("rb") as stream:
-            text = stream.read(200_000)
-    except OSError:
-        return False
+@lru_cache(maxsize=4096)  # the first page asks for the list every few seconds
+def _is_design(file: Path, mtime_ns: int, size: int) -> bool:
+    """Whether a file of this time and size looks like a design: it has a border, and stars or rods."""
+    with file.open("rb") as stream:
+        text = stream.read(200_000)
     return b"[border]" in text and any(part in text for part in (b"[stars]", b"[rods]", b"[[rods."))
 
 

@@ -13,7 +13,7 @@ from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.engine_requests import EngineRequests
-from asterism.studio.examples import design_files, gallery_entries
+from asterism.studio.examples import MAX_FILES, design_files, gallery_entries
 from asterism.studio.fit_result import FitResult
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.gesture_requests import GestureRequest
@@ -116,7 +116,14 @@ class Studio:
         }
 
     def _gallery(self) -> dict[str, Any]:
-        return {"type": "gallery", "designs": list(gallery_entries()), "files": design_files(self.folder)}
+        files = design_files(self.folder)
+        left = max(0, len(files) - MAX_FILES)
+        return {
+            "type": "gallery",
+            "designs": list(gallery_entries()),
+            "files": files[:MAX_FILES],
+            "files_left_out": left,
+        }
 
     # requests
 

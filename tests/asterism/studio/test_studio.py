@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from asterism.studio.examples import MAX_FILES
 from asterism.studio.local_files import shown_path
 from asterism.studio.studio import Studio
 from pattern import gallery
@@ -200,3 +201,15 @@ def test_paths_are_shown_from_the_home_folder_on(folder: Path, monkeypatch: pyte
     assert shown_path(folder / "dome.toml") == f"~/{folder.name}/dome.toml"
     monkeypatch.setenv("HOME", str(folder))
     assert shown_path(folder.parent / "dome.toml") == str(folder.parent / "dome.toml")
+
+
+def test_the_first_page_says_how_many_designs_of_a_full_folder_it_leaves_out(page: Page, folder: Path):
+    text = (folder / "dome.toml").read_text(encoding="utf-8")
+    for number in range(MAX_FILES + 1):
+        (folder / f"dome-{number}.toml").write_text(text, encoding="utf-8")
+    page.send(type="gallery")
+    message = page.until("gallery")
+    assert len(message["files"]) == MAX_FILES and message["files_left_out"] == 2
+    (folder / "dome-0.toml").write_text("name = 'no design'", encoding="utf-8")
+    page.send(type="gallery")
+    assert page.until("gallery")["files_left_out"] == 1

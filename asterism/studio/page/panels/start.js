@@ -1,11 +1,13 @@
 // The start screen: designs to begin with.
 
-import { button, h, replace } from "../dom.js";
+import { button, h, refresh, replace } from "../dom.js";
 import { plural, size } from "../format.js";
 import { icon } from "../icons.js";
 
 // the order in which the examples are offered; the others follow below
 const FIRST = ["dome", "bell", "roof", "tunnel", "u-shape", "doubly-curved", "tube", "cone", "star"];
+
+const ASK_EVERY_MS = 2000; // other programs put designs into the folder
 
 const SIZE_LETTERS = { l: "length", h: "thickness", w: "width" }; // as in the paper
 
@@ -21,7 +23,8 @@ export function buildStart(element, { store, connection, actions }) {
   element.setAttribute("aria-label", "Open a design");
   element.dataset.testid = "start";
 
-  let built = {};
+  const inFolder = h("div", { testid: "in-folder" });
+  let built = null;
 
   /** Marks what was clicked until the design is there. */
   function opening(run) {
@@ -53,13 +56,50 @@ export function buildStart(element, { store, connection, actions }) {
     );
   }
 
+  /** The design files of the folder; the rest of the page stays as it is when they change. */
+  function showFiles({ files = [], files_left_out: left = 0 } = {}) {
+    const focused = inFolder.contains(document.activeElement) && document.activeElement.dataset.testid;
+    refresh(inFolder, [files, left], () =>
+      files.length
+        ? [
+            h("h2", { class: "section" }, "In this folder"),
+            h(
+              "div",
+              { class: "row wrap" },
+              files.map((name) =>
+                button({
+                  icon: "open",
+                  text: name,
+                  testid: `file-${name}`,
+                  onclick: opening(() => actions.open({ name })),
+                }),
+              ),
+            ),
+            left
+              ? h(
+                  "p",
+                  { class: "hint", testid: "files-left-out" },
+                  `Not listed: ${plural(left, "older design")} of this folder. The command “asterism studio NAME.toml” opens one.`,
+                )
+              : null,
+            h("h2", { class: "section" }, "Examples"),
+          ]
+        : [],
+    );
+    if (focused) [...inFolder.querySelectorAll("button")].find((one) => one.dataset.testid === focused)?.focus();
+  }
+
   function update() {
     const gallery = store.get("gallery");
-    const document = store.get("document");
-    const isShown = store.get("startOpen") || (!document && store.get("connection") === "open" && gallery !== null);
+    const hasDocument = Boolean(store.get("document"));
+    const isShown = store.get("startOpen") || (!hasDocument && store.get("connection") === "open" && gallery !== null);
     element.hidden = !isShown;
-    if (!isShown || (built.gallery === gallery && built.hasDocument === Boolean(document))) return;
-    built = { gallery, hasDocument: Boolean(document) };
+    if (!isShown) return;
+    showFiles(gallery ?? undefined);
+    const designs = gallery?.designs ?? [];
+    const key = JSON.stringify([designs, hasDocument]);
+    if (built === key) return;
+    built = key;
     const blank = h(
       "button",
       { type: "button", class: "card blank", testid: "new", onclick: opening(actions.startNew) },
@@ -72,8 +112,6 @@ export function buildStart(element, { store, connection, actions }) {
       h("div", { class: "shot" }, icon("upload")),
       h("div", { class: "about" }, h("strong", {}, "From a drawing"), h("span", {}, "SVG, DXF or 3DM")),
     );
-    const designs = gallery?.designs ?? [];
-    const files = gallery?.files ?? [];
     replace(
       element,
       h(
@@ -94,7 +132,7 @@ export function buildStart(element, { store, connection, actions }) {
           ),
           h(
             "div",
-            { hidden: !document },
+            { hidden: !hasDocument },
             button({
               icon: "close",
               text: "Back to the design",
@@ -104,24 +142,7 @@ export function buildStart(element, { store, connection, actions }) {
             }),
           ),
         ),
-        files.length
-          ? [
-              h("h2", { class: "section" }, "In this folder"),
-              h(
-                "div",
-                { class: "row wrap" },
-                files.map((name) =>
-                  button({
-                    icon: "open",
-                    text: name,
-                    testid: `file-${name}`,
-                    onclick: opening(() => actions.open({ name })),
-                  }),
-                ),
-              ),
-              h("h2", { class: "section" }, "Examples"),
-            ]
-          : null,
+        inFolder,
         h(
           "div",
           { class: "cards" },
@@ -143,5 +164,6 @@ export function buildStart(element, { store, connection, actions }) {
   store.on(["document", "problem"], () =>
     element.querySelectorAll("[aria-busy]").forEach((one) => one.removeAttribute("aria-busy")),
   );
+  setInterval(() => !element.hidden && !document.hidden && connection.send("gallery"), ASK_EVERY_MS);
   update();
 }

@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.asterism.studio.browser import StudioPage, running_studio
+from tests.asterism.studio.browser import StudioPage
 from tests.asterism.studio.test_patterns import CROSS
 
 # the README's tests open the page in `test_page` only
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("patterns")
-
-
-@pytest.fixture(scope="module")
-def address(folder: Path) -> Iterator[str]:
-    """A studio of its own: the exact model of drawings takes its time, and nobody else's pages wait for it."""
-    with running_studio(folder) as url:
-        yield url
 
 
 def test_a_drawing_rises_by_the_exact_model_and_lies_flat_again_after_an_edit(shared: StudioPage, folder: Path) -> None:
