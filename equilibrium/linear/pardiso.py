@@ -83,7 +83,10 @@ class PardisoFactor:
         self._solver.set_iparm(8, 0)
         # no two-level factorisation: it is a few percent faster, but misses negative pivots of unconnected dofs
         self._solver.set_iparm(24, 0)
-        # pointers of the arguments that stay: a preview calls the solver fifty times
+        # arguments that stay: a preview calls the solver sixty times
+        self._one, self._kind, self._order, self._silent = (
+            ctypes.byref(ctypes.c_int32(number)) for number in (1, self._solver.mtype, pattern.size, 0)
+        )
         self._handle, self._permutation, self._parameters = (
             _at(self._solver.pt, self._solver._pt_type[0]),
             _at(self._solver.perm, ctypes.c_int32),
@@ -96,30 +99,26 @@ class PardisoFactor:
         self._call(11, np.zeros(pattern.size))
 
     def _call(self, phase: int, b: Floats) -> Floats:
-        self._solver.set_phase(phase)
         # for this Python thread only; 0 restores the number that the user has set
         threads = self._solver.libmkl.MKL_Set_Num_Threads_Local
         before = threads(self._threads)
         try:
-            return self._pardiso(b)
+            return self._pardiso(phase, b)
         finally:
             threads(before)
 
-    def _pardiso(self, b: Floats) -> Floats:
+    def _pardiso(self, phase: int, b: Floats) -> Floats:
         """One call of PARDISO; the call in pypardiso would build the index arrays again every time."""
-        from pypardiso.pardiso_wrapper import PyPardisoError
-
-        solver, x, error = self._solver, np.zeros_like(b), ctypes.c_int32(0)
-        kind, phase, size, columns, silent = (
-            ctypes.byref(ctypes.c_int32(number))
-            for number in (solver.mtype, solver.phase, self._size, b.size // len(b) if b.size else 1, solver.msglvl)
-        )
-        one = ctypes.byref(ctypes.c_int32(1))
-        solver._mkl_pardiso(
-            self._handle, one, one, kind, phase, size, self._values, self._starts, self._columns, self._permutation,
-            columns, self._parameters, silent, _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
+        one, x, error = self._one, np.zeros_like(b), ctypes.c_int32(0)
+        columns = ctypes.c_int32(b.size // len(b) if b.size else 1)
+        self._solver._mkl_pardiso(
+            self._handle, one, one, self._kind, ctypes.byref(ctypes.c_int32(phase)), self._order, self._values,
+            self._starts, self._columns, self._permutation, ctypes.byref(columns), self._parameters, self._silent,
+            _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
         )  # fmt: skip
         if error.value:
+            from pypardiso.pardiso_wrapper import PyPardisoError
+
             raise PyPardisoError(error.value)
         return np.ascontiguousarray(x)
 

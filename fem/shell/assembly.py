@@ -11,6 +11,8 @@ of dof J holds `3 - d` entries of the diagonal block, then three entries of each
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -37,6 +39,7 @@ class Assembly:
     def __init__(self, tabulation: Tabulation, size: int) -> None:
         self.size = size
         self.weights, self.points = tabulation.weights, tabulation.points
+        self._values = tabulation.values
         self.dofs: Ints = np.ascontiguousarray(tabulation.dofs, dtype=np.int64)
         both = np.concatenate([tabulation.gradients, tabulation.hessians], axis=3)
         self._table: Floats = np.ascontiguousarray(np.swapaxes(both, 2, 3))
@@ -90,8 +93,10 @@ class Assembly:
         low, flat = self.pattern.lower(data), x.ravel()
         return np.asarray(low @ flat + low.T @ flat - data[self.pattern.diagonal] * flat).reshape(-1, 3)
 
-    def mass(self, values: Floats) -> sp.csr_matrix:
-        """(N, N) mm^2, mass matrix of the basis functions with values (T, Q, m) at the quadrature points."""
+    @cached_property
+    def mass(self) -> sp.csr_matrix:
+        """(N, N) mm^2, mass matrix of the basis functions."""
+        values = self._values
         i, j = np.tril_indices(self.dofs.shape[1])
         blocks = np.matmul(np.swapaxes(self.weights[..., None] * values, 1, 2), values)[:, i, j]
         first = np.minimum(self.dofs[:, i], self.dofs[:, j])

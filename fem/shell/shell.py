@@ -122,7 +122,6 @@ class Shell(SupportedSheet):
         self.potentials, self.order = tuple(potentials), order
         tabulation = space.tabulate(order)
         self.assembly = Assembly(tabulation, space.size)
-        self._values = tabulation.values
         self.points = self.assembly.points
         self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
         self.pattern: SparsePattern = self._reduced.pattern
@@ -256,16 +255,12 @@ class Shell(SupportedSheet):
     @cached_property
     def mass(self) -> ReducedMass:
         """Mass matrix of the printed sheet over the free unknowns, with unit density: mm^2."""
-        return ReducedMass(self._scalar_mass, self.reduction)
-
-    @cached_property
-    def _scalar_mass(self) -> sp.csr_matrix:
-        return self.assembly.mass(self._values)
+        return ReducedMass(self.assembly.mass, self.reduction)
 
     @cached_property
     def mass_entries(self) -> Floats:
         """(nnz,) mm^2, the mass matrix in the pattern of the Hessian."""
-        return self._reduced(self.assembly.expand(self._scalar_mass))
+        return self._reduced(self.assembly.expand(self.assembly.mass))
 
     @cached_property
     def _flat_tangent(self) -> Floats:
