@@ -47,9 +47,8 @@ SHELL = [
 ]  # fmt: skip
 WHOLE = [
     "design", "stars", "triangles", "cold s", "cold processor s", "new print ms", "again ms", "again processor ms",
-    "equilibrium ms",
-    "edit ms", "edit processor ms", "slowest edit ms", "linear response ms", "its solve ms", "exact s", "exact / again",
-    "exact, law's mesh s", "that / again", "that / edit",
+    "equilibrium ms", "edit ms", "edit processor ms", "slowest edit ms", "linear response ms", "its solve ms",
+    "exact s", "exact / new print", "exact, law's mesh s", "that / new print", "that / edit",
 ]  # fmt: skip
 
 
@@ -259,9 +258,9 @@ def design_line(r: dict[str, Any]) -> list[str]:
         f"{r['linear_ms']:.1f}",
         f"{r['linear_solve_ms']:.2f}",
         f"{r['exact_s']:.1f}",
-        f"{1e3 * r['exact_s'] / r['again_ms']:.0f}",
+        f"{1e3 * r['exact_s'] / r['new_print_ms']:.0f}",
         f"{r['fine_s']:.1f}",
-        f"{1e3 * r['fine_s'] / r['again_ms']:.0f}",
+        f"{1e3 * r['fine_s'] / r['new_print_ms']:.0f}",
         f"{1e3 * r['fine_s'] / r['edit_ms']:.0f}",
     ]
 

@@ -194,7 +194,7 @@ class VerificationRecord(DifferenceRecord):
         label="seconds",
         show="preview {preview_s:.2f}, again {preview_again_s:.3f}; exact {exact_s:.1f}",
     )
-    preview_again_s: float = key("Time of a second preview with its layout, with everything loaded.", unit="s")
+    preview_again_s: float = key("Time of a second preview with its layout and mesh, with everything loaded.", unit="s")
     exact_s: float = key("Time of the exact model from the flat print, with its layout.", unit="s")
     exact_from_preview_s: float = key(
         "Time of the exact model from the preview, with its layout, on the meshes of the other start.", unit="s"
