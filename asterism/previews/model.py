@@ -90,12 +90,6 @@ class PreviewModel:
         0.7, "-", "share of the bending stiffness that the sixfold term may take away in one direction",
         "computed from cells", "origin unknown", "cells of the paper's material stay below",
     )  # fmt: skip
-    # lengths at rest follow the curvature: fields/sheet_fields.py
-    has_curvature_lengths: bool = _derived(True, "-", "switch: free sheets contract more where they curl")
-    length_turn_rad: float = _of(
-        1.5, "rad", "turn over a spacing in which cells make most of that way", "computed from cells",
-        "origin unknown", "cells of long thin stars",
-    )  # fmt: skip
     # stars and bare fabric: fields/sheet_fields.py
     has_series_bending: bool = _derived(True, "-", "switch: compliances of stars and bare fabric add")
     # Gaussian curvature works against the stress within cells: fields/self_stress.py
@@ -174,11 +168,6 @@ class PreviewModel:
         "pytest tests/asterism/previews/corrugation/test_arms.py", "flat cells",
     )  # fmt: skip
     arm_support_share: float = _unknown(0.25, "-", "share of the distance to a support that a tip moves at most")
-    # forms of equal energy: search/find_equilibrium.py
-    energy_tie: float = _of(
-        0.005, "-", "share of the energy within which the law cannot order two forms", "computed from cells",
-        "origin unknown", "test cells of the law: its error at best",
-    )  # fmt: skip
     # estimated error: uncertainty/distance_error.py, the same three constants for distance, height and other forms
     energy_uncertainty: float = _fitted(
         0.049, "-", "standard deviation of the energy over the energy at stake", ERROR_DESIGNS, ERRORS

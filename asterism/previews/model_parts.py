@@ -9,7 +9,6 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 PARTS: dict[str, dict[str, Any]] = {
     "rosette metric": {"has_rosette_metric": False},
-    "lengths that follow curvature": {"has_curvature_lengths": False},
     "series bending": {"has_series_bending": False},
     "Gaussian curvature": {"gaussian_area": 0.0},
     "roll axis": {"sixfold_factor": 0.0},
@@ -24,7 +23,6 @@ PARTS: dict[str, dict[str, Any]] = {
     "arms that keep their length": {"has_arm_lengths": False},
     "arms that bend with the mean curvature": {"arm_mean_share": 0.0},
     "last arms": {"has_last_arms": False},
-    "energy tie": {"energy_tie": 0.0},
 }
 
 

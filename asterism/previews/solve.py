@@ -53,9 +53,7 @@ def state_from_guesses(
         if step == 0:
             symmetries = clock("symmetries", getattr, sheet, "symmetries") if shell.is_free else []
             traits = SheetTraits(values.is_uniform, values.has_tight_curls, [each.turn for each in symmetries])
-            equilibrium: ShellEquilibrium = clock(
-                "equilibrium", find_equilibrium, shell, factor, side, traits, sheet.model
-            )
+            equilibrium: ShellEquilibrium = clock("equilibrium", find_equilibrium, shell, factor, side, traits)
         else:
             equilibrium = clock("pins", apply_supports, shell, factor, equilibrium.x, was_free)
         was_free = len(shell.fixed_points) == 0

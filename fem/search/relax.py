@@ -48,7 +48,6 @@ def relax(
     max_guesses: int = MAX_GUESSES,
     soft_modes: int = MODE_COUNT,
     symmetries: Sequence[Floats] = (),
-    energy_tie: float = 0.0,
 ) -> ShellEquilibrium:
     """Find the equilibrium of lowest energy among those that the best initial guesses lead to.
 
@@ -62,7 +61,6 @@ def relax(
         bent about an axis, guesses about other axes with a similar energy are followed too.
     soft_modes : number of smallest eigenvalues to compute.
     symmetries : rotations and reflections (2, 2) of the print; axes that they map onto each other count once.
-    energy_tie : relative difference within which energies of minima count as equal; the first guess then decides.
 
     Raises
     ------
@@ -76,7 +74,7 @@ def relax(
     if factor is None:
         factor = shell.factor()
         try:
-            return relax(shell, factor, side, shapes, max_guesses, soft_modes, symmetries, energy_tie)
+            return relax(shell, factor, side, shapes, max_guesses, soft_modes, symmetries)
         finally:
             factor.close()
     begin = time.perf_counter()
@@ -99,8 +97,6 @@ def relax(
             taken += iterations
     best = min(results, key=_rank)
     if best.is_minimum:
-        enough = best.energy + energy_tie * abs(best.energy)
-        best = next(each for each in results if each.is_minimum and each.energy <= enough)
         if best is not results[-1]:
             factorise(shell, best.x, factor)
         begin = time.perf_counter()

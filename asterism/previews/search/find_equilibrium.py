@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.search.alternatives import (
     EQUAL_ENERGY,
     buckle,
@@ -65,14 +64,12 @@ class SheetTraits:
     turns: Sequence[Floats] = ()
 
 
-def find_equilibrium(
-    shell: Shell, factor: Factor, side: Side, traits: SheetTraits, model: PreviewModel = PREVIEW_MODEL
-) -> ShellEquilibrium:
+def find_equilibrium(shell: Shell, factor: Factor, side: Side, traits: SheetTraits) -> ShellEquilibrium:
     """The lowest minimum that the guesses lead to, on the side that is asked for if one is reached there.
 
     The factor then holds the exact Hessian at the equilibrium, if that is definite.
     """
-    equilibrium = _lowest_on_any_side(shell, factor, side, traits, model)
+    equilibrium = _lowest_on_any_side(shell, factor, side, traits)
     if side == "auto" or side_of(shell, equilibrium.x) == side:
         return equilibrium
     return _lowest_on_side(shell, factor, equilibrium, side, traits.turns)
@@ -99,18 +96,16 @@ def _lowest_on_side(
     return replace(there, trials=equilibrium.trials, soft_modes=stiffness, iterations=best.iterations)
 
 
-def _lowest_on_any_side(
-    shell: Shell, factor: Factor, side: Side, traits: SheetTraits, model: PreviewModel
-) -> ShellEquilibrium:
+def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetTraits) -> ShellEquilibrium:
     """The lowest minimum; the guesses are on the requested side, but may lead to the other one."""
     free = len(shell.fixed_points) == 0
     means, size, turns = mean_fields(shell), shell.extent, traits.turns
     if free and traits.has_equal_stars and abs(means.curvature) * means.stretch * size > MIN_TUBE_TURN_RAD:
         tubes = [shape for shape in candidate_shapes(means, size, side) if shape.name in ("arc", "flat")]
-        tube = relax(shell, factor, side, tubes, max_guesses=1, symmetries=turns, energy_tie=model.energy_tie)
+        tube = relax(shell, factor, side, tubes, max_guesses=1, symmetries=turns)
         if tube.is_minimum:
             return tube
-    equilibrium = relax(shell, factor, side, symmetries=turns, energy_tie=model.energy_tie)
+    equilibrium = relax(shell, factor, side, symmetries=turns)
     guesses, natural_size = candidate_shapes(means, size, side), means.stretch * size
     if free:
         near_another = is_equilibrium_near_another(shell, equilibrium, natural_size)
