@@ -25,7 +25,6 @@ ALWAYS = [
     "turn of free rims",
     "arms into free rims",
     "bumps",
-    "last arms",
     "arms that keep their length",
 ]
 FREE = {
