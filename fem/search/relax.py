@@ -115,6 +115,7 @@ def follow(
     name: str = "given",
     strains: Floats | None = None,
     patient: bool = True,
+    max_iterations: int = MAX_ITERATIONS_OF_FURTHER_GUESSES,
 ) -> ShellEquilibrium:
     """Find the equilibrium that a state x leads to, and certify it.
 
@@ -125,6 +126,7 @@ def follow(
     name : name of the guess, for the result.
     strains : (T, Q, 6) mixed strains at x, such as those of an equilibrium before an edit.
     patient : if False, the search stops after few iterations and without energy minimisation.
+    max_iterations : number of these iterations.
     """
     tolerance = GRADIENT_TOLERANCE * shell.force_scale
     given = [strains]  # for the first state only
@@ -136,7 +138,7 @@ def follow(
             factor,
             tolerance,
             given.pop() if given else None,
-            MAX_ITERATIONS if patient else MAX_ITERATIONS_OF_FURTHER_GUESSES,
+            MAX_ITERATIONS if patient else max_iterations,
         )
 
     equilibrium = find_minimum(

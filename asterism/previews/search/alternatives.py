@@ -3,6 +3,7 @@
 - `perturb_along_softest_mode` starts on both sides of the minimum, along its softest mode.
 - `buckle` starts a sheet that its supports hold narrower than its natural size from caps and arcs: such a sheet
   buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others.
+- `buckle_soft` does the same for a sheet that has soft modes: these need not point to the other forms either.
 - `is_inverted` detects sheets that lie completely on the wrong side of their supports.
 """
 
@@ -17,6 +18,7 @@ from equilibrium.arrays import Floats
 from equilibrium.linear.factor import Factor
 from fem.search.evidence import ShellEquilibrium
 from fem.search.guess_builder import GuessBuilder
+from fem.search.initial_guesses import MAX_ENERGY_RATIO
 from fem.search.mean_fields import MeanFields
 from fem.search.relax import factorise, follow, softest_shell_modes
 from fem.search.sides import FLAT_SAG_MM, Side
@@ -31,6 +33,8 @@ MAX_RISE_SHARE = 0.1
 MIN_SIZE_RATIO = 0.95
 # about this many arcs are initial guesses for a narrow sheet
 ARC_GUESSES = 3
+# iterations for each guess of a narrow soft sheet: arcs take up to this many there
+SOFT_ITERATIONS = 30
 
 
 def perturb_along_softest_mode(
@@ -68,6 +72,35 @@ def buckle(
     return lowest(shell, factor, equilibrium, others)
 
 
+def buckle_soft(
+    shell: Shell,
+    factor: Factor,
+    equilibrium: ShellEquilibrium,
+    means: MeanFields,
+    guesses: Sequence[SimpleShape],
+    energy_tie: float,
+) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that the tightest cap and arcs in three directions lead to.
+
+    Parameters
+    ----------
+    energy_tie : relative difference within which energies of minima count as equal; the one that came first then stays.
+    """
+    caps = [shape for shape in guesses if shape.name == "cap"]
+    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
+    family = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
+    tightest = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
+    builder = GuessBuilder(shell, factor, means.centre, means.stretch)
+    tried = tightest + family[:: max(len(family) // ARC_GUESSES, 1)]
+    starts = sorted((builder.relax_in_plane(builder.bend(shape)) for shape in tried), key=lambda start: start.energy)
+    others = [
+        follow(shell, start.x, factor, start.shape.name, patient=False, max_iterations=SOFT_ITERATIONS)
+        for start in starts
+        if start.energy - starts[0].energy <= (MAX_ENERGY_RATIO - 1.0) * abs(starts[0].energy)
+    ]
+    return lowest(shell, factor, equilibrium, others, energy_tie)
+
+
 def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
     """Whether a supported sheet x (N, 3) lies completely on the wrong side of its supports for the given side."""
     heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
@@ -75,12 +108,16 @@ def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
 
 
 def lowest(
-    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, others: Sequence[ShellEquilibrium]
+    shell: Shell,
+    factor: Factor,
+    equilibrium: ShellEquilibrium,
+    others: Sequence[ShellEquilibrium],
+    energy_tie: float = EQUAL_ENERGY,
 ) -> ShellEquilibrium:
     """The lowest of several minima, with the history of all attempts; the factor then holds its Hessian."""
     best = equilibrium
     for other in others:
-        if other.is_minimum and other.energy < best.energy - EQUAL_ENERGY * abs(best.energy):
+        if other.is_minimum and other.energy < best.energy - energy_tie * abs(best.energy):
             best = other
     factorise(shell, best.x, factor)
     if best is not equilibrium:

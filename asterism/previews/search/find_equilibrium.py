@@ -4,7 +4,7 @@
 2. Where experience shows that other forms are likely, more are tried: caps for free sheets whose stars curl within
    their own spacing; other kinds of guesses for free sheets without symmetry that have two near-zero modes; the flat
    sheet for supported sheets that come out inverted; both sides of the softest mode for supported sheets with
-   two soft modes; caps and arcs for supported sheets that are narrower than their natural size.
+   two soft modes; caps and arcs for supported sheets that are narrower than their natural size, soft or not.
 3. If one side is asked for, the lowest minimum on that side.
 """
 
@@ -18,6 +18,7 @@ import numpy as np
 from asterism.previews.search.alternatives import (
     EQUAL_ENERGY,
     buckle,
+    buckle_soft,
     is_inverted,
     is_narrow,
     lowest,
@@ -116,9 +117,13 @@ def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetT
         equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
     if not equilibrium.is_minimum:
         return equilibrium
+    narrow = is_narrow(means)
     if is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT):
-        return perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
-    return buckle(shell, factor, equilibrium, means, guesses) if is_narrow(means) else equilibrium
+        equilibrium = perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
+        if not narrow:
+            return equilibrium
+        return buckle_soft(shell, factor, equilibrium, means, guesses, model.energy_tie)
+    return buckle(shell, factor, equilibrium, means, guesses) if narrow else equilibrium
 
 
 def _lowest_free(

@@ -603,7 +603,7 @@ def test_sheets_that_slide_on_all_their_pins_expect_to_be_as_far_off_as_free_one
     """Stars that curl tightly shape them: the exact model folds this one up otherwise, by a tenth of its diameter."""
     curly = {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 2}, "fabric": {"stretch": 1.75}}
     sliding = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "slide": "plane"}]}))
-    held = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "scale": 0.62}]}))
+    held = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "scale": 0.66}]}))
     assert len(sliding.summary["stars_tight"]) == 19 and sliding.summary["expected_rms_percent"] > 4.0
     assert len(held.summary["stars_tight"]) == 19 and held.summary["expected_rms_percent"] < 4.0
 
