@@ -73,19 +73,9 @@ def buckle(
 
 
 def buckle_soft(
-    shell: Shell,
-    factor: Factor,
-    equilibrium: ShellEquilibrium,
-    means: MeanFields,
-    guesses: Sequence[SimpleShape],
-    energy_tie: float,
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
 ) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that the tightest cap and arcs in three directions lead to.
-
-    Parameters
-    ----------
-    energy_tie : relative difference within which energies of minima count as equal; the one that came first then stays.
-    """
+    """The lowest of a minimum and of those that the tightest cap and arcs in three directions lead to."""
     caps = [shape for shape in guesses if shape.name == "cap"]
     arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
     family = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
@@ -98,7 +88,7 @@ def buckle_soft(
         for start in starts
         if start.energy - starts[0].energy <= (MAX_ENERGY_RATIO - 1.0) * abs(starts[0].energy)
     ]
-    return lowest(shell, factor, equilibrium, others, energy_tie)
+    return lowest(shell, factor, equilibrium, others)
 
 
 def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
@@ -108,16 +98,12 @@ def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
 
 
 def lowest(
-    shell: Shell,
-    factor: Factor,
-    equilibrium: ShellEquilibrium,
-    others: Sequence[ShellEquilibrium],
-    energy_tie: float = EQUAL_ENERGY,
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, others: Sequence[ShellEquilibrium]
 ) -> ShellEquilibrium:
     """The lowest of several minima, with the history of all attempts; the factor then holds its Hessian."""
     best = equilibrium
     for other in others:
-        if other.is_minimum and other.energy < best.energy - energy_tie * abs(best.energy):
+        if other.is_minimum and other.energy < best.energy - EQUAL_ENERGY * abs(best.energy):
             best = other
     factorise(shell, best.x, factor)
     if best is not equilibrium:

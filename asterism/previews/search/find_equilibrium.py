@@ -122,7 +122,7 @@ def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetT
         equilibrium = perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
         if not narrow:
             return equilibrium
-        return buckle_soft(shell, factor, equilibrium, means, guesses, model.energy_tie)
+        return buckle_soft(shell, factor, equilibrium, means, guesses)
     return buckle(shell, factor, equilibrium, means, guesses) if narrow else equilibrium
 
 
