@@ -85,7 +85,9 @@ def relax(
     for guess in sorted(chosen, key=lambda guess: guess.energy):
         # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
         lowest = min((each.energy for each in results if each.is_minimum), default=np.inf)
-        results.append(follow(shell, guess.x, factor, guess.shape.name, patient=lowest == np.inf))
+        known = [each.x for each in results if each.is_minimum]
+        limits = lowest == np.inf, MAX_ITERATIONS_OF_FURTHER_GUESSES
+        results.append(follow(shell, guess.x, factor, guess.shape.name, None, *limits, known))
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
             results.append(follow(shell, results[-1].x, factor, guess.shape.name))
     taken = sum(each.iterations for each in results)
@@ -116,6 +118,7 @@ def follow(
     strains: Floats | None = None,
     patient: bool = True,
     max_iterations: int = MAX_ITERATIONS_OF_FURTHER_GUESSES,
+    known: Sequence[Floats] = (),
 ) -> ShellEquilibrium:
     """Find the equilibrium that a state x leads to, and certify it.
 
@@ -127,6 +130,7 @@ def follow(
     strains : (T, Q, 6) mixed strains at x, such as those of an equilibrium before an edit.
     patient : if False, the search stops after few iterations and without energy minimisation.
     max_iterations : number of these iterations.
+    known : (N, 3) mm each, minima; the search ends at one of them as soon as it comes near.
     """
     tolerance = GRADIENT_TOLERANCE * shell.force_scale
     given = [strains]  # for the first state only
@@ -139,6 +143,7 @@ def follow(
             tolerance,
             given.pop() if given else None,
             MAX_ITERATIONS if patient else max_iterations,
+            known,
         )
 
     equilibrium = find_minimum(

@@ -20,7 +20,7 @@ from fem.search.evidence import ShellEquilibrium
 from fem.search.guess_builder import GuessBuilder
 from fem.search.initial_guesses import MAX_ENERGY_RATIO
 from fem.search.mean_fields import MeanFields
-from fem.search.relax import factorise, follow, softest_shell_modes
+from fem.search.relax import MAX_ITERATIONS_OF_FURTHER_GUESSES, factorise, follow, softest_shell_modes
 from fem.search.sides import FLAT_SAG_MM, Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
@@ -48,7 +48,8 @@ def perturb_along_softest_mode(
     """
     mode = softest_shell_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
     step = amplitude_mm / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
-    others = [follow(shell, shell.move(equilibrium.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
+    starts = [(shell.move(equilibrium.x, sign * step), "pushed") for sign in (1.0, -1.0)]
+    others = _followed(shell, factor, equilibrium, starts, patient=True)
     return lowest(shell, factor, equilibrium, others)
 
 
@@ -64,8 +65,8 @@ def buckle(
     builder = GuessBuilder(shell, factor, means.centre, means.stretch)
     arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
     tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
-    starts = [builder.relax_in_plane(builder.bend(shape)) for shape in tried]
-    others = [follow(shell, start.x, factor, start.shape.name, patient=False) for start in starts]
+    guessed = [builder.relax_in_plane(builder.bend(shape)) for shape in tried]
+    others = _followed(shell, factor, equilibrium, [(start.x, start.shape.name) for start in guessed])
     low = min(others, key=lambda other: other.energy)
     if not low.is_minimum and low.energy < equilibrium.energy:
         others.append(follow(shell, low.x, factor, low.guess))
@@ -83,12 +84,29 @@ def buckle_soft(
     builder = GuessBuilder(shell, factor, means.centre, means.stretch)
     tried = tightest + family[:: max(len(family) // ARC_GUESSES, 1)]
     starts = sorted((builder.relax_in_plane(builder.bend(shape)) for shape in tried), key=lambda start: start.energy)
-    others = [
-        follow(shell, start.x, factor, start.shape.name, patient=False, max_iterations=SOFT_ITERATIONS)
+    promising = [
+        (start.x, start.shape.name)
         for start in starts
         if start.energy - starts[0].energy <= (MAX_ENERGY_RATIO - 1.0) * abs(starts[0].energy)
     ]
+    others = _followed(shell, factor, equilibrium, promising, max_iterations=SOFT_ITERATIONS)
     return lowest(shell, factor, equilibrium, others)
+
+
+def _followed(
+    shell: Shell,
+    factor: Factor,
+    equilibrium: ShellEquilibrium,
+    starts: Sequence[tuple[Floats, str]],
+    patient: bool = False,
+    max_iterations: int = MAX_ITERATIONS_OF_FURTHER_GUESSES,
+) -> list[ShellEquilibrium]:
+    """The equilibria that states with names lead to; arguments as in `follow`. A known minimum is met early."""
+    others: list[ShellEquilibrium] = []
+    for x, name in starts:
+        known = [each.x for each in (equilibrium, *others) if each.is_minimum]
+        others.append(follow(shell, x, factor, name, None, patient, max_iterations, known))
+    return others
 
 
 def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:

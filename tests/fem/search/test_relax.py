@@ -9,6 +9,7 @@ import fem.search.relax
 from equilibrium.linear.factor import Factor
 from equilibrium.newton.find_minimum import find_minimum
 from fem.elements.argyris import Argyris
+from fem.elements.deformation import affine
 from fem.search.evidence import ShellEquilibrium
 from fem.search.mixed_newton import mixed_newton
 from fem.search.relax import follow, follow_load_steps, is_collapsing, relax
@@ -197,3 +198,15 @@ def test_a_sheet_that_collapses_is_not_followed_in_load_steps(
     shell = Shell(Argyris(hexagon(1)), Fields(density(), curvature=(0.004, 0.004, 0.0), gaussian=gaussian))
     found = relax(shell)
     assert steps == tried and is_collapsing(shell, found) == (not tried) == (not found.is_minimum)
+
+
+def test_a_search_that_comes_near_a_known_minimum_ends_at_it() -> None:
+    mesh = hexagon(1)
+    shell = Shell(Argyris(mesh), FIELDS["dome"], [EdgeSupport(mesh.boundary_facets(), affine(0.8 * np.eye(3)[:, :2]))])
+    factor = shell.factor()
+    minimum = relax(shell, factor, soft_modes=0).x
+    start = shell.constrain(minimum + 0.2 * minimum[:, 2:] * [0.0, 0.0, 1.0])
+    alone, again = (follow(shell, start, factor, known=known) for known in ([], [minimum]))
+    assert alone.is_minimum and again.is_minimum
+    assert alone.x == pytest.approx(minimum, abs=1e-6)
+    assert np.array_equal(again.x, minimum) and again.iterations < alone.iterations
