@@ -106,11 +106,11 @@ class PreviewModel:
         0.4, "-", "width of the Gaussian over the length of the arms",
         "random-10, random-04, random-44, fig8-h-increasing",
     )  # fmt: skip
-    cell_radius: float = _unknown(0.6, "spacing", "a bump ends at this distance from its star")
-    min_bump_radius: float = _unknown(0.17, "spacing", "arms below this length have no bump")
+    cell_radius: float = _derived(
+        3.0**-0.5, "spacing", "a bump ends here: the corners of a cell of the triangular lattice"
+    )  # fmt: skip
     # holes in the pattern: fields/holes.py
     has_holes: bool = _derived(True, "-", "switch: bare sites with stars all around have no free rim")
-    hole_rim_distance: float = _unknown(0.6, "spacing", "sites nearer to the outline than this belong to the rim")
     # supported points: supports/point_pins.py, fields/stretched_fabric.py
     has_point_softness: bool = _derived(True, "-", "switch: sheets give way around pulled points as on the exact mesh")
     has_neo_hookean_fabric: bool = _derived(True, "-", "switch: bare fabric of sheets on points is neo-Hookean")

@@ -39,7 +39,7 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     )
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors
     region = connected_sites(empty, np.argwhere(joined) - 1)
-    near = model.hole_rim_distance * layout.spacing_mm
+    near = model.cell_radius * layout.spacing_mm  # the cells of nearer sites reach the outline
     away = np.min([distance_to_outline(places, ring) for ring in layout.edges.rings], axis=0)
     rim = ~layout.is_on_sheet(places) | (away < near)
     return np.asarray(places[~np.isin(region, region[rim])])

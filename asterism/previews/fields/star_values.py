@@ -136,8 +136,8 @@ def _bumps(
     tip_heights = np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
     tops = corrugation @ law.waves(np.zeros((1, 2)))[0]
     flat, more = (tops - tip_heights).T
-    tip_slope = 2.0 * (flat + kappa * more) / np.maximum(reach, model.min_bump_radius * lattice.spacing_mm)
-    return tip_heights, np.where(length > 0.0, tip_slope, 0.0)
+    tip_slope = 2.0 * (flat + kappa * more) / np.where(length > 0.0, reach, np.inf)
+    return tip_heights, tip_slope
 
 
 def _placed(line: str, where: Sequence[str]) -> str:
