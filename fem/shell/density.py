@@ -65,7 +65,8 @@ class Density:
         """The same density with every part as an array over the points, `shape` = (T, Q)."""
 
         def broadcast(values: Floats | float, tail: tuple[int, ...] = ()) -> Floats:
-            return np.array(np.broadcast_to(values, (*shape, *tail)), dtype=float)
+            # in C order, for which the loops are compiled already
+            return np.array(np.broadcast_to(values, (*shape, *tail)), dtype=float, order="C")
 
         return Density(
             broadcast(self.stiffness, (6, 6)),
