@@ -158,6 +158,7 @@ class PreviewModel:
         0.3, "-", "share of the sheet's mean curvature in the bending of an arm", "computed from cells",
         "pytest tests/asterism/previews/corrugation/test_arms.py", "rolled cells: 0.13 to 0.41",
     )  # fmt: skip
+    has_last_arms: bool = _derived(True, "-", "switch: arms without a star ahead stay curled")
     fabric_beside_arm: float = _of(
         0.15, "spacing", "distance beside an arm in which the fabric follows it", "computed from cells",
         "pytest tests/asterism/previews/corrugation/test_arms.py", "flat cells",

@@ -22,6 +22,7 @@ PARTS: dict[str, dict[str, Any]] = {
     "bumps": {"has_bumps": False},
     "arms that keep their length": {"has_arm_lengths": False},
     "arms that bend with the mean curvature": {"arm_mean_share": 0.0},
+    "last arms": {"has_last_arms": False},
 }
 
 

@@ -9,6 +9,10 @@ for all arms of a star. As rods, the arms also differ from the sheet:
   too, not only with the curvature along the arm. If the sheet at the tip is f below its tangent plane at the centre of
   the star, the tip is `(1 - m) f + m H l^2 / 2` below this plane, with m = `arm_mean_share`. On a tube, even the arms
   along the axis curl.
+- **Last arms.** A last arm has no star ahead, and the fabric beyond its tip cannot bend it back. Its tip is f below the
+  tangent plane, but at least `kappa l^2 / 6`: on the natural tube the mean over the directions is `kappa l^2 / 4`, and
+  two thirds of it are left if the curvature falls linearly from the joint to nothing at the tip. Such tips are often
+  the lowest points of a sheet.
 
 The fabric beside an arm follows it (`asterism.previews.corrugation.arm_shares`). Supported points stay in place.
 """
@@ -19,6 +23,7 @@ from copy import copy
 
 import numpy as np
 
+from asterism.previews.fields.star_arms import are_last_arms
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.surface.smooth_surface import smooth_surface
 from equilibrium.arrays import Floats
@@ -41,12 +46,14 @@ class Arms:
     length : (A,) mm.
     room : (A,) mm, distance of the tips from the supports.
     direction : (A, 2) unit vectors of the arms, from the centre to the tip.
+    last : (A,) bool, arms without a star ahead.
     at_centres : shape functions of the shell at the centres of the stars.
     """
 
     def __init__(self, layout: Layout, space: Argyris, model: PreviewModel = PREVIEW_MODEL) -> None:
         self.model = model
         self._follow(layout, space)
+        self.last = are_last_arms(layout, self.centre, self.direction, model)
         self.at_centres = space.locate(layout.centres)
 
     def _follow(self, layout: Layout, space: Argyris) -> None:
@@ -75,12 +82,13 @@ class Arms:
         arms._follow(layout, space)
         return arms if np.abs(arms.direction - self.direction).max(initial=0.0) < SAME_DIRECTION else None
 
-    def moves(self, x: Floats) -> tuple[Floats, Floats]:
+    def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
         """Compute how far the tips move relative to the smooth surface.
 
         Parameters
         ----------
         x : (N, 3) degrees of freedom of the shell.
+        kappa : (S,) or more, 1/mm, natural curvature of the stars.
 
         Returns
         -------
@@ -96,4 +104,7 @@ class Arms:
         place = tip.places + tip.moved(out)
         drop = np.einsum("ac,ac->a", centre.places[star] - place, centre.normals[star])
         lift = model.arm_mean_share * (drop - 0.5 * centre.mean_curvature[star] * length**2)
+        side, kept = np.sign(kappa[star]), np.abs(kappa[star]) * length**2 / 6.0
+        if model.has_last_arms:
+            lift = np.where(self.last, side * np.minimum(side * drop - kept, 0.0), lift)
         return out, np.clip(lift, -room, room)

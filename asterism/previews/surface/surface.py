@@ -87,7 +87,7 @@ class Lens:
         curvature = 2.0 * smooth.mean_curvature
         rim = self._nearest, self._spacing, self._model
         heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
-        out, lift = self._arms.moves(x)
+        out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._arm_shares.lifted @ lift
         if self._held:
             heights *= flattening(values, weights, smooth.area, self._model)

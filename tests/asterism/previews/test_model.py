@@ -25,6 +25,7 @@ ALWAYS = [
     "turn of free rims",
     "arms into free rims",
     "bumps",
+    "last arms",
     "arms that keep their length",
 ]
 FREE = {

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.model import PREVIEW_MODEL
@@ -74,6 +77,24 @@ def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
     assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
 
 
+def test_last_arms_poke_down_as_in_the_exact_model() -> None:
+    data = gallery.load("dome").to_dict() | {
+        "stars": {"length_mm": 9.0, "thickness_mm": 0.35},
+        "border": {"rings": 1},
+        "pins": [{"where": "border", "scale": 0.8}],
+        "mesh": {"edge_mm": 1.45},
+    }
+    preview = Preview(Design.from_dict(data))
+    plan, last = preview.sheet.layout, preview.sheet.arms.last
+    inner = np.linalg.norm(plan.centres, axis=1)[plan.arm_star] < 1.0
+    assert 0 < last.sum() < len(last) and not last[inner].any()
+    right = exact_shape(preview.design).at(plan.arm_tip)[last, 2]
+    found = preview.at(plan.arm_tip).bumpy[last, 2]
+    without = Preview(preview.design, model=replace(PREVIEW_MODEL, has_last_arms=False)).at(plan.arm_tip).bumpy[last, 2]
+    assert right.min() < -1.0
+    assert np.abs(found - right).mean() < 0.6 * np.abs(without - right).mean()
+
+
 def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     """Arms that the border cuts, and a pin in the middle of an arm."""
     cut = {"border": {"rectangle_mm": [80.0, 60.0], "star_margin_mm": 2.0}, "stars": {"length_mm": 12.0}}
@@ -110,10 +131,10 @@ def _from_star(cell: UnitCell) -> np.ndarray:
 def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_is_wider() -> None:
     """Along the print they move by more: that shrinks too."""
     preview = sheet([])
-    plan, arms = preview.sheet.layout, preview.sheet.arms
+    plan, arms, kappa = preview.sheet.layout, preview.sheet.arms, np.full(len(preview.sheet.layout.centres), 0.01)
     narrow, wide = (_laid(preview, SimpleShape("flat"), stretch) for stretch in (0.8, 1.1))
-    assert arms.moves(narrow)[0] == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
-    assert not arms.moves(wide)[0].any()
+    assert arms.moves(narrow, kappa)[0] == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
+    assert not arms.moves(wide, kappa)[0].any()
 
 
 @pytest.mark.parametrize("stretch", [0.8, 1.0])
@@ -121,9 +142,19 @@ def test_arms_on_a_tube_lift_by_a_part_of_what_they_bend_more_than_the_mean(stre
     """As long as they are, and not as short as the sheet beneath them."""
     preview, curvature = sheet([]), 2e-3
     plan, arms = preview.sheet.layout, preview.sheet.arms
-    _, lift = arms.moves(_laid(preview, SimpleShape("arc", curvature), stretch))
+    _, lift = arms.moves(_laid(preview, SimpleShape("arc", curvature), stretch), np.zeros(len(plan.centres)))
     expected = 0.5 * RIGID * curvature * plan.arm_length**2 * (0.5 - arms.direction[:, 0] ** 2)
-    assert lift == pytest.approx(expected, abs=0.01 * np.abs(expected).max())
+    among = ~arms.last
+    assert lift[among] == pytest.approx(expected[among], abs=0.01 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: float) -> None:
+    preview, kappa = sheet([]), 0.01
+    plan, arms = preview.sheet.layout, preview.sheet.arms
+    _, lift = arms.moves(_laid(preview, SimpleShape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
+    kept = kappa * plan.arm_length**2 / 6.0
+    assert lift == pytest.approx(np.where(arms.last, -side * kept, 0.0))
 
 
 def test_the_lift_of_an_arm_grows_with_the_square_of_the_way_to_its_tip() -> None:
