@@ -90,6 +90,12 @@ class PreviewModel:
         0.7, "-", "share of the bending stiffness that the sixfold term may take away in one direction",
         "computed from cells", "origin unknown", "cells of the paper's material stay below",
     )  # fmt: skip
+    # lengths at rest follow the curvature: fields/sheet_fields.py
+    has_curvature_lengths: bool = _derived(True, "-", "switch: free sheets contract more where they curl")
+    length_turn_rad: float = _of(
+        1.5, "rad", "turn over a spacing in which cells make most of that way", "computed from cells",
+        "origin unknown", "cells of long thin stars",
+    )  # fmt: skip
     # stars and bare fabric: fields/sheet_fields.py
     has_series_bending: bool = _derived(True, "-", "switch: compliances of stars and bare fabric add")
     # Gaussian curvature works against the stress within cells: fields/self_stress.py

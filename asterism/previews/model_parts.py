@@ -9,6 +9,7 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 PARTS: dict[str, dict[str, Any]] = {
     "rosette metric": {"has_rosette_metric": False},
+    "lengths that follow curvature": {"has_curvature_lengths": False},
     "series bending": {"has_series_bending": False},
     "Gaussian curvature": {"gaussian_area": 0.0},
     "roll axis": {"sixfold_factor": 0.0},

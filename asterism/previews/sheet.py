@@ -14,7 +14,7 @@ from asterism.previews.corrugation.arms import Arms
 from asterism.previews.edges.free_rim import free_normals, stars_share
 from asterism.previews.edges.rim_arms import rim_curvature_share
 from asterism.previews.fields.self_stress import gaussian_moduli
-from asterism.previews.fields.sheet_fields import sheet_fields
+from asterism.previews.fields.sheet_fields import free_length_share, sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -132,10 +132,11 @@ class Sheet(PrintSheet):
         stars, length, spacing, model = self.stars, values.sizes[:, 0], self.layout.spacing_mm, self.model
         arms = [(along, shares(length)) for along, shares in stars.along_arms]
         shares = stars.shares(length)
+        early = 0.0 if self.layout.is_supported_in_plane else free_length_share(values, spacing, model)
         gaussian, shape = gaussian_moduli(values, spacing, model), self.table.weights.shape
         border = stars.border(length) if model.has_rim_turn else None
         fields = sheet_fields(
-            shares, values, shape, arms, stars.rim_normals, border, stars.carried, gaussian, spacing, model
+            shares, values, shape, arms, stars.rim_normals, border, early, stars.carried, gaussian, spacing, model
         )
         if self.pin_softness is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self.pin_softness.shape)

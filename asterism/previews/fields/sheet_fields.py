@@ -19,6 +19,19 @@ stiffnesses are averaged, and the curvatures themselves. For a place with contra
   the x axis. The law's `c3` is `4 (psi_0 - psi_30)/kappa^3` with angles from y. These are phi = 90 and 120 degrees,
   where cos(6 phi) is -1 and 1.
 
+**Curled sheets contract more.** `lam` is the contraction of the natural tube. Most stars contract less in a flat sheet,
+to `lam_flat`. The rest metric of a free sheet follows the curvature:
+
+    a = (lam^2 + e (lam_flat^2 - lam^2) (1 + tr b / (kappa lam^2))) I.
+
+On the natural tube, `tr b = -kappa lam^2`, and a is `lam^2 I` as in the law. The membrane strain is measured from a, so
+that membrane and bending are coupled. At rims that curl on their own, `tr b` counts from that curl. Between stars that
+curl to opposite sides, `1/kappa` is the mean curvature over the square of the mean absolute curvature.
+Cells of long thin stars change most of their length at a fraction of the natural curvature: the change is a tanh of x,
+where x is the turn over one spacing in units of `length_turn_rad`. Free sheets are near their natural curvature, so
+that the slope there counts: `e = 2x / sinh(2x)` for each star. Supported sheets may have any curvature, and their
+lengths are those of the natural tube: e = 0.
+
 **Stars and bare fabric bend in series** (`_in_series`): at a place that they share, their compliances add. Arms carry
 no moment into the fabric beyond the last stars. In exact strips, thick outer rows bend 11 to 28 % more than a mean of
 the logarithms of the stiffnesses predicts.
@@ -54,6 +67,8 @@ from pattern.design.lattice import DEFAULT_SPACING_MM
 
 # lower limit of the saturation curvature of the sixfold term, as a turn over one spacing
 MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM
+# the lengths of stars that curl by a smaller turn over one spacing do not follow the curvature
+MIN_CURLED_TURN_RAD = 3e-3 * DEFAULT_SPACING_MM
 # largest Gaussian modulus, as a share of the one at which the bending energy becomes indefinite
 MAX_GAUSSIAN_SHARE = 0.95
 # quantities of the law that are averaged as they are, without a logarithm
@@ -67,6 +82,7 @@ def sheet_fields(
     arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
     normals: Floats | None = None,
     border: Floats | None = None,
+    early: float | Floats = 0.0,
     carried: Floats | None = None,
     gaussian: Floats | None = None,
     spacing: float = DEFAULT_SPACING_MM,
@@ -87,6 +103,7 @@ def sheet_fields(
         curl.
     border : (n,) 1/mm, decrease of the stars' share along the normals (`asterism.previews.edges.free_rim`); without it,
         rims do not turn.
+    early : e above, one number or (S + 1,); see `free_length_share`.
     carried : (S, N) share of the natural curvature that arms carry into a free rim
         (`asterism.previews.edges.rim_arms`).
     gaussian : (S,) g of each star in N mm; zero by default.
@@ -97,7 +114,10 @@ def sheet_fields(
         return np.asarray(of[-1] + shares @ (of[:-1] - of[-1])).reshape(shape)
 
     natural = values.value["lam_n"]
-    lam, a11 = (np.exp(mean(np.log(of))) for of in (natural, values.value["a11"]))
+    if not model.has_curvature_lengths:
+        early = 0.0
+    longest = np.sqrt(natural**2 + early * (values.value["lam"] ** 2 - natural**2))
+    lam, flat, a11 = (np.exp(mean(np.log(of))) for of in (natural, longest, values.value["a11"]))
     bending = (_in_series if model.has_series_bending else _mean_logarithm)(values.value["bending"], weights).reshape(
         shape
     )
@@ -110,13 +130,19 @@ def sheet_fields(
     bend = -kappa * square / (1.0 + BENDING_POISSON)
     stiffness = isotropic(a11, bending / lam**4, a12 / a11, BENDING_POISSON)
     curvature = np.stack([bend, bend, zero], axis=-1)
-    firm = np.ones(shape)  # smallest bending stiffness over the isotropic one
+    # natural curvature of the tubes, and smallest bending stiffness over the isotropic one
+    curl, firm = values.value["kappa"], np.ones(shape)
     if values.anisotropy.shape[1]:
         q, m = tensors(kappa, np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1))
         stiffness, firm = with_bending_tensor(stiffness, bending / lam**4, q), min_bending_ratio(q)
-        curvature = rest_curvature_tensor(lam, q, m)
+        curvature, curl = rest_curvature_tensor(lam, q, m), values.tube_curvature
+    strength = mean(np.abs(curl))
+    # relative to lam^2: excess of the metric of a flat sheet, and the decrease of this excess per trace of b
+    longer = np.where(strength * spacing > MIN_CURLED_TURN_RAD, flat**2 - square, 0.0) / square
+    per_trace = longer * mean(curl) / np.where(longer == 0.0, 1.0, strength) ** 2
+    metric = metric * (1.0 + longer + per_trace * curvature[..., :2].sum(axis=-1) / square)[..., None]
     density = Density(
-        stiffness=stiffness,
+        stiffness=_coupled(stiffness, 0.5 * per_trace),
         sixfold=model.sixfold_factor * (1.0 + 1.0 / model.sixfold_saturation**2) * c3 / lam**6,
         orientation=zero,
         saturation=np.maximum(
@@ -141,6 +167,12 @@ def sheet_fields(
     )
 
 
+def free_length_share(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+    """(S + 1,) factors e above of a free sheet; the spacing is in mm."""
+    turn = np.maximum(2.0 * np.abs(values.value["kappa"]) * spacing / model.length_turn_rad, 1e-6)
+    return np.asarray(turn / np.sinh(turn))
+
+
 def _in_series(bending: Floats, weights: sp.csr_matrix) -> Floats:
     """(n,) bending stiffness in N mm of stars, with their mean logarithm, in series with bare fabric."""
     share = np.minimum(stars_share(weights), 1.0)
@@ -153,3 +185,11 @@ def _mean_logarithm(bending: Floats, weights: sp.csr_matrix) -> Floats:
     """(n,) bending stiffness in N mm by the mean logarithm of stars and bare fabric."""
     logs = np.log(bending)
     return np.asarray(np.exp(logs[-1] + weights @ (logs[:-1] - logs[-1])))
+
+
+def _coupled(stiffness: Floats, coupling: Floats) -> Floats:
+    """(..., 6, 6) stiffness for membrane strains measured from `coupling` (mm) times the trace of the curvature."""
+    change = np.zeros((*coupling.shape, 6, 6))
+    change[...] = np.eye(6)
+    change[..., :2, 3:5] = -coupling[..., None, None]
+    return np.asarray(np.swapaxes(change, -1, -2) @ stiffness @ change)

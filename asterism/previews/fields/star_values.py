@@ -43,6 +43,7 @@ class StarValues:
         per curvature.
     tip_slope : (S + 1,) slope `2 B / l` at the tips of a star's bump, a cap of height B over arms of length l, on its
         natural tube.
+    tube_curvature : (S + 1,) 1/mm, natural curvature of the tube of largest gain; `kappa` for isotropic stars.
     anisotropy : (S + 1, K) difference between directions, `anisotropy_share` times `homogenize.law.anisotropy`;
         K = 0 for most laws.
     """
@@ -56,6 +57,7 @@ class StarValues:
     strongly_anisotropic: tuple[int, ...]
     tip_heights: Floats
     tip_slope: Floats
+    tube_curvature: Floats
     anisotropy: Floats
 
     @property
@@ -87,6 +89,8 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     _check(layout, where, {name: values.value[name][:-1] for name in QUANTITY_NAMES})
     outside = tuple(_placed(line, where) for line in values.outside)
     differs = law.anisotropy(design, *asked.T)
+    anisotropy = model.anisotropy_share * differs
+    tube_curvature = tube_of_largest_gain(values.value["kappa"], anisotropy)
     # as for cells, the whole difference between directions counts here, without `anisotropy_share`
     curls = values.not_scale_separated | (
         np.abs(tube_of_largest_gain(values.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
@@ -106,7 +110,8 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
         strongly_anisotropic,
         tip_heights,
         tip_slope,
-        model.anisotropy_share * differs,
+        tube_curvature,
+        anisotropy,
     )
 
 

@@ -6,7 +6,8 @@ stiff beyond. The fabric of the exact model is neo-Hookean (`discrete.energies.m
     W = mu/2 (tr C - 2 - 2 ln J) + lam/2 (ln J)^2,    C = 1 + 2 E/lambda^2,    J^2 = det C,
 
 where E is the strain in printed coordinates from the rest metric lambda^2. The shell's energy gets the difference
-between W and its quadratic part, times the share of bare fabric. Only supports stretch fabric this far.
+between W and its quadratic part, times the share of bare fabric. Only supports stretch fabric this far. In supported
+sheets the rest metric does not follow the curvature, so that W depends on the metric alone.
 """
 
 from __future__ import annotations

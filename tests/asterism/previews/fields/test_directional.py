@@ -40,17 +40,21 @@ PLAIN = star_values(gallery.load("tube"), PLAN, plain_law())
 STARS = len(PLAN.centres)
 
 
-def values(along_x: float, moment: float = 0.0) -> StarValues:
-    """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`."""
+def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
+    """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`; lengths differ by `gap`."""
     own = np.zeros((STARS + 1, ANISOTROPY_SIZE))
     own[:-1, BENDING_COLUMNS[:2]] = along_x - 1.0, 1.0 - along_x
     own[:-1, MOMENT_COLUMNS[:2]] = moment, -moment
-    return replace(PLAIN, value=PLAIN.value | {"c3": np.zeros(STARS + 1)}, anisotropy=own)
+    kappa = PLAIN.value["kappa"]
+    flat = PLAIN.value["lam_n"].copy()
+    flat[:-1] *= 1.0 + gap
+    value = PLAIN.value | {"c3": np.zeros(STARS + 1), "lam": flat}
+    return replace(PLAIN, value=value, anisotropy=own, tube_curvature=tube_of_largest_gain(kappa, own))
 
 
 def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
     """(6,) stress of a sheet of the first star on its natural length with curvatures about y and x, over lam^2."""
-    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1))
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1), early=0.3)
     square = stars.value["lam_n"][0] ** 2
     state = square * np.array([0.5, 0.5, 0.0, -curvature[0], -curvature[1], 0.0])
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
@@ -66,9 +70,21 @@ def test_a_tube_about_either_axis_has_no_moment_around_it_at_its_own_curvature(a
     assert abs(moments(stars, (x, 0.0))[3]) < 1e-12 * scale
     assert abs(moments(stars, (0.0, y))[4]) < 1e-12 * scale
     gains = (kappa + moment) * x, (kappa - moment) * y
-    best = tube_of_largest_gain(stars.value["kappa"], stars.anisotropy)
-    assert best[0] == pytest.approx((x, y)[int(np.argmax(gains))])
-    assert best[-1] == 0.0
+    assert stars.tube_curvature[0] == pytest.approx((x, y)[int(np.argmax(gains))])
+    assert stars.tube_curvature[-1] == stars.value["kappa"][-1] == 0.0
+
+
+def test_the_tube_that_gains_most_has_its_natural_length() -> None:
+    """Others are as much longer as they are flatter, `sheet_fields` says by how much."""
+    stars = values(0.6, gap=0.03)
+    scale = np.abs(moments(stars, (0.0, 0.0))[:2]).max()
+    assert np.abs(moments(stars, (stars.tube_curvature[0], 0.0))[:3]).max() < 1e-12 * scale
+    alike = values(1.0, gap=0.03)
+    np.testing.assert_allclose(
+        moments(alike, (0.01, 0.0)),
+        moments(replace(alike, anisotropy=np.empty((STARS + 1, 0))), (0.01, 0.0)),
+        rtol=1e-12,
+    )
 
 
 def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -> None:
@@ -163,8 +179,7 @@ def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_th
     for thickness, tight in ((0.3, True), (0.4, False)):
         design = sheet(thickness, lattice)
         found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
-        curvature = tube_of_largest_gain(found.value["kappa"], found.anisotropy)
-        assert np.abs(curvature).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
+        assert np.abs(found.tube_curvature).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
         assert bool(found.not_scale_separated) is tight
 
 

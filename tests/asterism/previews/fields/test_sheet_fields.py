@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from equilibrium.arrays import Floats
@@ -20,7 +20,8 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 
-SIXFOLD = PREVIEW_MODEL.sixfold_factor
+SIXFOLD, TURN = PREVIEW_MODEL.sixfold_factor, PREVIEW_MODEL.length_turn_rad
+EARLY = 0.3
 
 TUBE = gallery.load("tube")
 VALUES = star_values(TUBE, layout(TUBE), plain_law())
@@ -59,6 +60,27 @@ def test_the_natural_curvature_is_the_best_one() -> None:
     energies = [tube_energy(k, 75.0) for k in curvatures]
     assert curvatures[int(np.argmin(energies))] == pytest.approx(kappa, rel=0.011)
     assert tube_energy(-kappa, 75.0) > 0.0
+
+
+def test_a_sheet_held_flat_is_longer_than_a_tube_by_part_of_what_the_cells_are() -> None:
+    lam, kappa = VALUES.value["lam_n"][0], VALUES.value["kappa"][0]
+    flat = VALUES.value["lam"].copy()
+    flat[:-1] = 1.03 * lam
+    values = replace(VALUES, value=VALUES.value | {"lam": flat, "c3": np.zeros(STARS + 1)})
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), values, (1, 1), early=EARLY)
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+
+    def stress(a: float, k: float) -> Floats:
+        state = np.r_[0.5 * a, 0.5 * a, 0.0, -k * lam**2, 0.0, 0.0]
+        return fields.density((state - rest)[None, None])[1][0, 0]  # type: ignore[operator, no-any-return]
+
+    part = EARLY * ((1.03 * lam) ** 2 - lam**2)
+    scale = np.abs(stress(1.03 * lam**2, 0.0)[:2]).max()
+    assert np.abs(stress(lam**2, kappa)[:3]).max() < 1e-12 * scale
+    assert np.abs(stress(lam**2 + part, 0.0)[:3]).max() < 1e-12 * scale
+    assert np.abs(stress(lam**2 - 0.5 * part, 1.5 * kappa)[:3]).max() < 1e-12 * scale
+    # a natural tube stays in equilibrium
+    assert abs(stress(lam**2, kappa)[3]) < 1e-12 * abs(stress(lam**2, 0.0)[3])
 
 
 def test_the_rim_is_bare_fabric() -> None:
@@ -158,3 +180,31 @@ def test_stars_and_bare_fabric_bend_in_series() -> None:
     lam = np.exp(np.array([1.0, 0.5, 0.0]) * np.log(natural[0] / natural[-1])) * natural[-1]
     alone = np.array([1.0 / bending[0], 0.5 / bending[0] + 0.5 / bending[-1], 1.0 / bending[-1]])
     assert found / found[0] == pytest.approx(lam**4 * alone / (lam[0] ** 4 * alone[0]))
+
+
+def test_free_stars_that_curl_little_shorten_with_their_curvature_and_others_are_done() -> None:
+    curls = np.array([0.0, 0.02, 0.5])
+    found = free_length_share(replace(VALUES, value=VALUES.value | {"kappa": curls}), 17.3)
+    turn = 0.02 * 17.3 / TURN
+    # the slope of tanh at the natural turn, over that of a straight line from flat
+    slope = turn / np.cosh(turn) ** 2 / np.tanh(turn)
+    assert found == pytest.approx([1.0, slope, 0.0], abs=1e-3)
+
+
+def test_between_stars_that_curl_to_opposite_sides_lengths_stay_between_theirs() -> None:
+    """Where their curls cancel nothing says which curvature makes the sheet shorter, and so none does."""
+    value = {name: found.copy() for name, found in VALUES.value.items()}
+    value["kappa"][1] *= -0.7
+    value["lam"][:-1] = 1.03 * value["lam_n"][:-1]
+    stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, tube_curvature=value["kappa"])
+    share = np.linspace(0.0, 1.0, 201)
+    shares = [1.0 - share, share, *np.zeros((STARS - 2, len(share)))]
+    fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1), early=EARLY)
+    stiffness = np.asarray(fields.densities(np.zeros((len(share), 1, 2))).stiffness)[:, 0]
+    # mm, by which half of the metric changes per curvature
+    coupling = -np.linalg.solve(stiffness[:, :3, :3], stiffness[:, :3, 3:])[:, 0, 0]
+    assert coupling[0] > 0.0 > coupling[-1]
+    assert np.all(np.abs(coupling) <= 1.01 * np.abs(coupling[[0, -1]]).max())
+    assert np.abs(np.diff(coupling)).max() < 0.02 * np.abs(coupling).max()
+    metric = fields.rest(np.zeros((len(share), 1, 2)))[:, 0, 0]
+    assert np.abs(np.diff(metric)).max() < 1e-3 * metric.max()
