@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,23 @@ def failure_data(error: Exception, layout: Layout | None, work: str, seq: int | 
         return problem_data(error, layout, seq)
     _log.error(work, exc_info=error)
     return problem_data(RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None, seq)
+
+
+def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -> dict[str, Any]:
+    """The message `problem` of a design that does not open.
+
+    Its field, stars and place are not those of the design that stays open, so the message has none.
+
+    Parameters
+    ----------
+    path : of its file, named in the text; None without one.
+    seq : as for `problem_data`.
+    """
+    problem = failure_data(error, None, "a request of a page", seq)
+    text = problem["text"]
+    if path is not None:
+        text = f"{path.name}: {text.removeprefix(f'{path}: ')}"
+    return {**problem, "text": text, "field": "", "stars": (), "at_mm": None}
 
 
 def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:

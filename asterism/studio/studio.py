@@ -20,7 +20,7 @@ from asterism.studio.gesture_requests import GestureRequest
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import shown_path
 from asterism.studio.opening import design_path, opened
-from asterism.studio.page_data import document_data, failure_data, problem_data
+from asterism.studio.page_data import document_data, failure_data, opening_problem_data, problem_data
 from asterism.studio.printers import DEFAULT_PRINTER, known_printer
 from asterism.studio.request import Request, RequestError
 from asterism.studio.shown import Shown
@@ -135,12 +135,16 @@ class Studio:
 
     async def _answer_or_refuse(self, tab: Tab, text: str) -> None:
         """Do what a page asks for; whatever goes wrong becomes a message."""
-        seq = None
+        seq = request = None
         try:
             request = ask.read_request(text)
             seq = request.seq
             await self._answer(tab, request)
         except Exception as error:
+            if isinstance(request, ask.Open):
+                path = self.folder / request.name if request.name else None
+                tab.send(opening_problem_data(error, path, seq))
+                return
             layout = None if self.document is None else self.document.layout
             tab.send(failure_data(error, layout, "a request of a page", seq))
 

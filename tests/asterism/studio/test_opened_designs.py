@@ -63,3 +63,28 @@ def test_a_shape_that_waits_is_not_sent_as_that_of_the_opened_design(
     page.send(type="open", gallery="cone")
     page.until("document", name="cone")
     assert tab._next() is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ("to = 4.0", "to = -7.0", "stars.length_mm"),  # of stars, which the open design has too
+        ("[stars", "[fabric]\nstretch = -1.0\n[stars", "fabric.stretch = -1.0"),
+        ("rings = 3", "polygon_mm = [[0, 0], [100, 100], [100, 0], [0, 100]]", "border.polygon_mm"),  # at a place
+        ("[stars", "[stars", ""),
+    ],
+)
+def test_a_design_that_does_not_open_points_at_nothing_of_the_design_that_stays(
+    page: Page, folder: Path, old: str, new: str, fault: str
+) -> None:
+    before = page.until("document")
+    text = (folder / "dome.toml").read_text()
+    assert old in text
+    if fault:
+        (folder / "other.toml").write_text(text.replace(old, new, 1))
+    page.send(type="open", name="other.toml")
+    problem = page.until("problem")
+    assert problem["text"].startswith(f"other.toml: {fault}") and str(folder) not in problem["text"]
+    assert (problem["field"], problem["stars"], problem["at_mm"]) == ("", [], None)
+    page.send(type="hello")
+    assert page.until("document")["path"] == before["path"]

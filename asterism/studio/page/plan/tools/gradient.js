@@ -21,7 +21,7 @@ export class GradientTool {
 
   get hint() {
     const isOfRods = this.path !== "stars";
-    return `Drag from the first value to the second${isOfRods ? " · click a rod to choose it" : ""}`;
+    return `Drag from the first value to the second${isOfRods ? "\u00a0· click a rod to choose it" : ""}`;
   }
 
   /** Path of what gets sizes in the design file. */

@@ -20,7 +20,7 @@ export class NeedleTool {
   }
 
   get hint() {
-    return "Click: a needle · drag it or its cross · Shift+drag lifts";
+    return "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts";
   }
 
   /** The needle (or its cross) under the pointer. */

@@ -19,7 +19,7 @@ export class OutlineTool {
   }
 
   get hint() {
-    return "Drag corners · click an edge to add one";
+    return "Drag corners\u00a0· click an edge to add one";
   }
 
   down(event) {

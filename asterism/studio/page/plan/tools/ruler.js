@@ -15,7 +15,7 @@ export class RulerTool {
   }
 
   get hint() {
-    return "Drag to measure · Alt: no snapping";
+    return "Drag to measure\u00a0· Alt: no snapping";
   }
 
   down(event) {

@@ -14,7 +14,7 @@ export class SelectTool {
   }
 
   get hint() {
-    return "Click or lasso · Shift adds · double click: the ring";
+    return "Click or lasso\u00a0· Shift adds\u00a0· double click: the ring";
   }
 
   down(event) {

@@ -24,7 +24,7 @@ export class StrokeTool {
   }
 
   get hint() {
-    return "Drag to paint · Shift+click: a line · [ ] radius";
+    return "Drag to paint\u00a0· Shift+click: a line\u00a0· [ ] radius";
   }
 
   down(event) {

@@ -17,7 +17,7 @@ export class WeightTool extends StrokeTool {
   }
 
   get hint() {
-    return "Paint where the fit comes nearer · Alt: erase · [ ] radius";
+    return "Paint where the fit comes nearer\u00a0· Alt: erase\u00a0· [ ] radius";
   }
 
   /** + and − change the weight at the star of the keyboard. */
