@@ -166,7 +166,9 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
             except Exception as error:
                 problem = failure_data(error, None, "a file of a page")
                 status = 422 if isinstance(error, Error) else 500
-                return JSONResponse({"problem": {**problem, "text": problem["text"].replace(f"{path}: ", "")}}, status)
+                return JSONResponse(
+                    {"problem": {**problem, "text": problem["text"].replace(f"{path}: ", f"{name}: ")}}, status
+                )
 
     async def target(request: Request) -> Response:
         if studio.parts.target is None:

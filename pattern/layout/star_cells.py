@@ -58,7 +58,7 @@ def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequenc
         )
         cells = cells[away >= star_margin_mm(border, lattice) * (1 - 1e-9)]
     if len(cells) > MAX_STARS_OF_DESIGN:
-        raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars", f"{len(cells)} stars")
+        raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars, not {len(cells)}")
     x, y = sites.place(cells).T
     distance = np.round(np.hypot(x, y) / lattice.spacing_mm, 6)
     angle = np.round(np.arctan2(y, x), 6) % round(2 * np.pi, 6)  # a star on the x axis comes first, despite rounding
@@ -75,4 +75,4 @@ def _check_count(lattice: Lattice, corners: Floats) -> None:
     cell = abs(np.linalg.det(lattice.vectors))
     cells = float(shapely.area(shapely.polygons(corners))) / cell
     if cells > 20 * MAX_STARS_OF_DESIGN or np.prod(high - low) / cell > MAX_LISTED_CELLS:
-        raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars", f"room for {cells:.0f} stars")
+        raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars, not about {cells:.0f}")

@@ -3,6 +3,14 @@
 import { h } from "./dom.js";
 import { toast } from "./panels/toasts.js";
 
+const SURFACES = ["obj", "stl", "ply"];
+
+function refusal(name, ending) {
+  if (ending === "toml") return `${name} is no drawing. Put a design into the folder of the studio: “Open” lists it.`;
+  if (SURFACES.includes(ending)) return `${name} is a target surface: open a design first.`;
+  return `${name} is no drawing: SVG, DXF and 3DM can be dropped here, and OBJ, STL and PLY as a target surface.`;
+}
+
 export function listenToDrops({ store, actions }) {
   const veil = h("div", { id: "drop", hidden: true, testid: "drop" }, "Drop a drawing: SVG, DXF or 3DM");
   document.body.append(veil);
@@ -24,7 +32,7 @@ export function listenToDrops({ store, actions }) {
     const ending = file?.name.split(".").at(-1).toLowerCase();
     if (!file || document.querySelector("dialog[open]")) return;
     if (["svg", "dxf", "3dm"].includes(ending)) actions.takeDrawing(file);
-    else if (["obj", "stl", "ply"].includes(ending) && store.get("document")) actions.takeTarget(file);
-    else toast(`${file.name} is no drawing: SVG, DXF and 3DM can be dropped here.`, { isBad: true });
+    else if (SURFACES.includes(ending) && store.get("document")) actions.takeTarget(file);
+    else toast(refusal(file.name, ending), { isBad: true });
   });
 }

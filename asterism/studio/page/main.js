@@ -2,6 +2,7 @@
 
 import { createActions } from "./actions.js";
 import { Connection } from "./connection.js";
+import { h, refresh } from "./dom.js";
 import { listenToDrops } from "./drop.js";
 import { Edits } from "./edits.js";
 import { listenToKeys } from "./keys.js";
@@ -102,12 +103,17 @@ function showTool() {
   studio.plan.tool?.leave?.();
   studio.plan.tool = tool;
   studio.plan.canvas.style.cursor = tool.cursor;
-  const note = document.createElement("span");
-  note.textContent = tool.hint;
-  $("plan-note").replaceChildren(note);
+  showHint();
   studio.plan.invalidate();
 }
+
+/** What the pointer does in the plan; for some tools it depends on the design. */
+function showHint() {
+  const { hint } = studio.plan.tool;
+  refresh($("plan-note"), hint, () => h("span", {}, hint));
+}
 store.on(["tool"], showTool);
+store.on(["sheet", "sizesOf"], showHint);
 showTool();
 
 const DARK_MEDIA = { auto: "(prefers-color-scheme: dark)", dark: "all", light: "not all" };

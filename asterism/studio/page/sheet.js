@@ -145,10 +145,10 @@ export class Sheet {
     return this.printed.map((star) => star.sizes[column]).concat(this.rods.flatMap((rod) => rod[key] ?? []));
   }
 
-  /** Range of a quantity: of the law if asked for and known, else of the design file. */
+  /** Range of a quantity: of the law of stars if asked for and known, else of the design file, as for rods. */
   range(quantity, inLaw) {
     const { key } = QUANTITIES[quantity];
-    return (inLaw && this.limits.law[key]) || this.limits.design[key];
+    return (inLaw && !this.isOfRods && this.limits.law[key]) || this.limits.design[key];
   }
 
   /** Whether a printed star has a size for which the law was not calibrated. */

@@ -93,4 +93,4 @@ def test_a_surface_of_rhino_is_a_target_in_mm(client: TestClient, page: Page, st
     data = answer.json()["target"]
     assert data["unit"] == "mm" and data["size_mm"][:2] == pytest.approx([100.0, 100.0])
     answer = client.post(f"/{TOKEN}/upload?kind=target", content=content[:200], headers=headers)
-    assert answer.json()["problem"]["text"] == "cannot be read as 3DM: the file is damaged or cut short"
+    assert answer.json()["problem"]["text"] == "vault.3dm: cannot be read as 3DM: the file is damaged or cut short"

@@ -7,7 +7,7 @@ let count = 0;
 
 /**
  * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false.
- * Returns {element, set(value), limits(min, max), fault(text)}.
+ * Returns {element, set(value), limits(min, max), fault(text), isRefused()}.
  */
 export function numberField({
   label,
@@ -18,6 +18,7 @@ export function numberField({
   step = 1,
   digits,
   slider = false,
+  whole = false,
   onchange,
   testid,
   field,
@@ -60,16 +61,25 @@ export function numberField({
     if (range) range.value = number;
     show(null);
   }
+  const typed = () => Number(input.value.replace(",", ".").replace("−", "-"));
+  function mistake() {
+    const number = typed();
+    if (!input.value.trim() || !Number.isFinite(number)) return "A number, please";
+    if (number < limits[0] || number > limits[1]) return rangeText(limits, unit);
+    if (whole && !Number.isInteger(number)) return "A whole number, please";
+    return null;
+  }
   function accept(isFinal) {
-    const number = Number(input.value.replace(",", ".").replace("−", "-"));
-    if (!input.value.trim() || !Number.isFinite(number)) return show("A number, please");
-    if (number < limits[0] || number > limits[1]) return show(rangeText(limits, unit));
-    show(null);
-    if (number === present) return;
+    const number = typed();
+    const refused = mistake();
+    show(refused);
+    if (refused || number === present) return;
     present = number;
     if (range) range.value = number;
     onchange(number, isFinal);
   }
+  // a fault goes while the value is typed: if it went with the focus, a button below would move away under its click
+  input.addEventListener("input", () => fault.hidden || mistake() || show(null));
   input.addEventListener("change", () => accept(true));
   input.addEventListener("blur", () => element.classList.contains("bad") || (input.value = text(present)));
   input.addEventListener("keydown", (event) => {
@@ -99,6 +109,15 @@ export function numberField({
     input,
     set,
     fault: show,
+    /** Whether the text is no value of the field; then the field says so and has the focus. */
+    isRefused() {
+      const refused = mistake();
+      if (refused) {
+        show(refused);
+        input.focus();
+      }
+      return Boolean(refused);
+    },
     limits(low, high) {
       limits = [low, high];
       if (range) Object.assign(range, { min: low, max: high });

@@ -180,7 +180,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   let known;
   const profileText = () => {
     const { design = {} } = store.get("sheet") ?? {};
-    return JSON.stringify([tool.path, sizeAt(design, tool.path, QUANTITIES[settings.quantity].key)]);
+    return JSON.stringify([store.get("document")?.path, tool.path, sizeAt(design, tool.path, QUANTITIES[settings.quantity].key)]);
   };
   const targets = h("div", { class: "sizes-of" });
   const own = button({
@@ -272,7 +272,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     count();
   });
   on(["sizesOf"], read);
-  // what is chosen stays until the design gets other sizes
+  // what is chosen, or refused, stays until the design gets other sizes or another design is open
   on(["document"], () => edits.isWaiting || profileText() === known || read());
   on(
     ["problem"],

@@ -1,6 +1,7 @@
 // Earlier states of the design as small plans; one click shows one of them.
 
 import { dialog, h, hint, refresh } from "../dom.js";
+import { capital } from "../format.js";
 import { bounds } from "../geometry.js";
 
 const WIDTH_PX = 144;
@@ -40,8 +41,13 @@ export function openHistory({ store, connection }) {
   update();
 }
 
-const titled = (label) =>
-  label === "file" ? "Changed on disk" : label ? label.charAt(0).toUpperCase() + label.slice(1) : "First state";
+const WORDS = { pins: "needles", border: "outline" }; // names of the design file as the page says them
+
+const titled = (label) => {
+  if (label === "file") return "Changed on disk";
+  const words = label.split(", ").map((word) => WORDS[word.split(/[.[]/)[0]] ?? word);
+  return label ? capital([...new Set(words)].join(", ")) : "First state";
+};
 
 /** Outline, and a dot for each star, as large as its arms. */
 function draw(canvas, { outline_mm: outline, at_mm: places, sizes_mm: sizes }) {

@@ -25,8 +25,8 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     });
   const width = field("Width", "width", { field: "border.rectangle_mm" });
   const height = field("Height", "height");
-  const sides = field("Corners", "sides", { unit: "", min: 3, max: 120 });
-  const rings = field("Rings of stars", "rings", { unit: "", min: 0, max: 40, field: "border.rings" });
+  const sides = field("Corners", "sides", { unit: "", min: 3, max: 120, whole: true });
+  const rings = field("Rings of stars", "rings", { unit: "", min: 0, max: 40, whole: true, field: "border.rings" });
   const kind = segments({
     label: "Regular shape",
     testid: "shape",
@@ -52,6 +52,8 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     kind: "wide",
     testid: "use-shape",
     onclick: () => {
+      const shown = [width, height, sides, rings].filter((one) => !one.element.hidden);
+      if (shown.some((one) => one.isRefused())) return;
       const sized = { ...shape, sides: shape.kind === "circle" ? 48 : shape.sides };
       tool.setBorder(regularShape(shape.kind, sized));
       actions.fitSoon();

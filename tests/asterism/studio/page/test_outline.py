@@ -65,6 +65,27 @@ def test_regular_outlines(page: StudioPage) -> None:
     assert page.get("studio.document.design.border.rings") == 2
 
 
+def test_a_shape_with_a_refused_number_is_not_used(page: StudioPage) -> None:
+    design = page.get("studio.document.design")
+    page.item("shape-rectangle").click()
+    for typed in ("-5", "nan", ""):
+        page.fill("shape-width", typed)
+        page.item("use-shape").click()
+        assert page.page.locator("[data-field='border.rectangle_mm'] .fault").is_visible()
+        assert page.get("document.activeElement.dataset.testid") == "shape-width"
+    page.item("shape-hexagon").click()
+    page.fill("shape-rings", "2.5")
+    page.item("use-shape").click()
+    fault = page.page.locator("[data-field='border.rings'] .fault")
+    assert fault.inner_text() == "A whole number, please"
+    page.item("shape-rings").fill("2")
+    assert not fault.is_visible()  # at once, so that the button does not move away under a click
+    page.changed(lambda: page.item("use-shape").click())
+    assert page.get("studio.document.history.position") == 1  # the refused shapes have sent nothing
+    page.changed(lambda: page.item("undo").click())
+    assert page.get("studio.document.design") == design
+
+
 def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
     (ax, ay), (bx, by) = outline(page)[:2]
     middle = ((ax + bx) / 2, (ay + by) / 2)

@@ -38,7 +38,8 @@ def test_a_drawing_rises_by_the_exact_model_and_lies_flat_again_after_an_edit(sh
 
 def test_the_brush_paints_rods_while_it_is_dragged(shared: StudioPage, folder: Path) -> None:
     (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
-    shared.open_without_shape("file-cross.toml")
+    shared.open("gallery-dome")  # the law of its stars holds no rods to its widths
+    shared.open("file-cross.toml")
     shared.item("tool-brush").click()
     assert not shared.item("quantity-length").is_visible() and not shared.item("mode-remove").is_visible()
     shared.item("quantity-width").click()
@@ -74,6 +75,17 @@ def test_one_line_gets_sizes_of_its_own_and_loses_them(shared: StudioPage, folde
     shared.open("file-two-lines.toml")
     shared.item("tool-gradient").click()
     assert shared.item("sizes-of").input_value() == "rods"
+    assert "click a rod" in shared.page.locator("#plan-note").inner_text()
+    shared.fill("gradient-number", 50)
+    number = "document.querySelector('[data-testid=gradient-number]')"
+    assert shared.get(f"{number}.ariaInvalid") == "true"
+    (folder / "as-thick.toml").write_text(CROSS, encoding="utf-8")
+    shared.open("file-as-thick.toml")  # another design of the same sizes: what was refused is not its own
+    assert shared.item("gradient-number").input_value() == "0.4"
+    assert shared.get(f"{number}.ariaInvalid") == "false"
+    shared.open("gallery-star")
+    assert "rod" not in shared.page.locator("#plan-note").inner_text()
+    shared.open("file-two-lines.toml")
     shared.page.mouse.click(*shared.point((0.0, 7.0)))  # on the second line, which has a width of its own
     shared.wait("document.querySelector('[data-testid=sizes-of]').value === 'rods.draw.1'")
     assert not shared.item("drop-own-size").is_visible() and not shared.get("studio.document.can_undo")
