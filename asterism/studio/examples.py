@@ -17,6 +17,10 @@ from pattern.layout.print_layout import print_layout
 PICTURES = Path(__file__).parent / "gallery"
 NEW_SHEET = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}
 MAX_FILES = 50
+# lines of a design file in TOML's ways of writing: tables, dotted keys, inline tables
+PARTS_OF_DESIGN = [
+    re.compile(rb"^\s*\[{0,2}\s*(%s)\s*[].=]" % names, re.MULTILINE) for names in (b"border", b"stars|rods")
+]
 
 
 @cache
@@ -67,7 +71,7 @@ def _is_design(file: Path, mtime_ns: int, size: int) -> bool:
     """Whether a file of this time and size looks like a design: it has a border, and stars or rods."""
     with file.open("rb") as stream:
         text = stream.read(200_000)
-    return b"[border]" in text and any(part in text for part in (b"[stars]", b"[rods]", b"[[rods."))
+    return all(part.search(text) for part in PARTS_OF_DESIGN)
 
 
 def free_name(folder: Path, stem: str) -> Path:

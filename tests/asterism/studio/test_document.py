@@ -224,6 +224,15 @@ def test_a_sheet_that_was_never_saved_is_offered_and_keeps_its_name(tmp_path: Pa
     assert path.exists() and not autosave_path(path).exists()
 
 
+@pytest.mark.parametrize("border", ["[border]\nrings = 1", "border.rings = 1", "border = {rings = 1}"])
+@pytest.mark.parametrize("pattern", ["[stars]", "stars.length_mm = 8", "[rods]", "[[rods.line]]", "rods = {}"])
+def test_designs_are_listed_in_all_ways_of_writing(tmp_path: Path, border: str, pattern: str) -> None:
+    keys_first = sorted([border, pattern], key=lambda part: part.startswith("["))
+    (tmp_path / "design.toml").write_text("\n".join(["name = 'a'", *keys_first]))
+    (tmp_path / "law.toml").write_text("border_mm = 3\nbordering = 1\nstarsize = 2\n# border = {}\n")
+    assert design_files(tmp_path) == ["design.toml"]
+
+
 def test_an_autosave_that_cannot_be_read_is_not_offered(tmp_path: Path):
     path = tmp_path / "dome.toml"
     path.write_bytes(gallery.path("dome").read_bytes())
