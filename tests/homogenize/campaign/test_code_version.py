@@ -30,6 +30,7 @@ ASIDE = (
         "design.rhino_lines",
         "design.rhino_model",
         "layout.support_curve",
+        "layout.support_samples",
         "design.pins",
         "design.rods",
         "design.file_lines",
