@@ -12,6 +12,7 @@ import pytest
 
 import asterism.previews.solve as solve_module
 import asterism.previews.star_kind as star_kind_module
+from asterism.previews.kept_prints import forget_prints
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Sheet
 from pattern import gallery
@@ -123,6 +124,7 @@ def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) 
     meshed: list[Sheet] = []
     mesh = star_kind_module.shown_mesh
     monkeypatch.setattr(star_kind_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
+    forget_prints()
     preview = Preview(edited("dome"))
     preview.shape()
     for change, count in (
@@ -133,6 +135,7 @@ def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) 
     ):
         shape = preview.update(edited("dome", **change))
         assert len(meshed) == count
+        forget_prints()
         fresh = Preview(edited("dome", **change)).shape()
         meshed.pop()
         assert shape.positions == pytest.approx(fresh.positions, abs=1e-4)
