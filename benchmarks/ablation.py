@@ -43,7 +43,7 @@ from benchmarks.accuracy.__main__ import preview_code
 from benchmarks.accuracy.designs import EDGE_MM, RANDOM, drawn, meshed
 from benchmarks.accuracy.exact import exact, lowest
 from benchmarks.accuracy.held_designs import OTHERS, canopies, other_held
-from benchmarks.frozen.draw import HALVES, SECOND, frozen
+from benchmarks.frozen.draw import CHOSEN_ON, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
@@ -114,7 +114,7 @@ def named(name: str, edge_mm: float = EDGE_MM) -> Design:
 
 
 def _frozen_designs() -> list[Design]:
-    return [design for group in (*HALVES, SECOND) for _, design in frozen(group)]
+    return [design for group in CHOSEN_ON for _, design in frozen(group)]
 
 
 def ablated(design: Design, folder: Path, parts: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:

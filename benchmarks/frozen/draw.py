@@ -33,6 +33,7 @@ from pattern.layout.build import layout
 WORKING, SEALED = HALVES = ("working", "sealed")
 SECOND, THIRD = LATER = ("second", "third")
 GROUPS = (*HALVES, *LATER)
+CHOSEN_ON = (*HALVES, SECOND)  # models may be chosen on these; the third set only judges
 FREE, SUPPORTED, CANOPY, RIBBON, WEIGHT, ARMS = KINDS = (
     "free", "supported", "canopy", "ribbon", "weight", "arms",
 )  # fmt: skip

@@ -86,10 +86,11 @@ def relax(
         # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
         lowest = min((each.energy for each in results if each.is_minimum), default=np.inf)
         known = [each.x for each in results if each.is_minimum]
-        limits = lowest == np.inf, MAX_ITERATIONS_OF_FURTHER_GUESSES
-        results.append(follow(shell, guess.x, factor, guess.shape.name, None, *limits, known))
+        is_first, enough = lowest == np.inf, MAX_ITERATIONS_OF_FURTHER_GUESSES
+        name = guess.shape.name
+        results.append(follow(shell, guess.x, factor, name, patient=is_first, max_iterations=enough, known=known))
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
-            results.append(follow(shell, results[-1].x, factor, guess.shape.name))
+            results.append(follow(shell, results[-1].x, factor, name))
     taken = sum(each.iterations for each in results)
     # a sheet that collapses does so in steps as well
     for steps in () if any(is_collapsing(shell, each) for each in results) else LOAD_STEPS:

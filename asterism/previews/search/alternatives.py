@@ -105,7 +105,7 @@ def _followed(
     others: list[ShellEquilibrium] = []
     for x, name in starts:
         known = [each.x for each in (equilibrium, *others) if each.is_minimum]
-        others.append(follow(shell, x, factor, name, None, patient, max_iterations, known))
+        others.append(follow(shell, x, factor, name, patient=patient, max_iterations=max_iterations, known=known))
     return others
 
 

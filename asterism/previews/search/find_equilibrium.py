@@ -117,13 +117,12 @@ def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetT
         equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
     if not equilibrium.is_minimum:
         return equilibrium
-    narrow = is_narrow(means)
-    if is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT):
+    is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT)
+    if is_soft:
         equilibrium = perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
-        if not narrow:
-            return equilibrium
-        return buckle_soft(shell, factor, equilibrium, means, guesses)
-    return buckle(shell, factor, equilibrium, means, guesses) if narrow else equilibrium
+    if not is_narrow(means):
+        return equilibrium
+    return (buckle_soft if is_soft else buckle)(shell, factor, equilibrium, means, guesses)
 
 
 def _lowest_free(
