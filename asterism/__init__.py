@@ -13,24 +13,38 @@ asterism.verify(design).summary["rms_percent"]  # how far the two are apart
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+# An installation has the engines (`asterism.fem`, ...) inside this folder; in a checkout they stand beside it.
+if not (Path(__file__).parent / "fem").is_dir():
+    __path__.append(str(Path(__file__).parents[1]))
 
 from asterism.process.collection import no_collection
 from asterism.process.version import __version__
 
 if TYPE_CHECKING:
+    from asterism.equilibrium.errors import Error
     from asterism.fitting.fit import fit
     from asterism.fitting.load_target import load_target
     from asterism.fitting.result import Fit
     from asterism.fitting.solve_for import solve_for
     from asterism.fitting.solve_needle import solve_for_point
     from asterism.fitting.target import TargetSurface
+    from asterism.homogenize.law.law import Law
+    from asterism.homogenize.law.law_file import load_law
+    from asterism.homogenize.law.material import load_material
+    from asterism.homogenize.law.motif_law import MotifLaw
+    from asterism.homogenize.law.motif_law_file import load_motif_law
     from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare, write_comparison
     from asterism.measure.strips.fit_strips import fit_strips, write_material
     from asterism.measure.strips.new_strips import new_strips
     from asterism.notebook.show import show
+    from asterism.pattern.design.design import Design, save_design
+    from asterism.pattern.gallery import load as new
+    from asterism.pattern.layout.load_design import load_design
     from asterism.previews.run import preview
     from asterism.previews.session import Preview
     from asterism.print.export import export
@@ -47,23 +61,14 @@ if TYPE_CHECKING:
     from asterism.verification.both_starts import simulate
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
-    from equilibrium.errors import Error
-    from homogenize.law.law import Law
-    from homogenize.law.law_file import load_law
-    from homogenize.law.material import load_material
-    from homogenize.law.motif_law import MotifLaw
-    from homogenize.law.motif_law_file import load_motif_law
-    from pattern.design.design import Design, save_design
-    from pattern.gallery import load as new
-    from pattern.layout.load_design import load_design
 
 # Where each public name is defined. A name is imported when it is first used: the solvers take most of a second.
 _HOMES = {
-    "Design": ("pattern.design.design", "Design"),
-    "Error": ("equilibrium.errors", "Error"),
+    "Design": ("asterism.pattern.design.design", "Design"),
+    "Error": ("asterism.equilibrium.errors", "Error"),
     "Fit": ("asterism.fitting.result", "Fit"),
-    "Law": ("homogenize.law.law", "Law"),
-    "MotifLaw": ("homogenize.law.motif_law", "MotifLaw"),
+    "Law": ("asterism.homogenize.law.law", "Law"),
+    "MotifLaw": ("asterism.homogenize.law.motif_law", "MotifLaw"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
     "Sweep": ("asterism.sweeps.sweep", "Sweep"),
@@ -75,17 +80,17 @@ _HOMES = {
     "export": ("asterism.print.export", "export"),
     "fit": ("asterism.fitting.fit", "fit"),
     "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
-    "load_design": ("pattern.layout.load_design", "load_design"),
-    "load_law": ("homogenize.law.law_file", "load_law"),
-    "load_material": ("homogenize.law.material", "load_material"),
-    "load_motif_law": ("homogenize.law.motif_law_file", "load_motif_law"),
+    "load_design": ("asterism.pattern.layout.load_design", "load_design"),
+    "load_law": ("asterism.homogenize.law.law_file", "load_law"),
+    "load_material": ("asterism.homogenize.law.material", "load_material"),
+    "load_motif_law": ("asterism.homogenize.law.motif_law_file", "load_motif_law"),
     "load_target": ("asterism.fitting.load_target", "load_target"),
-    "new": ("pattern.gallery", "load"),
+    "new": ("asterism.pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
     "preview": ("asterism.previews.run", "preview"),
     "read_shape": ("asterism.shape.read_shape", "read_shape"),
     "report": ("asterism.reports.design_report", "report"),
-    "save_design": ("pattern.design.design", "save_design"),
+    "save_design": ("asterism.pattern.design.design", "save_design"),
     "show": ("asterism.notebook.show", "show"),
     "show_law": ("asterism.laws.show_law", "show_law"),
     "simulate": ("asterism.verification.both_starts", "simulate"),

@@ -29,6 +29,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.previews.model import PreviewModel
 from asterism.previews.model_parts import PARTS, without
@@ -46,13 +53,6 @@ from benchmarks.accuracy.held_designs import OTHERS, canopies, other_held
 from benchmarks.frozen.draw import CHOSEN_ON, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.layout.symmetries import symmetries
 
 RANDOM_PREFIX = "random-"
 HELD_PREFIXES = ("canopy-", "held-")

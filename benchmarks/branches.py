@@ -13,17 +13,18 @@ import time
 from pathlib import Path
 from typing import Any
 
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
+from asterism.discrete.release.levels import coarser_models
+from asterism.discrete.release.release_start import ReleaseStart
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern import gallery
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
+
 from asterism.exact.minima import many_minima
 from benchmarks.report import markdown, write_report
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.forms import ExactForm, distinct_forms, find_minima
-from discrete.release.levels import coarser_models
-from discrete.release.release_start import ReleaseStart
-from discrete.release.single_mesh import solve_on_mesh
-from pattern import gallery
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
-from pattern.mesh.meshing import mesh_layout
 
 SEEDS = (0, 1, 2)
 STARTS = 10

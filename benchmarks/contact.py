@@ -9,6 +9,8 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -21,8 +23,6 @@ from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.gallery import PICTURES
 from benchmarks.report import markdown, write_report
-from pattern import gallery
-from pattern.design.design import Design
 
 # the tube of the gallery stays open; with thinner arms, which curl more, it rolls up further than round
 THICKNESSES = {"tube": 0.4, "tube, arms 0.3 mm thick": 0.3}

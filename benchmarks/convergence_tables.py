@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.pattern.geometry.rigid_fit import rms_distance
 
 from asterism.results.files import write_file
 from asterism.shape.mesh_error import MeshErrorEstimate, estimate
 from benchmarks.orders import ASYMPTOTIC, observed, rates
 from benchmarks.report import markdown, write_report
-from pattern.geometry.rigid_fit import rms_distance
 
 PICTURE = Path(__file__).parent.parent / "docs" / "pictures" / "convergence.png"
 RATIO = 2.2  # least, of vertices between two meshes of an estimate; the solver's levels have about 3

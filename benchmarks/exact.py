@@ -13,11 +13,11 @@ import sys
 from typing import Any
 
 import numpy as np
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, peak_memory_mb, write_report
-from pattern import gallery
-from pattern.design.design import Design
 
 # Table 1 of the paper: seconds on one thread of a Xeon Gold 5118, and vertices
 PAPER = {"roof": (1047.7, 7237), "u-shape": (1702.7, 10551), "tunnel": (1437.8, 8020), "doubly-curved": (2400.4, 12140)}

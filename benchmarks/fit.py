@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.pattern.layout.build import layout
 
 from asterism.exact.simulation import exact_shape
 from asterism.fitting.distance import target_distance
@@ -35,7 +36,6 @@ from benchmarks.fit_gallery import SHOWN, keep
 from benchmarks.fit_own_shape import own_shape
 from benchmarks.fit_targets import TARGETS
 from benchmarks.report import markdown, write_report
-from pattern.layout.build import layout
 
 HEADER = [
     "target",

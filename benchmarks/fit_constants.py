@@ -22,6 +22,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import Symmetry, symmetries
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
 from asterism.previews.run import preview
@@ -33,13 +40,6 @@ from benchmarks.accuracy.exact import lowest
 from benchmarks.frozen.draw import SEALED, WORKING, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
-from equilibrium.arrays import Floats
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
-from pattern.layout.symmetries import Symmetry, symmetries
 
 FACTORS = (0.67, 1.5)
 MIN_GAIN_ERRORS = 2.0

@@ -5,6 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 
 from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.distance import target_distance
@@ -21,11 +26,6 @@ from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
 from asterism.verification.run import verify
 from benchmarks.fit_targets import RINGS, round_mesh
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.layout.painted_stars import with_painted_stars
 
 RADIUS_MM, CORNERS, NEEDLES, SCALE = 56.0, 48, 16, 0.8
 CORRECTIONS = 5

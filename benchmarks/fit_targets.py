@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
 from scipy.spatial import Delaunay
 
 from asterism.fitting.target import TargetSurface
-from equilibrium.arrays import Floats, Ints
 
 RINGS = 24  # of triangles, of a round target
 

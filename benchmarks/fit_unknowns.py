@@ -15,6 +15,10 @@ import argparse
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import inside
+from asterism.pattern.layout.build import layout
 
 from asterism.fitting.bounded_step import bounded_step
 from asterism.fitting.first_guess import FirstGuess, guess_design
@@ -27,10 +31,6 @@ from asterism.shape.cell_mean import CellMean
 from benchmarks.chosen_names import chosen_names
 from benchmarks.fit_targets import TARGETS
 from benchmarks.report import markdown, write_report
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.geometry.planar import inside
-from pattern.layout.build import layout
 
 ROWS = ("cap 45 deg", "ellipsoid dome", "three-legged shell", "barrel", "saddle", "two bumps")
 # mm, moves for the differences

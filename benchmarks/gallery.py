@@ -11,6 +11,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern import gallery
 from PIL import Image
 
 from asterism.draw.picture import draw_shape, small_png
@@ -18,7 +19,6 @@ from asterism.exact.simulation import exact_shape
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.report import RESULTS, markdown, write_report
-from pattern import gallery
 
 DOCS = Path(__file__).parent.parent / "docs"
 PICTURES, PAGE = DOCS / "pictures", DOCS / "reference" / "gallery.md"

@@ -13,6 +13,11 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern import gallery
+from asterism.pattern.design.errors import DesignError
 from PIL import Image
 
 from asterism.draw.render import OBLIQUE, camera, render, scene
@@ -20,11 +25,6 @@ from asterism.exact.simulation import exact_shape
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from homogenize.errors import LawError
-from homogenize.law.law_file import load_law
-from pattern import gallery
-from pattern.design.errors import DesignError
 
 PICTURES = Path(__file__).parent.parent / "asterism" / "studio" / "gallery"
 # size of a picture: twice the size at which the page shows it, for fine screens

@@ -10,11 +10,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from asterism.pattern.design.design import Design
 
 from benchmarks.motif_previews import EDGE_MM, HALVES, LARGEST_RATIO, measured, printable, table
 from benchmarks.motif_shells import MOTIFS
 from benchmarks.report import write_report
-from pattern.design.design import Design
 
 SEED = 2
 HOLES = ("circle", "polygon", "spline")

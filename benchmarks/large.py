@@ -16,19 +16,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.prolongation import prolong
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.factor import IterativeFactor
+from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.newton.regularisation import CONVEX_STIFFNESS_FRACTION
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from benchmarks.report import markdown, write_report
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.prolongation import prolong
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.factor import IterativeFactor
-from equilibrium.linear.rigid_support import stiffen
-from equilibrium.newton.regularisation import CONVEX_STIFFNESS_FRACTION
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 SPACING = 17.3205  # mm, of the tube's stars
 DIVISIONS = [12, 25, 36, 52, 81]

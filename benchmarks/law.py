@@ -9,10 +9,10 @@ import time
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
 
 from benchmarks.report import markdown, write_report
-from homogenize.law.law_file import load_law
-from homogenize.law.law_table import QUANTITY_NAMES
 
 STARS, TIMES = 200, 500
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from asterism.homogenize.campaign.workers import default_jobs
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
-from homogenize.campaign.workers import default_jobs
-from homogenize.errors import ForeignLaw
-from homogenize.law.law import Law
-from pattern.design.design import Design
 
 
 def law_of(design: Design, paper: Law) -> Law:

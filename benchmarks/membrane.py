@@ -8,17 +8,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.homogenize.cell.flat_cell import cell_gradient_tolerance, relax_flat_cell
+from asterism.homogenize.cell.natural_curvature import trace_tubes
+from asterism.homogenize.cell.rolling import Tube
+from asterism.homogenize.cell.tube_membrane import tube_membrane_stiffness
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern import gallery
 
 from asterism.previews.session import Preview
 from benchmarks.cells import sheet
 from benchmarks.report import markdown, write_report
-from equilibrium.newton.minimise import minimise
-from homogenize.cell.flat_cell import cell_gradient_tolerance, relax_flat_cell
-from homogenize.cell.natural_curvature import trace_tubes
-from homogenize.cell.rolling import Tube
-from homogenize.cell.tube_membrane import tube_membrane_stiffness
-from homogenize.cell.unit_cell import UnitCell
-from pattern import gallery
 
 DESIGNS = ("tube", "dome", "fig8-l-decreasing", "fig8-h-increasing", "doubly-curved", "bell", "fig9-linear", "roof")
 STARS = ((4.6188, 0.3), (6.9282, 0.3), (9.2376, 0.3), (6.9282, 0.4), (10.3923, 0.4), (10.3923, 0.5), (10.3923, 0.6))

@@ -16,6 +16,15 @@ import time
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.mesh_edges import whole_edge
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+
 from asterism.previews.mesh_law import law_on_mesh
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
@@ -25,14 +34,6 @@ from benchmarks.accuracy.exact import exact
 from benchmarks.convergence import cylinder_radius
 from benchmarks.orders import rates
 from benchmarks.report import RESULTS, markdown, write_report
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from homogenize.law.mesh_edges import whole_edge
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 EDGES = (2.0, 1.15, 0.7, 0.48)
 SAME_EDGE = 0.01

@@ -9,23 +9,23 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.relax import relax
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import Shell
+from asterism.homogenize.campaign.motif_sample import motif_tensors
+from asterism.homogenize.cell.motif_responses import MotifResponses, motif_responses
+from asterism.homogenize.cell.rod_bending import GAUSSIAN
+from asterism.homogenize.law.tensor_forms import TO_VOIGT
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from skfem import MeshTri
 
 from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, write_report
-from fem.elements.argyris import Argyris
-from fem.search.relax import relax
-from fem.shell.density import Density
-from fem.shell.fields import Fields
-from fem.shell.shell import Shell
-from homogenize.campaign.motif_sample import motif_tensors
-from homogenize.cell.motif_responses import MotifResponses, motif_responses
-from homogenize.cell.rod_bending import GAUSSIAN
-from homogenize.law.tensor_forms import TO_VOIGT
-from pattern.design.design import Design
-from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.coarse.sheet_mesh import sheet_mesh
 
 SHELL_EDGE_MM, EDGE_MM = 15.0, 2.0
 SELF_STRESSED = (("self_stressed_rms_percent", ".2f"), ("self_stressed_shell_rise_mm", ".1f"))

@@ -21,6 +21,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import CampaignError
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
@@ -30,13 +37,6 @@ from asterism.shape.comparison import compare_shapes
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import FAR
 from benchmarks.report import markdown, write_report
-from homogenize.errors import CampaignError
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.lattice import DEFAULT_SPACING_MM
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 SHARE = PREVIEW_MODEL.anisotropy_share
 COUNT = 36

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.relax import relax
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
+from asterism.homogenize.campaign.sample_rows import sample_quantities
+from asterism.homogenize.cell.sample import Sample
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from skfem import MeshTri
 
 from asterism.previews.fields.sheet_fields import sheet_fields
 from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.fields.star_values import StarValues
-from fem.elements.argyris import Argyris
-from fem.search.relax import relax
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.shell import QUADRATURE_ORDER, Shell
-from homogenize.campaign.sample_rows import sample_quantities
-from homogenize.cell.sample import Sample
-from homogenize.law.law_table import QUANTITY_NAMES
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.coarse.sheet_mesh import sheet_mesh
 
 EDGE = 15.0  # mm, of the shell's triangles
 AXES = np.radians(15.0 * np.arange(12))

@@ -10,17 +10,17 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.star_bumps import add_bumps
+from asterism.discrete.model.state import State, moved_state
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.homogenize.cell.sample import Sample, solve_cell
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from benchmarks.patch_shell import shell_stars
 from benchmarks.report import markdown, write_report
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.star_bumps import add_bumps
-from discrete.model.state import State, moved_state
-from discrete.release.single_mesh import solve_on_mesh
-from homogenize.cell.sample import Sample, solve_cell
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 PICTURE = Path(__file__).parent.parent / "docs" / "pictures" / "cell_vs_patch.png"
 EDGE = 10.0 * np.sqrt(3.0) / 9.0

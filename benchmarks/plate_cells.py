@@ -12,12 +12,12 @@ import time
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.law.material import load_material
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 from benchmarks.report import markdown, write_report
-from homogenize.cell.sample import solve_cell
-from homogenize.law.material import load_material
-from pattern.design.design import Design
-from pattern.design.materials import Fabric, Plastic, rest_curvature
 
 SPACING = 10.0 * np.sqrt(3.0)
 SIZES = ((5.7735, 0.3), (5.7735, 0.43), (9.2376, 0.34), (9.2376, 0.43))  # length and thickness, mm

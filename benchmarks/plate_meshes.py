@@ -13,6 +13,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+
 from asterism.exact.simulation import exact_shape
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
@@ -21,11 +27,6 @@ from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from benchmarks.plate_previews import EDGE_MM, plate
 from benchmarks.report import markdown, write_report
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 DESIGNS = ("cap", "flat cap")
 # fifteen edges between stars: arms of four or five edges of `EDGE_MM` have other numbers of these

@@ -17,17 +17,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from asterism.verification.run import verify
 from benchmarks.report import markdown, write_report
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 EDGE_MM = 1.9245  # nine edges between stars; arms of three, four and five of them
 LENGTHS = {3: 5.7735, 4: 7.698, 5: 9.6225}

@@ -13,6 +13,16 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.discrete.energies.membrane import Membrane
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
+from asterism.fem.supports.conditions import vertices_at
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
+from asterism.pattern.mesh.meshing import mesh_layout
 from scipy.sparse.linalg import spsolve
 from skfem import MeshTri
 
@@ -20,16 +30,6 @@ from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.supports.conditions import conditions
 from asterism.previews.supports.point_pins import around, softened, spot
 from benchmarks.report import markdown, write_report
-from discrete.energies.membrane import Membrane
-from fem.elements.argyris import Argyris
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import Fields
-from fem.shell.shell import QUADRATURE_ORDER, Shell
-from fem.supports.conditions import vertices_at
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.coarse.sheet_mesh import sheet_mesh
-from pattern.mesh.meshing import mesh_layout
 
 RADIUS, STRETCH = 60.0, 1.35
 EXACT_MM, TURNED_DEG, SHELL_MM = (2.0, 1.6, 1.2), (0.0, 11.0, 30.0, 90.0), (20.0, 30.0)

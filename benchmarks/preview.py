@@ -19,6 +19,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from asterism.fem.search.initial_guesses import initial_guesses
+from asterism.fem.search.linear_response import linear_response
+from asterism.fem.search.mixed_newton import mixed_newton
+from asterism.fem.search.relax import GRADIENT_TOLERANCE, follow
+from asterism.fem.shell.density import isotropic
+from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
 
 from asterism.exact.simulation import exact_shape
@@ -26,14 +34,6 @@ from asterism.previews.default_law import paper_law
 from asterism.previews.kept_prints import forget_prints
 from asterism.previews.session import Preview
 from benchmarks.report import markdown, write_report
-from fem.search.initial_guesses import initial_guesses
-from fem.search.linear_response import linear_response
-from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import GRADIENT_TOLERANCE, follow
-from fem.shell.density import isotropic
-from fem.shell.shell import QUADRATURE_ORDER, Shell
-from pattern import gallery
-from pattern.design.design import Design
 
 TRIANGLES = [54, 96, 384]
 DESIGNS = ["tube", "dome", "u-shape"]

@@ -10,14 +10,15 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern import gallery
+
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from benchmarks.gallery import picture
 from benchmarks.laws import law_of
 from benchmarks.report import RESULTS, markdown, write_report
-from homogenize.errors import LawError
-from homogenize.law.law_file import load_law
-from pattern import gallery
 
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "preview-gallery.md"
 INTRODUCTION = """# Previews of the gallery

@@ -12,10 +12,11 @@ import cProfile
 import pstats
 import sys
 
+from asterism.pattern.design.design import Design
+
 from asterism.exact.simulation import exact_shape
 from benchmarks.large import tube
 from benchmarks.report import markdown
-from pattern.design.design import Design
 
 FACTORS = ("/factor.py", "/pardiso.py")
 # functions whose time, with all they call, is one row; that of the smooth surface has a reconstruction in it, with

@@ -23,6 +23,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.previews.session import Preview
 from asterism.previews.surface.surface import Lens
@@ -35,11 +40,6 @@ from benchmarks.frozen.draw import HALVES, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.relief_response import CellResponse, ResponseLens, RolledRelief, cell_response, laid, print_axes
 from benchmarks.report import markdown, write_report
-from equilibrium.arrays import Floats
-from equilibrium.threads import one_blas_thread
-from fem.search.simple_shapes import SimpleShape
-from pattern.design.design import Design
-from pattern.layout.symmetries import symmetries
 
 STARS = ((4.6188, 0.4), (6.0, 0.3), (6.0, 0.4), (7.5, 0.3), (7.5, 0.4), (9.0, 0.3), (9.0, 0.4), (10.3923, 0.38))  # mm
 UNFITTED_DEG = 15.0

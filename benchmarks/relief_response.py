@@ -15,6 +15,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.corrugation_waves import MAX_WAVE_NUMBER_RATIO, WAVE_TOLERANCE
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
+from asterism.homogenize.cell.rolling import Tube, roll_cell, unroll
+from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
+from asterism.pattern.design.design import Design
 from scipy.interpolate import LinearNDInterpolator
 
 from asterism.previews.corrugation.bumps import flattening, support_factor
@@ -24,13 +31,6 @@ from asterism.previews.fields.star_values import StarValues
 from asterism.previews.sheet import Sheet
 from asterism.previews.surface.places import Places
 from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surface
-from equilibrium.arrays import Floats
-from homogenize.cell.corrugation_waves import MAX_WAVE_NUMBER_RATIO, WAVE_TOLERANCE
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.natural_curvature import TubeBranch, trace_tubes
-from homogenize.cell.rolling import Tube, roll_cell, unroll
-from homogenize.cell.unit_cell import ANCHOR, UnitCell
-from pattern.design.design import Design
 
 NATURAL_DEG = (0.0, 30.0, 60.0, 90.0, 120.0, 150.0)  # six directions determine the response without favouring an arm
 

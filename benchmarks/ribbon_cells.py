@@ -14,17 +14,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.homogenize.cell.ribbon_cell import RibbonCell, cylinder_coordinates, relax_ribbon
+from asterism.homogenize.cell.ribbon_mesh import RibbonShape
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.pattern.layout.build import layout
 
 from asterism.previews.default_law import paper_law
 from asterism.previews.fields.star_values import star_values
 from benchmarks.report import markdown, write_report
-from equilibrium.arrays import Floats
-from equilibrium.threads import one_blas_thread
-from homogenize.cell.ribbon_cell import RibbonCell, cylinder_coordinates, relax_ribbon
-from homogenize.cell.ribbon_mesh import RibbonShape
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
-from pattern.layout.build import layout
 
 STEPS = 15  # mesh edges from star to star, as in the study
 # sides across a lattice direction, lines of stars, rim in grid steps, arm in mesh edges, thickness mm

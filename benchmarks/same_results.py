@@ -19,9 +19,10 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern import gallery
+from asterism.pattern.design.design import save_design
+
 from benchmarks.accuracy.designs import drawn, meshed
-from pattern import gallery
-from pattern.design.design import save_design
 
 ROOT = Path(__file__).parents[1]
 EDGE_MM = 2.0

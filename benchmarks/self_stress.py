@@ -16,6 +16,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.fem.search.mixed_newton import mixed_newton
+from asterism.fem.search.relax import GRADIENT_TOLERANCE
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.previews.default_law import paper_law
 from asterism.previews.edges.free_rim import stars_share
@@ -23,18 +35,6 @@ from asterism.previews.fields.self_stress import pulls
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.sheet import sheet_of
 from benchmarks.report import markdown, write_report
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.model.system import System
-from equilibrium.newton.minimise import minimise
-from equilibrium.threads import one_blas_thread
-from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import GRADIENT_TOLERANCE
-from fem.shell.density import Density
-from fem.shell.fields import Fields
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 # stretch, rings, length and thickness in mm
 SHEETS = [

@@ -12,6 +12,7 @@ from typing import Any
 
 import pypdfium2
 import trimesh
+from asterism.pattern import gallery
 
 from asterism.draw.picture import small_png
 from asterism.exact.simulation import exact_shape
@@ -22,7 +23,6 @@ from asterism.print.shape_change import shape_change
 from asterism.print.write import write_export
 from asterism.results.files import write_file
 from benchmarks.report import markdown, write_report
-from pattern import gallery
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 # name of the picture: design, page of its layout.pdf

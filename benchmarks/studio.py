@@ -20,6 +20,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from asterism.pattern import gallery
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 
 from asterism.studio.child import ENGINE, StartedProcess
 from asterism.studio.engine import Engine
@@ -27,9 +30,6 @@ from asterism.studio.engine_orders import Edit, Stop
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Frame, Ready, StudioProblem
 from benchmarks.report import markdown, write_report
-from pattern import gallery
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
 
 DESIGNS = ("dome", "u-shape")
 BRUSHES = 40

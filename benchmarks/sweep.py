@@ -14,11 +14,12 @@ import tempfile
 import time
 from pathlib import Path
 
+from asterism.pattern import gallery
+from asterism.pattern.design.design import save_design
+from asterism.pattern.layout.print_layout import print_layout
+
 from asterism.sweeps.solve_point import solve_point, sweep_code_version
 from benchmarks.report import peak_memory_mb, write_report
-from pattern import gallery
-from pattern.design.design import save_design
-from pattern.layout.print_layout import print_layout
 
 # a free sheet, and one whose pins let it buckle for some of the values, which takes longer
 TUBE = ("--vary", "stars.thickness_mm=0.2:0.6:10", "--vary", "stars.length_mm=6:10:6")

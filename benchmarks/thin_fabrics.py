@@ -9,12 +9,12 @@ of the star. On a coarse mesh the cell ends on that branch; on a fine mesh it ke
 from __future__ import annotations
 
 import numpy as np
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
 from benchmarks.report import markdown, write_report
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
 
 EDGES_BETWEEN_STARS = (10, 15, 20, 30)
 # fabric thickness (mm) and stretch; modulus ratio 4139, arms of 0.4 spacings, 0.4 mm thick and 1.2 mm wide

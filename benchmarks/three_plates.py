@@ -12,14 +12,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+
 from asterism.exact.simulation import exact_shape
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from benchmarks.report import markdown, write_report
-from pattern.design.design import Design
-from pattern.design.materials import Fabric
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 EDGES = (2.0, 1.0, 0.7)
 SUPPORTED = {"pins": [{"where": "border", "scale": 0.78}]}

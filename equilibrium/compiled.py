@@ -63,7 +63,7 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def has_machine_code(package: Path) -> bool:
-    """Whether an earlier run compiled loops of a top-level package, given by its folder, with its present formulas."""
+    """Whether an earlier run compiled loops of a package, given by its folder, with its present formulas."""
     return not HAVE_NUMBA or any(package.rglob(f"{_folder_name(package)}/**/*.nbi"))
 
 
@@ -92,8 +92,8 @@ def _compiled(function: Callable[..., Any], **options: Any) -> Callable[..., Any
 
 
 def _package_of(function: Callable[..., Any]) -> Path:
-    """The folder of the function's top-level package."""
-    return Path(function.__code__.co_filename).parents[max(function.__module__.count(".") - 1, 0)]
+    """The folder of the function's package below `asterism`."""
+    return Path(function.__code__.co_filename).parents[max(function.__module__.count(".") - 2, 0)]
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from equilibrium.errors import Error
+from asterism.equilibrium.errors import Error
 
 
 class LawError(Error, ValueError):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from pattern.design.design import Design
-from pattern.layout.load_design import load_design
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.load_design import load_design
 
 _FOLDER = Path(__file__).parent / "gallery"
 _PATTERNS = Path(__file__).parent / "patterns"

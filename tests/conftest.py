@@ -16,10 +16,10 @@ CHECKED_MODULES = (
     "asterism.shape.pose",
     "asterism.shape.self_intersections",
     "asterism.shape.surface_fields",
-    "fem.elements.tabulation",
-    "pattern.geometry",
-    "pattern.layout.layout",
-    "pattern.mesh.mesh",
+    "asterism.fem.elements.tabulation",
+    "asterism.pattern.geometry",
+    "asterism.pattern.layout.layout",
+    "asterism.pattern.mesh.mesh",
 )
 install_import_hook(CHECKED_MODULES, "beartype.beartype")
 

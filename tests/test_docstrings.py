@@ -9,14 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = ("pattern", "equilibrium", "discrete", "fem", "homogenize", "asterism")
-MODULES = [
-    ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
-    for package in PACKAGES
-    for file in sorted((ROOT / package).rglob("*.py"))
-    if ">>> " in file.read_text(encoding="utf-8")
-]
+from tests.test_rooms import FILES
+
+MODULES = [name for name, file in FILES.items() if ">>> " in file.read_text(encoding="utf-8")]
 # examples that take seconds
 LONG = {"asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare.compare"}
 

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.shape.vtu import write_shape_vtu
 from benchmarks.fuzz.cases import Case, make_case
@@ -17,8 +19,6 @@ from benchmarks.fuzz.judge import failures, files_in
 from benchmarks.fuzz.kept_outcomes import keep_outcome, read_outcomes
 from benchmarks.fuzz.kit import DESIGNS, make_kit
 from benchmarks.fuzz.run import Outcome
-from pattern.design.design import Design
-from pattern.layout.build import layout
 from tests.asterism.sheets import sheet
 
 CASE = Case(0, "design", ("preview", "design.toml"))

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.test_rooms import package_of
+
 ROOT = Path(__file__).parents[1]
 
 MAY_IMPORT = {
@@ -67,12 +69,15 @@ def _imports(file: Path) -> Iterator[str]:
     for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module == "asterism":
+            yield from (f"asterism.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             yield "." * node.level + (node.module or "")
 
 
-def roots(file: Path) -> set[str]:
-    return {module.split(".")[0] for module in imports(file)}
+def packages(file: Path) -> set[str]:
+    """Engines, `asterism` and packages of others that a file imports from."""
+    return {package_of(module) for module in imports(file)}
 
 
 def test_there_is_something_to_check() -> None:
@@ -88,13 +93,13 @@ def test_imports_name_their_package() -> None:
 def test_imports_go_down_only(package: str) -> None:
     forbidden = {*MAY_IMPORT, "tests"} - {package} - MAY_IMPORT[package]
     files = [file for file in SOURCES if file.relative_to(ROOT).parts[0] == package]
-    assert files and not [(name(file), above) for file in files if (above := roots(file) & forbidden)]
+    assert files and not [(name(file), above) for file in files if (above := packages(file) & forbidden)]
 
 
 def test_pattern_takes_errors_and_types_of_arrays_from_equilibrium_and_no_more() -> None:
     files = [file for file in SOURCES if file.relative_to(ROOT).parts[0] == "pattern"]
     solver = {module for file in files for module in imports(file) if module.split(".")[0] == "equilibrium"}
-    assert solver <= {"equilibrium.errors", "equilibrium.arrays"}
+    assert solver <= {"asterism.equilibrium.errors", "asterism.equilibrium.arrays"}
 
 
 @cache
@@ -116,9 +121,9 @@ def installed() -> Mapping[str, list[str]]:
 def test_every_package_used_is_a_dependency_in_pyproject() -> None:
     homes, missing = installed(), []
     for file in SOURCES:
-        for module in roots(file) - set(MAY_IMPORT) - sys.stdlib_module_names:
-            packages = {package.lower().replace("_", "-") for package in homes.get(module, [module])}
-            if not packages & declared():
+        for module in packages(file) - set(MAY_IMPORT) - sys.stdlib_module_names:
+            homes_of = {package.lower().replace("_", "-") for package in homes.get(module, [module])}
+            if not homes_of & declared():
                 missing.append((name(file), module))
     assert not missing
 
@@ -131,16 +136,16 @@ def test_a_preview_runs_without_the_exact_model(tmp_path: Path) -> None:
     there = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(ROOT)}, "capture_output": True, "text": True}
     ran = subprocess.run([sys.executable, "-c", program], check=True, **there)  # type: ignore[call-overload]
     assert (tmp_path / "star" / "summary.json").exists()
-    assert not [module for module in ran.stdout.split() if module.split(".")[0] == "discrete"]
+    assert not [module for module in ran.stdout.split() if package_of(module) == "discrete"]
 
 
 def test_triangle_is_called_in_its_guarded_file_only() -> None:
-    users = {name(file) for file in SOURCES if "triangle" in roots(file)}
+    users = {name(file) for file in SOURCES if "triangle" in packages(file)}
     assert users <= {"pattern/mesh/free/triangulate.py"}
 
 
 def test_the_web_server_is_used_in_the_studio_only() -> None:
-    users = {name(file) for file in SOURCES if {"starlette", "uvicorn", "websockets"} & roots(file)}
+    users = {name(file) for file in SOURCES if {"starlette", "uvicorn", "websockets"} & packages(file)}
     assert users and all(user.startswith("asterism/studio/") for user in users)
 
 

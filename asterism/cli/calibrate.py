@@ -34,12 +34,12 @@ def calibrate(
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
+    from asterism.homogenize.campaign.workers import default_jobs
+    from asterism.homogenize.law.motif_plan import MotifPlan
     from asterism.laws import calibrate as calibration
     from asterism.laws.calibrate_motif import calibrate_motif, motif_calibration_lines, plan_from_file
     from asterism.laws.design_law import is_design, law_output_path
-    from homogenize.campaign.workers import default_jobs
-    from homogenize.law.motif_plan import MotifPlan
-    from pattern.design.errors import DesignError
+    from asterism.pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
     if path.suffix != ".npz":

@@ -34,11 +34,11 @@ def compare_designs(
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.exact.cost import exact_cost
+    from asterism.homogenize.law.any_law import load_any_law
     from asterism.laws.replace_material import read_design
     from asterism.reports.compare_designs import MAX_COMPARED_DESIGNS
     from asterism.reports.compare_designs import compare_designs as write
     from asterism.results.words import table_lines
-    from homogenize.law.any_law import load_any_law
 
     if not 2 <= len(designs) <= MAX_COMPARED_DESIGNS:
         raise Mistake(f"must be 2 to {MAX_COMPARED_DESIGNS} design files, not {len(designs)}")

@@ -55,7 +55,7 @@ def export(
     effect of rounding on the shape, by the preview, or by the exact model with --simulate.
     """
     from asterism.laws.replace_material import with_material
-    from pattern.layout.load_design import load_design
+    from asterism.pattern.layout.load_design import load_design
 
     plan = with_material(load_design(design), material, run.warn)  # before slower imports: many mistakes are here
 

@@ -96,12 +96,12 @@ def fit(
     from asterism.cli.common.mistake import Mistake
     from asterism.fitting.fit import fit as compute
     from asterism.fitting.load_target import load_target
+    from asterism.homogenize.law.law_file import load_law
+    from asterism.pattern.design.files import table_text
     from asterism.print.profiles import load_printer
     from asterism.reports.fit_files import write_fit
     from asterism.results.files import write_file
     from asterism.results.output_check import check_writable
-    from homogenize.law.law_file import load_law
-    from pattern.design.files import table_text
 
     file = output or target.with_suffix(".toml")
     if file.suffix != ".toml":

@@ -67,9 +67,9 @@ def edges(
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
+    from asterism.homogenize.campaign.workers import default_jobs
     from asterism.laws.calibrate import samples_folder
     from asterism.laws.edge_tables import add_edges, edge_lines
-    from homogenize.campaign.workers import default_jobs
 
     new = output or (Path("paper-edges.npz") if path is None else path.with_name(f"{path.stem}-edges.npz"))
     if new.suffix != ".npz":
@@ -119,11 +119,11 @@ def universal(
     """
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
+    from asterism.homogenize.campaign.workers import default_jobs
+    from asterism.homogenize.universal.universal_campaign import UniversalPlan
+    from asterism.homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW
     from asterism.laws.calibrate import samples_folder
     from asterism.laws.universal import make_universal_law, universal_law_lines
-    from homogenize.campaign.workers import default_jobs
-    from homogenize.universal.universal_campaign import UniversalPlan
-    from homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW
 
     if output.suffix != ".npz":
         raise Mistake(f"--output: {str(output)!r} must end with .npz")
@@ -158,7 +158,7 @@ def cell(
     """
     from asterism.cli.common.run import DONE, NO_ANSWER
     from asterism.laws.motif_cell import motif_cell, motif_cell_rows
-    from pattern.design.errors import DesignError
+    from asterism.pattern.design.errors import DesignError
 
     try:
         with run.computing():

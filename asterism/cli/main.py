@@ -71,7 +71,7 @@ def _run() -> int:
     import typer
 
     from asterism.cli.app import app
-    from equilibrium.errors import Error
+    from asterism.equilibrium.errors import Error
 
     # error of the option parser for a wrong command line; some versions of typer contain their own click
     usage_error: type[Exception] = typer.BadParameter.__mro__[1]

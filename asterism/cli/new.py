@@ -24,8 +24,8 @@ def new(
 ) -> None:
     """Write a template, a design of the paper's figures, or a drawn pattern, to a file that you can change."""
     from asterism.cli.common.mistake import Mistake
+    from asterism.pattern import gallery
     from asterism.results.files import write_file
-    from pattern import gallery
 
     if name is None:
         run.lines(["templates:"])

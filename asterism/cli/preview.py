@@ -45,13 +45,13 @@ def preview(
     from asterism.cli.common.asked_edge import asked_edge
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.results_folder import results_folder
+    from asterism.homogenize.law.law import Law
     from asterism.laws.any_design_law import any_law_for_design
     from asterism.previews.run import preview as compute
     from asterism.print.known_printers import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
     from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
-    from homogenize.law.law import Law
 
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = any_law_for_design(chosen, law, design, material)

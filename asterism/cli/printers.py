@@ -14,9 +14,9 @@ def printers(run: Run) -> int:
 
     The exit status is 2 if one of your files is wrong; the list contains the others.
     """
+    from asterism.pattern.design.errors import DesignError
+    from asterism.pattern.design.user_files import PROFILES_VARIABLE, own_folders
     from asterism.print.profiles import load_plastic, load_printer, profile_names
-    from pattern.design.errors import DesignError
-    from pattern.design.user_files import PROFILES_VARIABLE, own_folders
 
     kinds: dict[str, Callable[[str], str]] = {
         "printers": lambda name: _of_printer(load_printer(name)),

@@ -34,9 +34,9 @@ def report(
 
     plan = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
+    from asterism.homogenize.errors import LawError
     from asterism.laws.any_design_law import any_law_for_design
     from asterism.reports.design_report import report as write
-    from homogenize.errors import LawError
 
     if law and results:
         raise LawError("--law: is for a new preview, not with --results")

@@ -52,16 +52,16 @@ def simulate(
 
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
+    from asterism.discrete.energies.contact import ipc_toolkit
+    from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
+    from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.laws.any_design_law import any_law_for_design
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
     from asterism.verification.both_starts import BOTH_STARTS
     from asterism.verification.both_starts import simulate as compute
     from asterism.verification.mesh_limit import has_mesh_limit
-    from discrete.energies.contact import ipc_toolkit
-    from equilibrium.linear.backends import check_backend
-    from homogenize.law.motif_law import MotifLaw
 
     changed = with_overrides(
         read,

@@ -136,7 +136,7 @@ def fit(
     The exit status is 1 if the strips do not determine these values.
     """
     from asterism.measure.strips.fit_strips import check_material_path, fit_strips, write_material
-    from pattern.design.material_files import own_material_path
+    from asterism.pattern.design.material_files import own_material_path
 
     path = output or strips.parent / "material.toml"
     check_material_path(path)
@@ -213,7 +213,7 @@ def overhang(
     from asterism.measure.overhang import bending_stiffness
     from asterism.measure.overhang_form import write_overhang_form
     from asterism.measure.overhang_table import read_overhangs
-    from pattern.design.errors import DesignError
+    from asterism.pattern.design.errors import DesignError
 
     if form is not None:
         if lengths or mass is not None:

@@ -43,6 +43,8 @@ def sweep(
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.results_folder import results_folder
     from asterism.cli.common.stop import stop
+    from asterism.homogenize.campaign.workers import default_jobs
+    from asterism.homogenize.law.any_law import load_any_law
     from asterism.laws.replace_material import read_design
     from asterism.results.output_check import check_folder
     from asterism.sweeps.cost import sweep_cost
@@ -50,8 +52,6 @@ def sweep(
     from asterism.sweeps.progress_line import SweepProgressLine
     from asterism.sweeps.run import check_model, sampled, sweep_design, sweep_parameters
     from asterism.sweeps.write_sweep import write_sweep
-    from homogenize.campaign.workers import default_jobs
-    from homogenize.law.any_law import load_any_law
 
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")

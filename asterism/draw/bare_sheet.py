@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from asterism.draw.render import Scene, scene
+from asterism.equilibrium.arrays import Floats
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 
 
 def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:

@@ -7,7 +7,7 @@ from PIL import Image, ImageDraw
 
 from asterism.draw.colours import INK
 from asterism.draw.lettering import lettered
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 # resolution of pictures; it determines the size of the text
 PICTURE_DPI = 200

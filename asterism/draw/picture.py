@@ -13,9 +13,9 @@ from PIL import Image
 from asterism.draw.canvas import PICTURE_DPI, Canvas
 from asterism.draw.colours import INK, PALE
 from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.equilibrium.arrays import Floats
 from asterism.results.words import distance_error
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 
 # size of the picture, pixels
 PICTURE_WIDTH_PX = 2000

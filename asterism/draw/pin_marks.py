@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.shape.diameter import diameter
 from asterism.shape.off_sheet import off_curves_mm
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats, Ints
 
 # radius of a ball over the diameter of the sheet
 BALL_RADIUS_FACTOR = 0.011

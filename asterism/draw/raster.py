@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Floats, Ints
-from equilibrium.compiled import loop
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import loop
 
 # two neighbours may both draw a pixel on their common edge, so that rounding leaves no hole; in pixels
 EDGE_TOLERANCE_PX = 1e-6

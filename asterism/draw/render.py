@@ -11,9 +11,9 @@ from asterism.draw.pin_marks import pin_marks
 from asterism.draw.raster import Raster, rasterise
 from asterism.draw.ribbons import ribbons
 from asterism.draw.shading import GLOSS_TABLE, HALFWAY, KEY_LIGHT, KEY_TABLE, shade
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import vertex_normals
 
 # (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
 OBLIQUE = (-62.0, 30.0)

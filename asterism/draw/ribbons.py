@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import vertex_normals
 
 # width of the arms of a shape without the rod field `width_mm`
 DEFAULT_WIDTH_MM = 1.2

@@ -17,8 +17,8 @@ from asterism.draw.picture import (
     write_captions,
 )
 from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, camera, render, scene
+from asterism.equilibrium.arrays import Floats
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 
 View = Literal["oblique", "above", "front", "side"]
 # smallest and largest number of pixels of each side

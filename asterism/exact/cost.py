@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pattern.design.design import Design
-from pattern.layout.build import mesh_vertices, sheet_outline
-from pattern.layout.print_layout import print_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import mesh_vertices, sheet_outline
+from asterism.pattern.layout.print_layout import print_layout
 
 # Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
 # python -m benchmarks.large (294847 vertices); the fit is within a factor of two.
@@ -62,7 +62,7 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
 
     Examples
     --------
-    >>> from pattern import gallery
+    >>> from asterism.pattern import gallery
     >>> exact_cost(gallery.load("tube")).vertices
     3363
     """

@@ -18,21 +18,21 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.prolongation import plastic_normals
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.point_location import locate
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.shape.shape import Shape
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.prolongation import plastic_normals
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.rigid_support import stiffen
-from equilibrium.threads import one_blas_thread
-from pattern.design.design import Design
-from pattern.geometry.point_location import locate
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.meshing import mesh_layout
 
 # lattice steps between stars that are changed together
 EXACT_COLOUR_STEPS = 2

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.forms import ExactForm, Minima
 from asterism.results.records.exact import MinimumRecord
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.evidence.roll_axis import roll_axis_deg
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.forms import ExactForm, Minima
 
 # values of the key `result_is`: the reason why this minimum is the result
 FROM_DEFAULT_START = "the default start's"

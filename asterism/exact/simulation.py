@@ -8,8 +8,28 @@ from typing import Any
 
 import numpy as np
 
+from asterism.discrete.energies.contact import ipc_toolkit
+from asterism.discrete.energies.rods.network import rod_curvatures
+from asterism.discrete.evidence.creases import measure_creases
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.model.contact_model import ContactModel
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.continuation import Report
+from asterism.discrete.release.forms import find_minima, stars_off_branch
+from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.mesh_level import MeshLevel
+from asterism.discrete.release.shared_search import SharedSearch
+from asterism.equilibrium.linear.backends import check_backend
+from asterism.equilibrium.threads import one_blas_thread
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.weight_support import check_weight_is_supported
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
@@ -20,26 +40,6 @@ from asterism.shape.self_intersections import self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
 from asterism.shape.tube import roll_radius
-from discrete.energies.contact import ipc_toolkit
-from discrete.energies.rods.network import rod_curvatures
-from discrete.evidence.creases import measure_creases
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.evidence.roll_axis import roll_axis_deg
-from discrete.model.contact_model import ContactModel
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.continuation import Report
-from discrete.release.forms import find_minima, stars_off_branch
-from discrete.release.levels import solve_on_meshes
-from discrete.release.mesh_level import MeshLevel
-from discrete.release.shared_search import SharedSearch
-from equilibrium.linear.backends import check_backend
-from equilibrium.threads import one_blas_thread
-from pattern.design.design import Design
-from pattern.design.section import is_whole
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
-from pattern.layout.weight_support import check_weight_is_supported
-from pattern.mesh.meshing import mesh_layout
 
 
 @one_blas_thread()

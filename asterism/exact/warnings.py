@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from asterism.exact.star_sides import off_branch
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
 from asterism.shape.site_warnings import site_warnings
 from asterism.shape.sizing_warnings import sizing_warnings
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh
 MAX_ROLL_EDGE_FACTOR = 0.03

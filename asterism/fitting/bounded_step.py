@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 # each round fixes or frees at least one unknown; the step is admissible after any number of rounds
 MAX_ACTIVE_SET_ROUNDS = 60

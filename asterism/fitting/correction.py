@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from asterism.discrete.release.continuation import Report
+from asterism.equilibrium.arrays import Floats
 from asterism.exact.exact_sensitivity import ExactSensitivity
 from asterism.exact.simulation import exact_shape
 from asterism.fitting.bounded_step import bounded_step
@@ -20,12 +22,10 @@ from asterism.fitting.residual import SheetState
 from asterism.fitting.search import CHANGE_WEIGHT, LONGEST_STEP, NEIGHBOUR_WEIGHT, FitSearch
 from asterism.fitting.star_unknowns import THICKNESS_UNIT, StarUnknowns
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.rounding import Rounding
 from asterism.previews.run import preview
 from asterism.shape.shape import Shape
-from discrete.release.continuation import Report
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.rounding import Rounding
 
 # % of the diameter, exact distance within which corrections end
 EXACT_GOAL_PERCENT = 0.1

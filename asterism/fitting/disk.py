@@ -9,9 +9,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError, place_text
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import triangle_normals
+from asterism.pattern.geometry.normals import triangle_normals
 
 # vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself
 WELD_SHARE = 1e-6

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.target import TargetSurface
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

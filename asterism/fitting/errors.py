@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from equilibrium.arrays import Floats
-from equilibrium.errors import Error
-from pattern.design.errors import one_line
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import one_line
 
 
 class TargetError(Error, ValueError):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError
 from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
 from asterism.fitting.flattening.least_ratio import least_ratio_border
@@ -20,14 +21,13 @@ from asterism.fitting.reach import Reach, choose_stretch, target_reach
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.anisotropy import BENDING_POISSON
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.process.listeners import Say, ignore_line
-from equilibrium.arrays import Floats
-from homogenize.errors import LawError
-from homogenize.law.anisotropy import BENDING_POISSON
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.painted_stars import with_painted_stars
 
 # mm, width of the arms unless the law does not cover it
 FITTED_WIDTH_MM = 1.2

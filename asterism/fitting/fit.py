@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asterism.discrete.release.continuation import Report
 from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
 from asterism.fitting.distance import FitDistance, target_distance
@@ -21,6 +22,10 @@ from asterism.fitting.result import Fit
 from asterism.fitting.search import FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.print.printer import Printer
@@ -32,11 +37,6 @@ from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.run import verify
 from asterism.verification.verification import RELEASE, Verification
-from discrete.release.continuation import Report
-from homogenize.law.law import Law
-from pattern.design.arguments import check_type
-from pattern.design.section import is_whole
-from pattern.layout.build import layout
 
 # steps on the lengths after thicknesses are rounded
 ROUNDED_STEPS = 4

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError
 from asterism.measure.compare.errors import why_no_file
-from equilibrium.arrays import Floats
-from pattern.design.sizing.grey_image import ImageError, check_pixel_format, opened_picture
+from asterism.pattern.design.sizing.grey_image import ImageError, check_pixel_format, opened_picture
 
 PICTURE_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
 ARRAY_FORMATS = (".npy", ".csv")

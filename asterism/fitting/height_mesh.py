@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.fitting.disk import border_edges
-from equilibrium.arrays import Bools, Floats, Ints
 
 # rounds that even out the steps of the border over some cells, and their two shares: the border does not shrink
 # (Taubin, A signal processing approach to fair surface design, 1995)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.target_map import TargetMap
-from equilibrium.arrays import Floats, Ints
 
 # of the spacing: largest distance of corners of the outline
 OUTLINE_STEP = 0.45

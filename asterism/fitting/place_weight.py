@@ -11,16 +11,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError, place_text
 from asterism.fitting.height_file import PICTURE_FORMATS, picture_levels
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.fit_weights import WEIGHT_RANGE, FitWeights, WeightedSite
-from pattern.design.sizing.expression import ExpressionError, evaluate
-from pattern.design.sizing.grey_image import ImageError
-from pattern.layout.layout import Layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.fit_weights import WEIGHT_RANGE, FitWeights, WeightedSite
+from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
+from asterism.pattern.design.sizing.grey_image import ImageError
+from asterism.pattern.layout.layout import Layout
 
 # weights of black and white of a picture; transparent pixels have that of black
 PICTURE_WEIGHTS = (1.0, 10.0)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.flattening.boundary_first import FlatDisk
 from asterism.fitting.target_map import TargetMap
-from equilibrium.arrays import Floats
-from pattern.design.lattice import Lattice
-from pattern.geometry.planar import distance_to_outline, inside
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.planar import distance_to_outline, inside
 
 # mm, smallest distance of star centres from the outline of a fitted design: bare rims droop between the needles
 FITTED_STAR_MARGIN_MM = 3.0

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError, place_text
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target_map import TargetMap
-from equilibrium.arrays import Floats
-from homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
 
 # a needed ratio up to this multiple of the available one is tried, with a warning: the sheet strains a little
 MAX_RATIO_EXCESS = 1.06

@@ -13,16 +13,16 @@ from functools import cached_property
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.pattern.geometry.normals import vertex_normals
+from asterism.pattern.geometry.planar import distance_to_outline, inside
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.previews.point_lens import PointLens
 from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from pattern.geometry.normals import vertex_normals
-from pattern.geometry.planar import distance_to_outline, inside
-from pattern.geometry.rigid_fit import rigid_fit
 
 # of the spacing: distance of the residual's places, and of those over which the bumps are averaged
 PLACE_STEP, BUMP_STEP = 0.5, 0.125

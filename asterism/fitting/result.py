@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from asterism.fitting.distance import FitDistance
 from asterism.fitting.first_guess import FirstGuess
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.design.design import Design
 from asterism.results.records.fit import FitRecord
 from asterism.shape.shape import Shape
 from asterism.verification.verification import Verification
-from pattern.design.design import Design
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,17 +11,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.fitting.bounded_step import bounded_step
 from asterism.fitting.residual import Residual, SheetState
 from asterism.fitting.star_unknowns import StarUnknowns
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.process.listeners import Say, ignore_line
-from equilibrium.arrays import Floats
-from equilibrium.errors import Error
-from homogenize.law.law import Law
-from pattern.design.design import Design
 
 # steps of the smooth changes, and of all stars
 MAX_SMOOTH_STEPS, MAX_STAR_STEPS = 3, 12

@@ -7,18 +7,18 @@ from typing import Any, Literal, get_args
 import numpy as np
 from scipy.optimize import brentq
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError
 from asterism.fitting.star_menu import MIN_FITTED_ARM_MM
+from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
 from asterism.process.listeners import Say, ignore_line
-from equilibrium.arrays import Floats
-from homogenize.law.axes import AXES
-from homogenize.law.law import Law
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 
 Wanted = Literal["height_mm", "roll_radius_mm"]
 Changed = Literal["length_mm", "thickness_mm", "width_mm"]
@@ -69,7 +69,7 @@ def solve_for(
     Examples
     --------
     >>> from asterism.previews.run import preview
-    >>> from pattern import gallery
+    >>> from asterism.pattern import gallery
     >>> tube = solve_for(gallery.load("tube"), "roll_radius_mm", 25.0)
     >>> round(preview(tube).summary.roll_radius_mm)
     25

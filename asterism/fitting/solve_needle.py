@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError, place_text
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.section import is_whole
+from asterism.pattern.geometry.planar import inside
 from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.process.listeners import Say, ignore_line
-from equilibrium.arrays import Floats
-from homogenize.law.law import Law
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.design.section import is_whole
-from pattern.geometry.planar import inside
 
 # mm, distance from the wanted point within which the sheet has come to it
 POINT_TOLERANCE_MM = 0.02

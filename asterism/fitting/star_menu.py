@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from homogenize.law.law import Law
-from homogenize.law.law_table import LawTable
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import LawTable
 
 # mm, shortest arms of a fitted design: shorter ones hardly differ from bare fabric
 MIN_FITTED_ARM_MM = 2.0

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.first_guess import FITTED_SIZE_DECIMALS
 from asterism.fitting.star_menu import StarMenu
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.layout.painted_stars import with_painted_stars
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 
 # an unknown of 1 is this change: of a length in mm, and of the logarithm of a thickness
 LENGTH_UNIT_MM, THICKNESS_UNIT = 1.0, 0.15

@@ -9,6 +9,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.decimation import decimated
 from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.errors import TargetError
@@ -16,11 +17,10 @@ from asterism.fitting.flattening.surface_laplacian import corner_angles, laplaci
 from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
+from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
+from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.shape.diameter import diameter
 from asterism.shape.self_intersections import self_intersections
-from equilibrium.arrays import Floats, Ints
-from pattern.design.sizing.expression import ExpressionError, evaluate
-from pattern.geometry.normals import triangle_normals, vertex_normals
 
 # a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature
 MIN_TARGET_TRIANGLES = 1500

@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.flattening.boundary_first import FlatDisk
-from equilibrium.arrays import Floats
-from pattern.geometry.point_location import TriangleFinder, clipped
+from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 
 # of the spacing: curvatures are those of a quadric through the target within this distance on the print
 CURVATURE_RADIUS = 0.9

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.motif_law_file import is_motif_law
 from asterism.laws.design_law import chosen_law_path, law_for_design
-from homogenize.errors import ForeignLaw
-from homogenize.law.any_law import AnyLaw
-from homogenize.law.motif_law_file import is_motif_law
-from pattern.design.design import Design
+from asterism.pattern.design.design import Design
 
 
 def any_law_for_design(design: Design, law: Path | None, file: Path, other: Path | None = None) -> AnyLaw | None:

@@ -11,19 +11,19 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
+from asterism.equilibrium.compiled import HAVE_NUMBA
+from asterism.homogenize.campaign.campaign import CampaignProgress, run_campaign
+from asterism.homogenize.campaign.code_version import code_version
+from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.law.law import WITHOUT_BENDING, Law
+from asterism.homogenize.law.law_file import law_bytes
+from asterism.homogenize.law.material import Material
 from asterism.laws.law_text import law_lines
+from asterism.pattern.design.errors import DesignError
 from asterism.process.count_line import CountLine
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, write_file
 from asterism.results.output_check import check_folder, check_writable
-from equilibrium.compiled import HAVE_NUMBA
-from homogenize.campaign.campaign import CampaignProgress, run_campaign
-from homogenize.campaign.code_version import code_version
-from homogenize.campaign.fit_law import fit_law
-from homogenize.law.law import WITHOUT_BENDING, Law
-from homogenize.law.law_file import law_bytes
-from homogenize.law.material import Material
-from pattern.design.errors import DesignError
 
 
 def samples_folder(law: Path) -> Path:

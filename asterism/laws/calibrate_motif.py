@@ -6,21 +6,21 @@ import time
 from pathlib import Path
 from typing import TextIO
 
+from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
+from asterism.homogenize.campaign.motif_campaign import SolveMotif, motif_code_version, run_motif_campaign
+from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
+from asterism.homogenize.cell.motif_responses import motif_responses
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law_file import motif_law_bytes
+from asterism.homogenize.law.motif_plan import MotifPlan
 from asterism.laws.calibrate import law_written, origin, solving_cells
 from asterism.laws.design_law import is_design, material_from_file
 from asterism.laws.motif_law_text import motif_law_lines
 from asterism.laws.replace_material import Note, with_material
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.load_design import load_design
 from asterism.results.files import write_file
-from homogenize.campaign.fit_motif_law import fit_motif_law
-from homogenize.campaign.motif_campaign import SolveMotif, motif_code_version, run_motif_campaign
-from homogenize.campaign.motif_design_plan import plan_for_motif
-from homogenize.cell.motif_responses import motif_responses
-from homogenize.law.material import Material
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_law_file import motif_law_bytes
-from homogenize.law.motif_plan import MotifPlan
-from pattern.design.errors import DesignError
-from pattern.layout.load_design import load_design
 
 
 def plan_from_file(file: Path | None, other: Path | None = None, note: Note | None = None) -> Material | MotifPlan:

@@ -6,9 +6,9 @@ import csv
 import io
 from typing import Any
 
-from homogenize.law.axes import AXES
-from homogenize.law.law import Law
-from homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
 
 TASK_KEYS = ("stretch", *(axis.key for axis in AXES), "held_out")
 CSV_HEADER = (

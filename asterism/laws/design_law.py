@@ -5,20 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from shlex import quote
 
+from asterism.homogenize.campaign.design_plan import plan_for_sizes
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
+from asterism.homogenize.universal.groups import MIN_FABRIC_TO_EDGE
 from asterism.laws.replace_material import Note, with_material
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.files import read_table
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
 from asterism.previews.serving_law import serving_law
-from homogenize.campaign.design_plan import plan_for_sizes
-from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.axes import law_coordinates
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from homogenize.law.material import PAPER_MATERIAL, Material, load_material
-from homogenize.universal.groups import MIN_FABRIC_TO_EDGE
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.files import read_table
-from pattern.layout.build import layout
-from pattern.layout.load_design import load_design
 
 
 def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:

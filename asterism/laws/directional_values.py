@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 
 # of two squares of principal stretches that count as one
 EVEN_SQUARES = 1e-4

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
+from asterism.homogenize.campaign.edge_campaign import with_edges
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import law_bytes, load_law
 from asterism.laws.calibrate import law_written, solving_cells
 from asterism.results.files import write_file
-from homogenize.campaign.edge_campaign import with_edges
-from homogenize.law.law import Law
-from homogenize.law.law_file import law_bytes, load_law
 
 
 def add_edges(

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import write_title
+from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable
 from asterism.laws.law_text import middle_sizes, table_title
-from homogenize.law.axes import AXES
-from homogenize.law.law import Law
-from homogenize.law.law_table import QUANTITY_NAMES, LawTable
 
 CURVE_LABELS = {
     "lam": "length over printed length, flat",

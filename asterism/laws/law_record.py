@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import law_digest
 from asterism.results.records.law import LawRecord
-from homogenize.law.law import Law
-from homogenize.law.law_file import law_digest
 
 
 def law_record(law: Law) -> LawRecord:
@@ -12,7 +12,7 @@ def law_record(law: Law) -> LawRecord:
 
     Examples
     --------
-    >>> from homogenize.law.law_file import load_law
+    >>> from asterism.homogenize.law.law_file import load_law
     >>> law_record(load_law()).table()["stretches"]
     '1.35, 1.75'
     """

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from homogenize.law.material import Material, load_material
-from pattern.design.residual_curvature import ResidualCurvature
+from asterism.homogenize.law.material import Material, load_material
+from asterism.pattern.design.residual_curvature import ResidualCurvature
 
 
 def material_in_words(path: Path) -> str:
@@ -18,7 +18,7 @@ def material_in_words(path: Path) -> str:
 
     Examples
     --------
-    >>> from pattern.design.material_files import material_files
+    >>> from asterism.pattern.design.material_files import material_files
     >>> material_in_words(material_files()["paper"]).split("; ")[0]
     'E1/E2 3200 (paper), kappa_bar 0 /mm'
     """

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from homogenize.cell.motif_responses import MotifResponses, motif_responses
-from homogenize.cell.rod_bending import completed_by_rods
-from pattern.design.errors import DesignError
-from pattern.layout.load_design import load_design
+from asterism.homogenize.cell.motif_responses import MotifResponses, motif_responses
+from asterism.homogenize.cell.rod_bending import completed_by_rods
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.load_design import load_design
 
 # of two principal stretches that print as one
 EVEN_STRETCH = 5e-5

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 from shlex import quote
 
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law_file import load_motif_law
 from asterism.laws.design_law import chosen_law_path, design_law_path
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
-from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_law_file import load_motif_law
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
 
 
 def motif_law_for_design(

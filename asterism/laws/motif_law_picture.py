@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import PALE
 from asterism.draw.fonts import write_title
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_plan import MotifSize
 from asterism.laws.directional_values import stretch_axes, values_along
-from equilibrium.arrays import Bools, Floats
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_plan import MotifSize
 
 CHARTS = {
     "stretch": "length over printed length, flat",

@@ -7,9 +7,9 @@ import io
 
 import numpy as np
 
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law_file import motif_law_digest
 from asterism.results.records.motif_law import MotifLawRecord
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_law_file import motif_law_digest
 
 
 def motif_law_record(law: MotifLaw) -> MotifLawRecord:

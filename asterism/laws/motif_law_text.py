@@ -7,13 +7,13 @@ from itertools import product
 
 import numpy as np
 
+from asterism.homogenize.law.motif_errors import MOTIF_QUANTITIES
+from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.motif_law_record import motif_law_record
 from asterism.previews.law_warnings import MAX_HELD_OUT_ERROR_PERCENT
 from asterism.process.count_line import without_numbers
 from asterism.results.words import table_lines
-from homogenize.law.motif_errors import MOTIF_QUANTITIES
-from homogenize.law.motif_law import MotifLaw
 
 # nodes of each size in the table of values, about
 LISTED_NODES = 4

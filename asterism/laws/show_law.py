@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from asterism.homogenize.law.any_law import load_any_law
+from asterism.homogenize.law.law_file import PAPER_LAW
+from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.laws.cells_csv import cells_csv
 from asterism.laws.law_picture import draw_law
 from asterism.laws.law_record import law_record
@@ -15,9 +18,6 @@ from asterism.laws.motif_law_text import motif_law_doubts, motif_law_lines
 from asterism.previews.law_warnings import held_out_warning
 from asterism.results.files import staged_result
 from asterism.results.output_check import check_writable
-from homogenize.law.any_law import load_any_law
-from homogenize.law.law_file import PAPER_LAW
-from homogenize.law.motif_law import MotifLaw
 
 
 def show_law(path: Path | None, output: Path | None) -> list[str]:

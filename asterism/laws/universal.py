@@ -11,12 +11,9 @@ from typing import TextIO
 
 import numpy as np
 
-from asterism.laws.calibrate import package_versions, solving_cells
-from asterism.process.count_line import without_numbers
-from asterism.results.files import write_file
-from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
-from homogenize.universal.groups import GROUPS
-from homogenize.universal.law_errors import (
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
+from asterism.homogenize.universal.groups import GROUPS
+from asterism.homogenize.universal.law_errors import (
     DIMENSIONLESS_ERROR_FLOORS,
     MAX_SERVING_ERRORS_PERCENT,
     NEAREST_CELLS,
@@ -24,14 +21,17 @@ from homogenize.universal.law_errors import (
     STATED_QUANTITIES,
     left_out_errors,
 )
-from homogenize.universal.solve_cells import SolveGroups, solve_groups
-from homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
-from homogenize.universal.universal_law import UniversalLaw
-from homogenize.universal.universal_law_file import (
+from asterism.homogenize.universal.solve_cells import SolveGroups, solve_groups
+from asterism.homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
+from asterism.homogenize.universal.universal_law import UniversalLaw
+from asterism.homogenize.universal.universal_law_file import (
     PACKAGED_UNIVERSAL_LAW,
     load_universal_law,
     universal_law_bytes,
 )
+from asterism.laws.calibrate import package_versions, solving_cells
+from asterism.process.count_line import without_numbers
+from asterism.results.files import write_file
 
 _SERVING = ", ".join(f"{name} {most:g} %" for name, most in MAX_SERVING_ERRORS_PERCENT.items())
 

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from pattern.design.design import GRAVITY_M_S2
-from pattern.design.errors import DesignError
+from asterism.pattern.design.design import GRAVITY_M_S2
+from asterism.pattern.design.errors import DesignError
 
 
 def fabric_modulus_mpa(

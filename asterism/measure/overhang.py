@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pattern.design.design import GRAVITY_M_S2
-from pattern.design.errors import DesignError
+from asterism.pattern.design.design import GRAVITY_M_S2
+from asterism.pattern.design.errors import DesignError
 
 # slope of the test
 SLOPE_DEG = 41.5

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
 from asterism.notebook.sliders import SliderBoard
+from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.shape.shape import Shape
@@ -15,8 +17,6 @@ from asterism.studio.messages import Frame
 from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.shape_frame import shape_messages
 from asterism.studio.sheet_view import SheetView
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
 
 # Values of the widget's traits that change together: `mesh` and `frame` as bytes, `panel` as a table.
 Traits = dict[str, Any]

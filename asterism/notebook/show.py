@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from asterism.equilibrium.errors import Error
 from asterism.notebook.live_sheet import LiveSheet, shape_traits
+from asterism.pattern.design.section import is_whole
 from asterism.previews.session import Preview
 from asterism.shape.shape import Shape
-from equilibrium.errors import Error
-from pattern.design.section import is_whole
 
 if TYPE_CHECKING:
     from asterism.notebook.widget import SheetWidget
@@ -52,7 +52,7 @@ def show(shown: Shape | Preview, sliders: Sequence[str] | None = None, height_px
 
     Examples
     --------
-    >>> from pattern import gallery
+    >>> from asterism.pattern import gallery
     >>> widget = show(Preview(gallery.load("dome")), sliders=["thickness", "needle_scale"])
     >>> [slider["label"] for slider in widget.panel["sliders"]]
     ['Thickness', 'Distances of the needles']
@@ -72,7 +72,7 @@ def show(shown: Shape | Preview, sliders: Sequence[str] | None = None, height_px
     try:
         from asterism.notebook.widget import SheetWidget
     except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] in ("asterism", "pattern"):
+        if (error.name or "").split(".")[0] == "asterism":
             raise
         raise NotebookError(
             f"asterism.show needs the package {error.name}, which the extra notebook installs: pip install anywidget"

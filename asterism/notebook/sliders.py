@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.design.pins import Pins
-from pattern.layout.layout import Layout
-from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.pins import Pins
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 
 SIZE_SLIDERS = {"length": "Length", "thickness": "Thickness", "width": "Width"}
 SLIDERS = (*SIZE_SLIDERS, "stretch", "needle_scale", "needle_height")

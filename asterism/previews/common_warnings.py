@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from asterism.fem.search.sides import side_of
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
-from fem.search.sides import side_of
 
 # the softest mode is neutral if the next one is this many times stiffer
 MIN_NEUTRAL_RATIO = 5.0

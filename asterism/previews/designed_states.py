@@ -6,6 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.fem.search.sides import Side
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.weight_support import check_weight_is_supported
 from asterism.previews.kept_prints import keep_print, kept_print
 from asterism.previews.kinds import kind_of, serves
 from asterism.previews.model import PreviewModel
@@ -14,14 +22,6 @@ from asterism.previews.solve import at_form, carried, state_from_guesses, state_
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.watch import Watch
 from asterism.process.listeners import Say, ignore_line
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from fem.search.sides import Side
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.design.section import is_whole
-from pattern.layout.layout import Layout
-from pattern.layout.weight_support import check_weight_is_supported
 
 # from this number of triangles on, a message announces a long computation: some sheets take hundreds of iterations
 PATIENCE_TRIANGLES = 300

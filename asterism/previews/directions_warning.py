@@ -6,11 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from asterism.homogenize.cell.tube_directions import (
+    MIN_RESOLVED_CURL,
+    curvature_misfit,
+    is_threefold,
+    omitted_anisotropy,
+)
+from asterism.homogenize.law.anisotropy import predicted_curvatures
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
 from asterism.previews.model import PREVIEW_MODEL
-from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, curvature_misfit, is_threefold, omitted_anisotropy
-from homogenize.law.anisotropy import predicted_curvatures
-from homogenize.law.law import Law
-from homogenize.law.law_table import MAX_SEPARATED_CURL
 
 
 def directions_warning(law: Law) -> str | None:

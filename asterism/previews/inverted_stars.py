@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Ints
 from asterism.previews.state import StarState
 from asterism.previews.surface.smooth_surface import smooth_surface
-from equilibrium.arrays import Ints
 
 
 def stars_that_may_be_inverted(state: StarState) -> Ints:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.kinds import serves
 from asterism.previews.model import PreviewModel
 from asterism.previews.print_sheet import MAX_TRIANGLES, PrintSheet
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.surface.places import ShownSheet
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 # prints that are kept: a fine sheet takes about 30 MB
 KEPT_PRINTS = 2

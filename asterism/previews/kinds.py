@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.star_kind import StarKind
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 
 def kind_of(design: Design) -> PatternKind:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from homogenize.law.axes import AXES, sizes_text
-from homogenize.law.law import Law
+from asterism.homogenize.law.axes import AXES, sizes_text
+from asterism.homogenize.law.law import Law
 
 # rms over the held-out cells, above which a law warns
 MAX_HELD_OUT_ERROR_PERCENT = 5.0

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from homogenize.errors import LawError
-from homogenize.law.axes import law_coordinates
-from homogenize.law.law import Law
-from homogenize.law.mesh_edges import whole_edge
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.mesh_edges import whole_edge
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 
 LIMIT = 0.0
 

@@ -23,13 +23,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import pdist
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.layout.layout import Layout
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import deformation_gradients
-from equilibrium.arrays import Floats, Ints
-from pattern.design.design import Design
-from pattern.design.materials import Fabric
-from pattern.geometry.planar import triangle_areas
-from pattern.layout.layout import Layout
 
 # supported points that are closer together in print, in spacings, are one point
 MIN_SUPPORT_DISTANCE = 1e-3

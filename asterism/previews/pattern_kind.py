@@ -9,6 +9,11 @@ from abc import ABC, abstractmethod
 from dataclasses import replace
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.model import PreviewModel
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.state import AnyPreviewState
@@ -16,11 +21,6 @@ from asterism.previews.surface.places import Places, SheetLens, ShownSheet
 from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
 
 
 class PatternKind(ABC):

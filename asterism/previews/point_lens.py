@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.previews.kinds import kind_of
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.surface.places import Places, SheetLens
-from equilibrium.arrays import Floats
 
 
 class PointLens:

@@ -13,21 +13,21 @@ from typing import Any, Self
 import numpy as np
 from skfem import MeshTri
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.tabulation import Tabulation
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
+from asterism.fem.supports.conditions import ConditionError, impose_conditions
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.supports import PinSet
+from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
 from asterism.previews.model import PreviewModel
 from asterism.previews.supports.conditions import conditions
 from asterism.previews.supports.point_pins import softness
-from equilibrium.arrays import Floats
-from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Tabulation
-from fem.shell.fields import Fields
-from fem.shell.shell import QUADRATURE_ORDER, Shell
-from fem.supports.conditions import ConditionError, impose_conditions
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.layout import Layout
-from pattern.layout.supports import PinSet
-from pattern.layout.symmetries import Symmetry, symmetries
-from pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
 
 # edge length of the shell's mesh, in spacings of the lattice
 EDGE_SPACINGS = 1.3

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.sides import Side
+from asterism.fem.shell.shell import Shell
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.kinds import kind_of
 from asterism.previews.point_lens import PointLens, checked_points, checked_positions
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.surface.places import Places
 from asterism.previews.uncertainty.other_forms import OtherForm, forms_met
-from equilibrium.arrays import Floats
-from fem.search.evidence import ShellEquilibrium
-from fem.search.sides import Side
-from fem.shell.shell import Shell
-from pattern.design.design import Design
-from pattern.layout.symmetries import Symmetry
 
 
 class PreviewReadings:
@@ -102,7 +102,7 @@ class PreviewReadings:
         Examples
         --------
         >>> from asterism.previews.session import Preview
-        >>> from pattern import gallery
+        >>> from asterism.pattern import gallery
         >>> lens = Preview(gallery.load("star")).lens([[0.0, 0.0], [3.0, 0.0]])
         >>> lens().bumpy.shape
         (2, 3)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+from asterism.fem.search.sides import Side
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
 from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
-from fem.search.sides import Side
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 
 def preview(

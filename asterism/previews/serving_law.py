@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.default_law import law_of
-from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 
 def serving_law(design: Design, plan: Layout | None = None) -> Law:

@@ -8,6 +8,15 @@ from typing import NoReturn
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.sides import Side, check_side, side_of
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.designed_states import DesignedStates
 from asterism.previews.kinds import kind_of
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -18,15 +27,6 @@ from asterism.previews.stage import Stage
 from asterism.previews.uncertainty.other_forms import forms_met
 from asterism.process.listeners import Say
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.threads import one_blas_thread
-from fem.search.mean_fields import mean_fields
-from fem.search.sides import Side, check_side, side_of
-from homogenize.law.any_law import AnyLaw
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.design.section import is_whole
-from pattern.layout.layout import Layout
 
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 
@@ -69,7 +69,7 @@ class Preview(PreviewReadings):
 
     Examples
     --------
-    >>> from pattern import gallery
+    >>> from asterism.pattern import gallery
     >>> preview = Preview(gallery.load("dome"))
     >>> preview.equilibrium.is_minimum
     True

@@ -10,6 +10,12 @@ from functools import cached_property
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.fields import FieldError, Fields
+from asterism.fem.supports.loads import area_load
+from asterism.homogenize.errors import LawError
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.edges.free_rim import free_normals, stars_share
 from asterism.previews.edges.rim_arms import rim_curvature_share
@@ -21,12 +27,6 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
 from asterism.previews.supports.conditions import weight
 from asterism.previews.supports.point_pins import with_point_softness
-from equilibrium.arrays import Floats
-from fem.shell.fields import FieldError, Fields
-from fem.supports.loads import area_load
-from homogenize.errors import LawError
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 # spacings: half of the distance across a free rim over which the decrease of the stars' share is taken
 BORDER_STEP = 0.05

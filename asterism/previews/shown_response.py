@@ -11,11 +11,11 @@ from functools import cached_property
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from fem.search.evidence import ShellEquilibrium
-from fem.search.linear_response import Response
-from fem.search.relax import energies_by_part
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.linear_response import Response
+from asterism.fem.search.relax import energies_by_part
+from asterism.fem.shell.shell import Shell
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from equilibrium.arrays import Floats
-from fem.search.sides import Side
-from pattern.design.design import Design
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.sides import Side
+from asterism.pattern.design.design import Design
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.linear.watched_factor import WatchedFactor
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.linear_response import Response, linear_response
+from asterism.fem.search.relax import factorise, follow, softest_shell_modes
+from asterism.fem.search.sides import Side
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.search.apply_supports import apply_supports
 from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
 from asterism.previews.shown_response import ShownResponse
 from asterism.previews.state import AnyPreviewState, LawT, PreviewState, SheetT, ValuesT
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from equilibrium.linear.watched_factor import WatchedFactor
-from fem.search.evidence import ShellEquilibrium
-from fem.search.linear_response import Response, linear_response
-from fem.search.relax import factorise, follow, softest_shell_modes
-from fem.search.sides import Side
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PreviewModel
 from asterism.previews.pattern_kind import PatternKind
@@ -17,14 +25,6 @@ from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from homogenize.law.law import Law
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
 
 
 class StarKind(PatternKind):

@@ -13,14 +13,14 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.relax import factorise
+from asterism.fem.search.sensitivity import stress_responses, stress_under
+from asterism.homogenize.law.axes import AXES
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.state import StarState
-from equilibrium.arrays import Floats
-from fem.search.relax import factorise
-from fem.search.sensitivity import stress_responses, stress_under
-from homogenize.law.axes import AXES
-from pattern.layout.build import layout
-from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 
 # lattice steps between stars that are changed together
 COLOUR_STEPS = 4

@@ -11,21 +11,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.sides import Side
+from asterism.fem.shell.shell import Shell
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PreviewModel
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.sheet import Sheet
 from asterism.previews.shown_response import ShownResponse
 from asterism.previews.surface.places import ShownSheet
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.evidence import ShellEquilibrium
-from fem.search.sides import Side
-from fem.shell.shell import Shell
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.layout.symmetries import Symmetry
 
 
 class SearchTraits(Protocol):

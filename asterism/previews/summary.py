@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from asterism.fem.search.stiffness_response import STIFFNESSES
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.overstretched_stars import overstretched_stars
 from asterism.previews.state import AnyPreviewState, StarState
 from asterism.previews.uncertainty.distance_error import probability_lower
@@ -18,9 +21,6 @@ from asterism.shape.needle_clearance import needle_clearance
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.tube import roll_radius
-from fem.search.stiffness_response import STIFFNESSES
-from pattern.layout.roll_axis import roll_axis_from_normals
-from pattern.mesh.mesh import Mesh
 
 # axes that differ by a smaller angle count as one
 EQUAL_AXES_DEG = 2.0

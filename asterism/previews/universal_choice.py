@@ -6,18 +6,18 @@ import json
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
-from equilibrium.arrays import Floats
-from homogenize.errors import LawError
-from homogenize.law.axes import law_coordinates
-from homogenize.law.law import Law
-from homogenize.universal.law_errors import MAX_SERVING_ERRORS_PERCENT
-from homogenize.universal.material_law import law_edge, material_law, table_nodes, universal_law_errors
-from homogenize.universal.universal_law import UniversalLaw
-from homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW, load_universal_law
-from pattern.design.design import Design
-from pattern.design.stars import MIN_ARM_MM
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.universal.law_errors import MAX_SERVING_ERRORS_PERCENT
+from asterism.homogenize.universal.material_law import law_edge, material_law, table_nodes, universal_law_errors
+from asterism.homogenize.universal.universal_law import UniversalLaw
+from asterism.homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW, load_universal_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.stars import MIN_ARM_MM
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 
 # Share of the stars outside the law, above which it does not serve; fewer are named by the preview, as of every law. Up
 # to this share, nine in ten previews move by at most 1 % of the width (`python -m benchmarks.uncovered_stars`).

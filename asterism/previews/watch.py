@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from equilibrium.errors import Error
+from asterism.equilibrium.errors import Error
 
 
 class SearchLimitError(Error):

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from pydantic import ValidationError
 
+from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.print.printer import Printer
-from pattern.design.errors import DesignError, from_validation
 
 
 def adjusted_printer(

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from pattern.design.rounding import Rounding
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)

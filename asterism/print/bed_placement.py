@@ -9,11 +9,11 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
 from asterism.print.printer import Printer
 from asterism.print.solid import Terrace
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.layout.layout import Layout
 
 # a rectangle fits another one at some turn from 0 to 180 degrees, in either direction
 TURNS_DEG = range(180)

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 # width and height of a page of A4 paper
 A4_MM = (210.0, 297.0)

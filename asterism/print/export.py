@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.formats.registry import demanded_formats
 from asterism.print.job import Job, prepare
@@ -22,9 +25,6 @@ from asterism.results.files import holds_result
 from asterism.results.records.export import ExportRecord
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def export(
     Examples
     --------
     >>> import tempfile
-    >>> from pattern.gallery import load
+    >>> from asterism.pattern.gallery import load
     >>> from asterism.print.export import export
     >>> exported = export(load("star"), tempfile.mkdtemp(), printer="prusa-mk4", fabric_mm=0.5)
     >>> "print.3mf" in exported.files, round(exported.job.z_offset_mm, 2)

@@ -10,6 +10,12 @@ from typing import Any
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.arm_pieces import ArmPiece, arm_pieces
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_through_arms
@@ -23,12 +29,6 @@ from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.rounding import Rounding
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
 
 # sides of check squares, the preferred first
 CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.bed_placement import TURNS_DEG, fitting_turn
 from asterism.print.printer import Printer
 from asterism.print.profiles import load_printer, profile_names
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
 
 
 def size_warning(design: Design) -> Iterator[str]:
@@ -22,7 +22,7 @@ def size_warning(design: Design) -> Iterator[str]:
 
     Examples
     --------
-    >>> from pattern.gallery import load
+    >>> from asterism.pattern.gallery import load
     >>> list(size_warning(load("dome")))
     []
     >>> wide = {"stars": {"length_mm": 9.0}, "border": {"rectangle_mm": [400.0, 300.0]}}

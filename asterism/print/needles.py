@@ -9,14 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.supports import PinSet
+from asterism.pattern.rods.graph import CORNER_DEG
 from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from pattern.geometry.planar import distance_to_outline, distance_to_segment
-from pattern.layout.layout import Layout
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.supports import PinSet
-from pattern.rods.graph import CORNER_DEG
 
 # smallest distance of a needle from the edge of the fabric
 MIN_EDGE_DISTANCE_MM = 2.0

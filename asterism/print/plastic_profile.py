@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from pattern.design.section import Line, MassDensity, Number, Section
+from asterism.pattern.design.section import Line, MassDensity, Number, Section
 
 
 class PlasticProfile(Section):

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.layout import Layout
 from asterism.print.arm_pieces import ArmPiece
 from asterism.print.rod_pieces import RodPiece
 from asterism.print.solid import GRID_MM, Terrace, nested_terraces
-from equilibrium.arrays import Floats
-from pattern.design.rounding import Rounding
-from pattern.layout.layout import Layout
 
 # half width below which a piece of the cut line is removed, over the width of a line
 MIN_CUT_LINE_HALF_WIDTH = 0.1

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Plastic
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.profiles import load_plastic
-from pattern.design.design import Design
-from pattern.design.materials import Plastic
 
 # the plastic of the paper, whose stiffness is the default of designs
 PAPER_PLASTIC = "tpu95a"

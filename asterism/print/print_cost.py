@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from asterism.pattern.design.rounding import Rounding
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.printer import Printer
 from asterism.print.solid import Terrace
 from asterism.results.records.export import PrintCostRecord
-from pattern.design.rounding import Rounding
 
 
 def print_cost(

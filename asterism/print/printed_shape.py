@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.print.job import Job
 from asterism.print.shape_change import shape_change
 from asterism.process.listeners import Say
 from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.shape import Shape
-from homogenize.errors import LawError
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 
 Found = tuple[Shape | None, ShapeChangeRecord | None]
 

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from pattern.design.errors import DesignError
-from pattern.design.rounding import Rounding
-from pattern.design.section import Line, Number, Point, Section, Text
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.design.section import Line, Number, Point, Section, Text
 
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # names in braces that a start code may contain

@@ -8,12 +8,12 @@ from typing import TypeVar
 
 from pydantic import ValidationError
 
+from asterism.pattern.design.errors import DesignError, from_validation
+from asterism.pattern.design.files import read_table
+from asterism.pattern.design.section import Section
+from asterism.pattern.design.user_files import own_folders
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.printer import Printer
-from pattern.design.errors import DesignError, from_validation
-from pattern.design.files import read_table
-from pattern.design.section import Section
-from pattern.design.user_files import own_folders
 
 _PACKAGE_FOLDER = Path(__file__).parent / "data"
 _Kind = TypeVar("_Kind", bound=Section)

@@ -8,11 +8,11 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.rods.graph import Rod
 from asterism.print.arm_pieces import height_steps
-from equilibrium.arrays import Floats
-from pattern.design.rounding import Rounding
-from pattern.layout.layout import Layout
-from pattern.rods.graph import Rod
 
 # pieces of a quarter of a circle, of round corners and ends
 QUARTER_PIECES = 8

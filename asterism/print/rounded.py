@@ -6,14 +6,14 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.printer import Printer
 from asterism.results.records.export import SizeChangeRecord, TinyStarRecord
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.rounding import Rounding
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
 
 # layer heights of common printers, the largest first
 _LAYERS_MM = (0.2, 0.15, 0.1, 0.05)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from functools import partial
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.free_motions import free_motions
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
-from pattern.layout.free_motions import free_motions
-from pattern.layout.layout import Layout
-from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
-from pattern.layout.symmetries import symmetries
 
 
 def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, model: str) -> ShapeChangeRecord:

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asterism.equilibrium.arrays import Floats
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline, font_size_within, offset_points
 from asterism.print.layers import TEXT
-from equilibrium.arrays import Floats
 
 # margin around the drawing and the column
 PAGE_MARGIN_MM = 18.5

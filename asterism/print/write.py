@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from asterism.pattern.design.design import save_design
 from asterism.print import instructions, sheets
 from asterism.print.formats.registry import ExportFormat, FormatKind, export_formats, write_all
 from asterism.print.job import Job
@@ -24,7 +25,6 @@ from asterism.results.records.export import (
 )
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
-from pattern.design.design import save_design
 
 # name of the rounded design
 ROUNDED = "rounded.toml"

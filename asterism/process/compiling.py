@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from equilibrium.compiled import HAVE_NUMBA, uncached
+from asterism.equilibrium.compiled import HAVE_NUMBA, uncached
 
 # packages whose loops take seconds to compile, in a user's words
 PACKAGE_TITLES = {
@@ -43,7 +43,7 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
         """numba calls `on_start` before it compiles a function, and `on_end` after."""
 
         def on_start(self, event: Any) -> None:
-            package = event.data["dispatcher"].py_func.__module__.split(".")[0]
+            package = event.data["dispatcher"].py_func.__module__.split(".")[1]
             if package in PACKAGE_TITLES and package not in announced:
                 announced.add(package)
                 say(f"compiling {PACKAGE_TITLES[package]}: about 20 s, {how_often()}")

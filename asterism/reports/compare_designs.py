@@ -8,6 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.run import preview
 from asterism.print.job import prepare
 from asterism.print.plastic_profile import PlasticProfile
@@ -20,12 +26,6 @@ from asterism.results.files import OutputError, write_file
 from asterism.results.output_check import check_writable
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
-from equilibrium.errors import Error
-from homogenize.law.any_law import AnyLaw
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.symmetries import symmetries
 
 MAX_COMPARED_DESIGNS = 12
 # mm, outlines that differ by less are the same print

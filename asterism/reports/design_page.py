@@ -23,11 +23,11 @@ from shapely.geometry.base import BaseGeometry
 from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import families, printable
 from asterism.draw.picture import draw_shape
+from asterism.equilibrium.arrays import Floats
 from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
 from asterism.reports.facts import Facts
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 
 # width and height of the page
 PAGE_MM = np.array(A4_MM)

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
 from asterism.print.job import Job, prepare
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.printer import Printer
@@ -17,9 +20,6 @@ from asterism.reports.facts import design_facts
 from asterism.results.files import OutputError, staged
 from asterism.results.output_check import check_writable
 from asterism.shape.shape import Shape
-from homogenize.errors import LawError
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 
 
 def shape_for_report(
@@ -30,10 +30,10 @@ def shape_for_report(
     DesignError
         The results belong to another design, or cannot be read.
     """
+    from asterism.homogenize.errors import ForeignLaw, LawError
+    from asterism.homogenize.law.motif_plan import without_motif_law
     from asterism.previews.run import preview
     from asterism.process.compiling import announce_compiling
-    from homogenize.errors import ForeignLaw, LawError
-    from homogenize.law.motif_plan import without_motif_law
 
     if results is not None:
         shape = read_shape(results)

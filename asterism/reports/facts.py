@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.residual_curvature import ResidualCurvature
+from asterism.pattern.layout.layout import Layout
 from asterism.print.job import Job
 from asterism.results.words import VISIBLE_SAG_MM, distance_error, height_error
-from pattern.design.design import Design
-from pattern.design.residual_curvature import ResidualCurvature
-from pattern.layout.layout import Layout
 
 Facts = dict[str, list[str]]
 

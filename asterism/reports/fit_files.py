@@ -7,12 +7,12 @@ from pathlib import Path
 
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.fit_page import fit_page
 from asterism.reports.fit_picture import draw_target_fit
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
-from pattern.design.arguments import check_type
 
 
 def write_fit(fitted: Fit, directory: str | Path) -> list[str]:

@@ -15,11 +15,11 @@ from matplotlib.tri import Triangulation
 
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.reports.fit_views import colour_limit
 from asterism.reports.plots import BLUE, png_of
-from equilibrium.arrays import Floats
 
 TARGET_COLOUR = "#c8553d"
 CONTRACTION_COLOURS = colormaps["viridis"]

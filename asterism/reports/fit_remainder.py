@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Bools
 from asterism.fitting.result import Fit
-from equilibrium.arrays import Bools
-from pattern.geometry.planar import distance_to_outline
+from asterism.pattern.geometry.planar import distance_to_outline
 
 # of the spacing: width of the rim, about the reach of one star
 RIM_WIDTH = 0.8

@@ -7,11 +7,11 @@ import numpy as np
 from asterism.draw.bare_sheet import bare
 from asterism.draw.render import Scene, scene
 from asterism.draw.shading import FABRIC_SIDE
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.reports.views import ORANGE, aligned_views, together
-from equilibrium.arrays import Floats
-from pattern.geometry.normals import vertex_normals
 
 # colours end at this quantile of the distance, so that a few places at the rim do not make the rest pale
 COLOUR_QUANTILE = 0.98

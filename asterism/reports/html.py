@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from asterism.draw.picture import small_png
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #26262b; --paper: #fff; --pale: #62626a; --tile: #f4f3ef; --line: #e8e6e0;

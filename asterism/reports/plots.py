@@ -9,10 +9,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.reports.views import DISTANCE_COLOURS, ORANGE
 from asterism.shape.comparison import Comparison
-from equilibrium.arrays import Floats
-from pattern.layout.sheet_edges import SheetEdges
 
 BLUE = "#4f6d92"
 # number of points of a profile

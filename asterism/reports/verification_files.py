@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.verification_page import verification_page
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.verification import Verification
-from pattern.design.arguments import check_type
 
 
 def write_verification(verification: Verification, directory: str | Path) -> list[str]:

@@ -10,8 +10,8 @@ from matplotlib import colormaps
 from asterism.draw.bare_sheet import bare
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.draw.shading import FABRIC_SIDE
+from asterism.equilibrium.arrays import Floats
 from asterism.shape.comparison import Comparison
-from equilibrium.arrays import Floats
 
 ORANGE = (0.93, 0.47, 0.16)
 # largest size of a view

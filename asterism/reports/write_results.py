@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from asterism.draw.picture import draw_shape
+from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
-from pattern.design.arguments import check_type
 
 
 def write_results(shape: Shape, directory: str | Path) -> list[str]:

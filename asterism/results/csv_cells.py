@@ -8,9 +8,9 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from equilibrium.errors import Error
-from pattern.design.errors import one_line
-from pattern.design.files import check_regular
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import one_line
+from asterism.pattern.design.files import check_regular
 
 # size of the largest table
 MAX_TABLE_BYTES = 2_000_000

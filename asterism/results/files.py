@@ -14,8 +14,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 
+from asterism.equilibrium.errors import Error
 from asterism.process import interruption
-from equilibrium.errors import Error
 
 # The summary is written last: a folder with it holds all files of the same run.
 SUMMARY_FILE = "summary.json"

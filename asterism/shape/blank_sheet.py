@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.build import sheet_outline
+from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
-from pattern.geometry.planar import polygon_area
-from pattern.layout.build import sheet_outline
-from pattern.mesh.coarse.sheet_mesh import sheet_mesh
 
 MAX_BLANK_TRIANGLES = 20_000
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, vstack
 from scipy.spatial import cKDTree
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 # a point this near to the border of a cell, relative to the spacing, counts as on the border
 CELL_BORDER_TOLERANCE = 1e-6

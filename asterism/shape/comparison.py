@@ -15,21 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
+from asterism.pattern.geometry.planar import distance_to_outline
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.free_motions import free_motions
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
+from asterism.pattern.layout.support_samples import SupportSamples
+from asterism.pattern.layout.symmetries import Symmetry
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.diameter import diameter
 from asterism.shape.off_sheet import off_curves_mm
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
 from asterism.shape.tube import tube_radius
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import triangle_normals, vertex_normals
-from pattern.geometry.planar import distance_to_outline
-from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.free_motions import free_motions
-from pattern.layout.layout import Layout
-from pattern.layout.roll_axis import roll_axis_from_normals
-from pattern.layout.support_samples import SupportSamples
-from pattern.layout.symmetries import Symmetry
 
 # at most about twice this many vertices are used to choose the nearest symmetric image
 MAX_IMAGE_SAMPLES = 500

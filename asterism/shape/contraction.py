@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.pattern.layout.layout import Layout
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Layout
 
 
 def contraction(layout: Layout, shape: Shape) -> float | None:

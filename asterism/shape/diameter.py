@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 
 def diameter(positions: Float[np.ndarray, "n 3"]) -> float:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from asterism.pattern.layout.layout import Layout
 from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Layout
 
 
 class NeedleClearance(NamedTuple):
@@ -28,8 +28,8 @@ def needle_clearance(layout: Layout, shape: Shape) -> NeedleClearance | None:
     Examples
     --------
     >>> import numpy as np
-    >>> from pattern.layout.print_layout import print_layout
-    >>> from pattern.gallery import load
+    >>> from asterism.pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.gallery import load
     >>> plan = print_layout(load("dome"))
     >>> corners = np.vstack([plan.outline, [[0.0, 0.0]]])
     >>> rim = np.arange(len(plan.outline))

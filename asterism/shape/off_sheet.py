@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.layout.layout import Layout
+from asterism.pattern.layout.layout import Layout
 
 # a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
 # at most 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
@@ -21,8 +21,8 @@ def off_sheet_mm(layout: Layout, vertices: int) -> float:
 
     Examples
     --------
-    >>> from pattern.gallery import load
-    >>> from pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.gallery import load
+    >>> from asterism.pattern.layout.print_layout import print_layout
     >>> round(off_sheet_mm(print_layout(load("dome")), 3781), 2)
     0.35
     """

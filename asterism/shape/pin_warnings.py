@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pattern.layout.free_rotations import count_free_tilts
-from pattern.layout.layout import Layout
+from asterism.pattern.layout.free_rotations import count_free_tilts
+from asterism.pattern.layout.layout import Layout
 
 # size of the supports in space over their size in print, above which a warning appears
 MAX_SIZE_OVER_PRINT = 1.05

@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 # triangles that overlap by less than this part of their size only touch
 MIN_OVERLAP_FACTOR = 1e-12

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Int
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.normals import triangle_normals
+from asterism.pattern.geometry.point_location import locate
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.records.of_shape import AnyShapeRecord, shape_record
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import surface_triangle_areas
-from equilibrium.arrays import Floats, Ints
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.geometry.normals import triangle_normals
-from pattern.geometry.point_location import locate
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pattern.layout.layout import Layout
+from asterism.pattern.layout.layout import Layout
 
 # a warning lists at most this many sites
 MAX_NAMED_SITES = 5

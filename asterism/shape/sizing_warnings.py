@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pattern.design.design import Design
-from pattern.design.sizing.profile import GradientProfile
-from pattern.layout.layout import Layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.sizing.profile import GradientProfile
+from asterism.pattern.layout.layout import Layout
 
 # part of the way from `from` to `to` below which a profile counts as constant
 MIN_SPANNED_PART = 0.02

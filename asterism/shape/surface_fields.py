@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
 
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry import planar
-from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry import planar
+from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
 
 
 def surface_triangle_areas(

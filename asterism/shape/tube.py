@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.geometry.normals import vertex_normals
+from asterism.pattern.layout.layout import Layout
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from pattern.geometry.normals import vertex_normals
-from pattern.layout.layout import Layout
 
 # a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane
 MAX_TUBE_RESIDUAL_FACTOR = 0.9

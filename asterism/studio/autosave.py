@@ -7,8 +7,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern.design.design import Design
 from asterism.results.files import write_file
-from pattern.design.design import Design
 
 AUTOSAVE_SUFFIX = ".autosave.toml"
 

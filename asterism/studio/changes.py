@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern.design.errors import DesignError
 from asterism.studio.local_files import FileNameError, file_below
-from pattern.design.errors import DesignError
 
 MAX_DEPTH = 8
 # keys that name a file, and those whose content makes reading it unnecessary

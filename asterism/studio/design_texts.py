@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern.design.files import table_text
 from asterism.studio.design_text import edited_text
-from pattern.design.files import table_text
 
 # Texts that are kept, besides the first one.
 MAX_TEXTS = 20

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.files import read_table
 from asterism.studio.watcher import file_text
-from equilibrium.errors import Error
-from pattern.design.design import Design
-from pattern.design.files import read_table
 
 
 class FileChangedError(Error):

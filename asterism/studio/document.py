@@ -8,6 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from asterism.homogenize.law.motif_plan import RodSizeKey
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.files import read_table, table_text
+from asterism.pattern.design.section import Point
+from asterism.pattern.design.stars import Site
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import write_file
 from asterism.studio import painted, weights
 from asterism.studio.autosave import Autosave, autosave_path
@@ -18,14 +26,6 @@ from asterism.studio.history import History, Step
 from asterism.studio.painted_field import Brush, PaintedField
 from asterism.studio.thumbnails import Thumbnails
 from asterism.studio.watcher import file_text
-from homogenize.law.motif_plan import RodSizeKey
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.files import read_table, table_text
-from pattern.design.section import Point
-from pattern.design.stars import Site
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
 
 
 class Document:

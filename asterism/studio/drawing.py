@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError, NoUnitError
+from asterism.pattern.design.file_lines import MM_OF_UNITS, FileLine, read_lines
+from asterism.pattern.design.rods import IMPORT_CURVE_MM
 from asterism.studio.uploads import UploadError
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError, NoUnitError
-from pattern.design.file_lines import MM_OF_UNITS, FileLine, read_lines
-from pattern.design.rods import IMPORT_CURVE_MM
 
 DRAWING_FORMATS = (".svg", ".dxf", ".3dm")
 MAX_KEPT = 4

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.errors import ScanError, check_file
-from equilibrium.arrays import Floats
 
 # mm of the drawing's unit by its number in the header, $INSUNITS; drawings without a unit are in mm
 UNIT_MM = {0: 1.0, 1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 14: 100.0}

@@ -17,6 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.errors import LawError
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import BlankSheetError, DesignError
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
@@ -29,12 +35,6 @@ from asterism.studio.messages import NO_PREVIEW, Busy, StudioProblem
 from asterism.studio.pattern_kinds import pattern_kinds
 from asterism.studio.rest_summary import blank_summary, printed_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
-from equilibrium.arrays import Floats
-from equilibrium.errors import Error
-from homogenize.errors import LawError
-from pattern.design.design import Design
-from pattern.design.errors import BlankSheetError, DesignError
-from pattern.layout.painted_stars import with_painted_stars
 
 REST_S = 0.3  # without a message, after which the fine frame follows
 EQUILIBRIUM_EVERY_S = 0.25  # while edits follow each other

@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.studio.engine_orders import Parts
@@ -13,9 +16,6 @@ from asterism.studio.flat_sheet import blank_messages, printed_messages
 from asterism.studio.messages import Frame, StudioProblem
 from asterism.studio.sheet_view import SheetView
 from asterism.studio.target_distance import TargetComparison
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
 
 EQUILIBRIUM = "equilibrium"
 

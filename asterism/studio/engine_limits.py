@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.homogenize.errors import ForeignLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import BlankSheetError
 from asterism.previews.default_law import law_of
 from asterism.previews.serving_law import serving_law
 from asterism.studio.messages import Limits
-from homogenize.errors import ForeignLaw
-from pattern.design.design import Design
-from pattern.design.errors import BlankSheetError
 
 
 class EngineLimits:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.errors import LawError
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.layout.build import sheet_sites
 from asterism.previews.watch import SearchLimitError
 from asterism.results.files import OutputError
 from asterism.studio.messages import StudioProblem, mistake_parts
-from equilibrium.errors import Error
-from homogenize.errors import LawError
-from pattern.design.design import Design
-from pattern.design.errors import DesignError, MeshError
-from pattern.layout.build import sheet_sites
 
 PROBLEM_KINDS: dict[type[Exception], str] = {
     DesignError: "design",

@@ -7,6 +7,7 @@ import time
 from multiprocessing.connection import Connection
 from typing import Any
 
+from asterism.pattern import gallery
 from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
@@ -14,7 +15,6 @@ from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Busy, Ready
 from asterism.studio.search_bounds import SIGN_EVERY_S
-from pattern import gallery
 
 WARM_UP_DESIGN = "star"
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from asterism.pattern import gallery
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.studio.autosave import AUTOSAVE_SUFFIX, autosave_path
-from pattern import gallery
-from pattern.layout.print_layout import print_layout
 
 PICTURES = Path(__file__).parent / "gallery"
 NEW_SHEET = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}

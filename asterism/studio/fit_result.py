@@ -6,11 +6,11 @@ import asyncio
 from pathlib import Path
 from typing import Any, Protocol
 
+from asterism.pattern.design.files import plain
 from asterism.studio.document import Document
 from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_messages import Fitted
 from asterism.studio.page_data import failure_data
-from pattern.design.files import plain
 
 FIT_LABEL = "fit to the target"
 OTHER_DESIGN = "the fit is left out: another design was opened meanwhile"

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.shape.blank_sheet import blank_sheet
 from asterism.studio.messages import Frame, ShownMesh
 from asterism.studio.ribbon_stations import STATIONS, ribbon_stations
 from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.shown_mesh import mesh_message
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.mesh.meshing import mesh_layout
 
 # edges of the triangles of a printed sheet over its diameter
 FLAT_EDGE_SHARE = 0.05

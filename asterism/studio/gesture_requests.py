@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from asterism.homogenize.law.motif_plan import RodSizeKey
 from asterism.studio.painted_field import Brush
 from asterism.studio.request import Request, RequestError, WholeNumber
-from homogenize.law.motif_plan import RodSizeKey
 
 MAX_SITES = 20_000
 SiteIndex = Annotated[int, Field(ge=-100_000, le=100_000)]

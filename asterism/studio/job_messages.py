@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from asterism.equilibrium.arrays import Array
 from asterism.studio.messages import Frame, ShapeSummary, ShownMesh
-from equilibrium.arrays import Array
 
 # end of the name of a verification's directory
 VERIFIED = "-verified"

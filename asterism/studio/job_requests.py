@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Protocol
 
+from asterism.pattern.design.files import plain
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.fit_result import FitResult
@@ -17,7 +18,6 @@ from asterism.studio.request import Request, RequestError
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tabs
 from asterism.studio.weights import sheet_weights
-from pattern.design.files import plain
 
 VERIFICATION_PROCESS = "asterism.studio.verifier:run_verification"
 FIT_PROCESS = "asterism.studio.fitter:run_fit"

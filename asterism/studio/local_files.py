@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from equilibrium.errors import Error
+from asterism.equilibrium.errors import Error
 
 MAX_NAME_CHARACTERS = 200
 

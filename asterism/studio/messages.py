@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from equilibrium.arrays import Array
+from asterism.equilibrium.arrays import Array
 
 # Of a value in a message; values of whole tables are left out.
 MAX_VALUE_CHARACTERS = 100

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.pattern import gallery
 from asterism.studio import requests as ask
 from asterism.studio.autosave import autosave_path
 from asterism.studio.document import Document
 from asterism.studio.examples import NEW_SHEET, free_name
 from asterism.studio.local_files import file_below
 from asterism.studio.request import RequestError
-from pattern import gallery
 
 
 def opened(folder: Path, request: ask.Open | ask.New) -> Document:

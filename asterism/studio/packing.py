@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Array
 from asterism.studio import frames
 from asterism.studio.messages import Frame, ShownMesh
-from equilibrium.arrays import Array
 
 
 def mesh_bytes(mesh: ShownMesh) -> bytes:

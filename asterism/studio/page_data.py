@@ -9,6 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import BlankSheetError, DesignError
+from asterism.pattern.design.fit_weights import WEIGHT_RANGE
+from asterism.pattern.design.material_files import with_material_file
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.layout.layout import Layout
 from asterism.studio.disk_file import FileChangedError, OtherFileError
 from asterism.studio.document import Document
 from asterism.studio.local_files import shown_path
@@ -17,12 +23,6 @@ from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
 from asterism.studio.weights import weights_by_site
-from equilibrium.errors import Error
-from pattern.design.errors import BlankSheetError, DesignError
-from pattern.design.fit_weights import WEIGHT_RANGE
-from pattern.design.material_files import with_material_file
-from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from pattern.layout.layout import Layout
 
 REFUSAL_KINDS: dict[type[Exception], str] = {
     DesignError: "design",

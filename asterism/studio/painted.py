@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from equilibrium.arrays import Floats, Ints
-from pattern.design.stars import Site
-from pattern.layout.layout import Layout
-from pattern.layout.painted_stars import SIZE_KEYS
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.stars import Site
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS
 
 # Painted sizes are kept to 0.1 micrometre: files stay readable.
 SIZE_DIGITS = 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pattern.design.design import Design
+from asterism.pattern.design.design import Design
 
 
 def pattern_kinds(design: Design) -> tuple[bool, bool, bool]:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.file_lines import FileLine
+from asterism.pattern.design.outline_file import OUTLINE_CURVE_MM
+from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
 from asterism.studio.drawing import SentDrawing, rings
 from asterism.studio.gesture_requests import LayerUse, PlaceDrawing
 from asterism.studio.uploads import MAX_CORNERS, UploadError
-from equilibrium.arrays import Floats
-from pattern.design.file_lines import FileLine
-from pattern.design.outline_file import OUTLINE_CURVE_MM
-from pattern.layout.pin_placement import PIN_TOLERANCE_MM
 
 # mm of fabric around a drawing on a sheet of its own
 SHEET_MARGIN_MM = 10.0

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from asterism.pattern.design.stars import Site
+from asterism.pattern.layout.layout import Layout
 from asterism.studio.weights import PLAIN_WEIGHT
-from pattern.design.stars import Site
-from pattern.layout.layout import Layout
 
 PLAN_DIGITS = 5
 

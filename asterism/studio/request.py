@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from equilibrium.errors import Error
+from asterism.equilibrium.errors import Error
 
 WholeNumber = Annotated[int, Field(ge=0, le=2**53)]
 

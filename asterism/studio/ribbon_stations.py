@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Floats, Ints
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.layout.layout import Layout
 
 STATIONS = 5  # along each ribbon
 # length of a ribbon along a drawn rod, so that curves look smooth; longer where there would be too many ribbons
@@ -38,8 +38,8 @@ def ribbon_stations(layout: Layout) -> RibbonStations:
 
     Examples
     --------
-    >>> from pattern.design.design import Design
-    >>> from pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.design.design import Design
+    >>> from asterism.pattern.layout.print_layout import print_layout
     >>> lines = [{"line_mm": [(-5, 0), (5, 0)]}]
     >>> sheet = print_layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (12, 8)}}))
     >>> stations = ribbon_stations(sheet)

@@ -15,12 +15,12 @@ from pathlib import Path
 
 import uvicorn
 
+from asterism.equilibrium.errors import Error
 from asterism.studio.child import StartedProcess
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
-from equilibrium.errors import Error
 
 LOOPBACK = "127.0.0.1"
 # Seconds that open connections have to end after Ctrl-C.

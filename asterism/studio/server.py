@@ -19,6 +19,9 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import NoUnitError
+from asterism.pattern.design.file_lines import MM_OF_UNITS
 from asterism.studio.drawing import read_drawing
 from asterism.studio.examples import PICTURES
 from asterism.studio.local_files import MAX_NAME_CHARACTERS, FileNameError, file_below
@@ -27,9 +30,6 @@ from asterism.studio.studio import Studio
 from asterism.studio.tab import MAX_TABS, Tab
 from asterism.studio.target import read_target
 from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
-from equilibrium.errors import Error
-from pattern.design.errors import NoUnitError
-from pattern.design.file_lines import MM_OF_UNITS
 
 PAGE = Path(__file__).parent / "page"
 # Windows may have other types for these in its registry, and a module of another type is not run.

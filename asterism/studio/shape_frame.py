@@ -8,14 +8,14 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from asterism.draw.ribbons import ribbons
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame, ShownMesh
 from asterism.studio.ribbon_stations import ribbon_stations
 from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.shown_mesh import mesh_message
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import sum_at_vertices, vertex_normals
 
 
 def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") -> tuple[ShownMesh, Frame]:

@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.point_location import TriangleFinder, clipped
+from asterism.pattern.layout.layout import Layout
 from asterism.studio.ribbon_stations import STATIONS, ribbon_stations
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.point_location import TriangleFinder, clipped
-from pattern.layout.layout import Layout
 
 NEEDLE_SPACING = 1.0  # of the needles along supported edges, over that of the stars
 STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped

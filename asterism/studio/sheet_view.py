@@ -6,17 +6,17 @@ from functools import cached_property
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh, SmoothPart
 from asterism.studio.ribbon_stations import ribbon_stations
 from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.shown_mesh import mesh_message
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
-from pattern.geometry.planar import triangle_areas
-from pattern.layout.layout import Layout
-from pattern.mesh.meshing import mesh_layout
 
 COARSE_EDGE_SPACINGS = 1 / 6  # edges of the triangles while the sheet moves
 FINE_EDGE_SPACINGS = 1 / 12  # and at rest

@@ -6,14 +6,14 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.files import plain
 from asterism.studio import frames
 from asterism.studio.job_messages import Verified
 from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem
 from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
-from equilibrium.arrays import Array
-from pattern.design.files import plain
 
 # meshes and forms that are kept; older ones are dropped
 MAX_MESHES = 6

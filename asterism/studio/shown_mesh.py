@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import is_in_sorted
 from asterism.studio.messages import ShownMesh
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import is_in_sorted
 
 
 def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, is_fine: bool) -> ShownMesh:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from asterism.equilibrium.errors import Error
 from asterism.studio import requests as ask
 from asterism.studio.apply_gesture import apply_gesture
 from asterism.studio.document import Document
@@ -27,7 +28,6 @@ from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.upkeep import Upkeep
-from equilibrium.errors import Error
 
 MAX_QUEUED = 1000
 

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.rhino_file import read_rhino
 from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
+from asterism.pattern.design.rhino_model import RHINO_FORMAT
 from asterism.studio import frames
 from asterism.studio.engine_orders import Surface
 from asterism.studio.messages import TargetPose
-from equilibrium.arrays import Floats, Ints
-from pattern.design.rhino_model import RHINO_FORMAT
 
 TARGET = 4  # kind of the binary frame of a target
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.studio.engine_orders import Surface
 from asterism.studio.messages import TargetDistance, TargetPose
-from equilibrium.arrays import Floats, Ints
 
 
 class TargetComparison:

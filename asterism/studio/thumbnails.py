@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from asterism.pattern.layout.layout import Layout
 from asterism.studio.history import History
-from pattern.layout.layout import Layout
 
 MAX_THUMBNAILS = 30
 THUMBNAIL_DIGITS = 2

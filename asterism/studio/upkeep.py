@@ -6,12 +6,12 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import Any, Protocol
 
+from asterism.equilibrium.errors import Error
 from asterism.results.files import OutputError
 from asterism.studio.document import Document
 from asterism.studio.local_files import shown_path
 from asterism.studio.page_data import failure_data, problem_data
 from asterism.studio.watcher import FileWatch
-from equilibrium.errors import Error
 
 AUTOSAVE_EVERY_S = 1.0
 FOLLOW_EVERY_S = 0.5

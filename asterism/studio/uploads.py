@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
+from asterism.pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
 from asterism.studio.dxf_outline import read_dxf_outline
-from equilibrium.arrays import Floats
-from equilibrium.errors import Error
-from pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
 
 MAX_UPLOAD_BYTES = 8_000_000
 MAX_CORNERS = 1000

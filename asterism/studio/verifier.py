@@ -13,6 +13,9 @@ from typing import Any
 import numpy as np
 
 from asterism.exact.simulation import exact_shape
+from asterism.homogenize.errors import LawError
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.reports.verification_files import write_verification
 from asterism.reports.write_results import write_results
 from asterism.results.output_check import check_writable
@@ -24,9 +27,6 @@ from asterism.studio.shown_mesh import mesh_message
 from asterism.verification.progress import ExactProgress
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification
-from homogenize.errors import LawError
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 
 PROGRESS_EVERY_S = 0.1  # at most, within a stage
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Array, Floats
+from asterism.pattern.design.stars import Site
+from asterism.pattern.layout.layout import Layout
 from asterism.studio.request import RequestError
 from asterism.studio.target import Target
-from equilibrium.arrays import Array, Floats
-from pattern.design.stars import Site
-from pattern.layout.layout import Layout
 
 if TYPE_CHECKING:
     from asterism.fitting.target import TargetSurface

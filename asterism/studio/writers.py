@@ -8,9 +8,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from asterism.equilibrium.errors import Error
 from asterism.studio.engine_problem import engine_problem
 from asterism.studio.job_messages import JobProgress, Written
-from equilibrium.errors import Error
 
 
 def run_export(
@@ -19,8 +19,8 @@ def run_export(
     """Write all files for the print into `out`; see `asterism.print.export.export` for the options."""
 
     def work(say: Callable[[str], None]) -> Written:
+        from asterism.pattern.design.design import Design
         from asterism.print.export import export
-        from pattern.design.design import Design
 
         exported = export(Design.from_dict(table, folder), out, say=say, **options)
         return Written(job, exported.summary.to_json(), out, tuple(exported.files), exported.warnings)
@@ -32,8 +32,8 @@ def run_report(connection: Connection, job: int, table: dict[str, Any], folder: 
     """Write the page about the design, a PDF, as `out`."""
 
     def work(say: Callable[[str], None]) -> Written:
+        from asterism.pattern.design.design import Design
         from asterism.reports.design_report import report
-        from pattern.design.design import Design
 
         report(Design.from_dict(table, folder), out, printer=printer, say=say)
         path = Path(out)

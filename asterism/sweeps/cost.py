@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost, exact_cost
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.sweeps.parameters import SweepParameter, varied
-from equilibrium.errors import Error
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
 
 # processor time of a preview with its picture, and memory of its process: python -m benchmarks.sweep, and all stars of
 # the gallery with three thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
@@ -83,7 +83,7 @@ def _stars(design: Design) -> int:
 
 def _motif_cells(design: Design) -> int:
     """Number of cells of a preview's law; 1 if the design that is varied has no law itself."""
-    from homogenize.campaign.motif_design_plan import plan_for_motif  # it loads the exact model
+    from asterism.homogenize.campaign.motif_design_plan import plan_for_motif  # it loads the exact model
 
     try:
         return len(replace(plan_for_motif(design), held_out=0).tasks())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from equilibrium.errors import Error
+from asterism.equilibrium.errors import Error
 
 
 class SweepError(Error, ValueError):

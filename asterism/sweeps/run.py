@@ -10,6 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
+from asterism.homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
+from asterism.homogenize.law.any_law import AnyLaw, any_law_digest
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_plan import without_motif_law
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
 from asterism.results.files import OutputError
 from asterism.sweeps.errors import SweepError
 from asterism.sweeps.parameters import SweepParameter, check_parameters, varied, with_whole_ranges
@@ -17,14 +25,6 @@ from asterism.sweeps.sampling import grid, latin_hypercube
 from asterism.sweeps.small_picture import SmallPicture
 from asterism.sweeps.solve_point import named_law, packed_law, solve_point, sweep_code_version
 from asterism.sweeps.sweep import Sweep, SweepPoint
-from homogenize.campaign.kept_samples import KeptSamples, Outcome
-from homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
-from homogenize.law.any_law import AnyLaw, any_law_digest
-from homogenize.law.law import Law
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_plan import without_motif_law
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
 
 # values by path, or parameters
 Vary = Mapping[str, str | Sequence[Any]] | Sequence[SweepParameter]

@@ -10,21 +10,30 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import discrete
-import equilibrium
-import fem
-import homogenize
-import pattern
-from asterism import draw, exact, previews, process, results, shape, sweeps, verification
+from asterism import (
+    discrete,
+    draw,
+    equilibrium,
+    exact,
+    fem,
+    homogenize,
+    pattern,
+    previews,
+    process,
+    results,
+    shape,
+    sweeps,
+    verification,
+)
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.campaign.code_version import sources_hash
+from asterism.homogenize.campaign.kept_samples import Outcome, attempt
+from asterism.homogenize.errors import UnreadableLaw
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
 from asterism.process.file_identity import file_identity
 from asterism.sweeps.quantities import table_values
 from asterism.sweeps.small_picture import small_picture
-from equilibrium.errors import Error
-from homogenize.campaign.code_version import sources_hash
-from homogenize.campaign.kept_samples import Outcome, attempt
-from homogenize.errors import UnreadableLaw
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
 
 # all that computes a row of a sweep or its picture
 _ENGINES = (discrete, equilibrium, fem, homogenize, pattern)

@@ -11,10 +11,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern.design.arguments import check_type
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.sweeps.quantities import quantities
 from asterism.sweeps.sweep import Sweep
-from pattern.design.arguments import check_type
 
 SWEEP_PAGE = "sweep.html"
 SWEEP_TABLE = "sweep.csv"

@@ -5,8 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from asterism.discrete.release.continuation import Report, prefixed_report
+from asterism.discrete.release.shared_search import SharedSearch
+from asterism.equilibrium.errors import Error
 from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
 from asterism.exact.simulation import exact_shape
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.run import preview
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord
@@ -15,14 +23,6 @@ from asterism.verification.right_shape import gap, right_shape
 from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE
 from asterism.verification.warnings import two_minima_warnings
-from discrete.release.continuation import Report, prefixed_report
-from discrete.release.shared_search import SharedSearch
-from equilibrium.errors import Error
-from homogenize.law.any_law import AnyLaw
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
-from pattern.layout.symmetries import symmetries
 
 # default number of starts of `simulate`
 BOTH_STARTS = 2

@@ -9,6 +9,12 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.mesh_law import LIMIT, has_edge, law_on_mesh
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
@@ -17,12 +23,6 @@ from asterism.results.records.mesh_limit import MeshLimitRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import alike, axes_apart_deg
-from equilibrium.errors import Error
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.layout.symmetries import symmetries
 
 # factor of the sixfold term that keeps the gallery's tube at its axis from edges of 1.92 mm to the limit; with the
 # term itself the axis turns by 17 deg

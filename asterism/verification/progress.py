@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from equilibrium.newton.minimise import Iteration
+from asterism.equilibrium.newton.minimise import Iteration
 
 StageReport = Callable[[str, int, int], None]
 # number of steps of a stage

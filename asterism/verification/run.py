@@ -6,7 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from asterism.discrete.release.continuation import Report
+from asterism.discrete.release.shared_search import SharedSearch
+from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.simulation import exact_shape
+from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.kept_prints import forget_prints
 from asterism.previews.kinds import kind_of
 from asterism.previews.mesh_law import law_of_exact_mesh
@@ -27,13 +34,6 @@ from asterism.verification.progress import ExactProgress, StageReport
 from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import verification_warnings
-from discrete.release.continuation import Report
-from discrete.release.shared_search import SharedSearch
-from equilibrium.newton.minimise import Iteration
-from homogenize.law.any_law import AnyLaw
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.symmetries import symmetries
 
 # a preview that takes longer is announced before it is computed again
 MAX_UNANNOUNCED_S = 2.0

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from asterism.discrete.release.forms import SAME_FORM_PERCENT
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import Symmetry
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import same_energy
-from discrete.release.forms import SAME_FORM_PERCENT
-from pattern.layout.layout import Layout
-from pattern.layout.symmetries import Symmetry
 
 
 def same_minimum(

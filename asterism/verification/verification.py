@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from asterism.pattern.design.design import Design
 from asterism.results.records.verification import VerificationRecord
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import right_shape
-from pattern.design.design import Design
 
 RELEASE = "release"  # name of the exact shape that is released from the flat print
 PREVIEW = "preview"  # name of the exact shape that is started from the preview

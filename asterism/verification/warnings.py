@@ -7,14 +7,14 @@ from typing import Any
 
 from asterism.exact.star_sides import off_branch
 from asterism.exact.warnings import passes_through
+from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.pattern.design.design import Design
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import Verification
-from homogenize.cell.aligned_lines import aligned_lines
-from pattern.design.design import Design
 
 # largest ratio of the edge lengths of law and exact model without a warning
 MAX_EDGE_RATIO = 1.3

@@ -18,6 +18,11 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import law_digest, load_law
+from asterism.pattern.design.design import Design
+
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
@@ -26,10 +31,6 @@ from benchmarks.accuracy.finished import read_row, restated, row_path, write_row
 from benchmarks.accuracy.row import quick_row, whole_row
 from benchmarks.laws import law_of
 from benchmarks.report import write_report
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from homogenize.law.law_file import law_digest, load_law
-from pattern.design.design import Design
 
 ROOT = Path(__file__).parents[2]
 

@@ -14,6 +14,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+
 from asterism.previews.run import preview
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import EDGE_MM
@@ -21,8 +24,6 @@ from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.held import HEADER, TOTALS, line, pairs_in_order, totals
 from benchmarks.accuracy.held_designs import CANOPY_THICKNESSES_MM
 from benchmarks.report import markdown, write_report
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
 
 SCALES = (0.6, 0.675, 0.75, 0.825, 0.9)
 # printed places of the needles, in halves of the sheet's sides

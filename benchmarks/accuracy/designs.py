@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from benchmarks.accuracy.printable import printable
-from pattern import gallery
-from pattern.design.design import Design
 
 RANDOM = 24
 STARS = (12, 64)  # fewest and most

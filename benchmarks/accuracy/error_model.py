@@ -21,6 +21,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.stiffness_response import STIFFNESSES
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
 from scipy.optimize import minimize
 
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -33,11 +38,6 @@ from asterism.previews.uncertainty.other_forms import OtherForm
 from benchmarks.accuracy.finished import is_same_shape
 from benchmarks.accuracy.report import FAR, HEIGHT_FAR, missed
 from benchmarks.report import RESULTS, markdown, write_report
-from equilibrium.arrays import Floats
-from fem.search.stiffness_response import STIFFNESSES
-from homogenize.errors import LawError
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
 
 CONSTANTS = ("energy_uncertainty", "stiffness_uncertainty", "buckling_share")
 FITTED, JUDGING = (

@@ -11,13 +11,14 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from asterism.pattern.design.design import Design
+
 from asterism.exact.simulation import exact_shape
 from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import right_shape
 from benchmarks.accuracy.designs import designs
-from pattern.design.design import Design
 
 
 def exact(design: Design, folder: Path, near: Callable[[], Shape] | None = None) -> Shape:

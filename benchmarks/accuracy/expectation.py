@@ -18,6 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
 
 from asterism.previews.run import preview
 from benchmarks.accuracy import expected_heights
@@ -28,10 +32,6 @@ from benchmarks.accuracy.finished import read_row, row_path
 from benchmarks.accuracy.report import HEADER, announced, missed, row
 from benchmarks.accuracy.unlike import unlike
 from benchmarks.report import markdown, write_report
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
 
 OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them

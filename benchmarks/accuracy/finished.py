@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.files import plain
 
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.report import RESULTS
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.design.files import plain
 
 Row = dict[str, Any]
 

@@ -13,6 +13,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+
 from asterism.exact.simulation import exact_shape
 from asterism.previews.session import Preview
 from asterism.reports.write_results import write_results
@@ -21,9 +25,6 @@ from asterism.verification.numbers import alike
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.expectation import FITTED, UNSEEN
 from benchmarks.report import markdown, write_report
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 HEADER = ["design", "form", "shell N mm", "exact N mm", "exact, above the lowest %", "exact to preview, rms %", "kept"]
 APART = 1e-4  # of the energy: trials that differ less are one form

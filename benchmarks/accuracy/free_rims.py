@@ -16,6 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.model_parts import PARTS
@@ -29,12 +35,6 @@ from benchmarks.frozen.draw import HALVES, frozen
 from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.laws import law_of
 from benchmarks.report import markdown, write_report
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
-from pattern.layout.symmetries import symmetries
 
 TURN, ARMS = PARTS["turn of free rims"], PARTS["arms into free rims"]
 MODELS: dict[str, dict[str, Any]] = {"both": {}, "no turn": TURN, "no arms": ARMS, "neither": TURN | ARMS}

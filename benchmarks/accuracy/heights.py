@@ -14,18 +14,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.exact import lowest
 from benchmarks.report import markdown, write_report
-from homogenize.errors import LawError
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 NAMES = ["design", "held by", "exact, mm", "preview, mm", "height %", "rise %", "lowest point to a tip, mm"]
 MORE = 24  # designs with the seeds that follow the study's

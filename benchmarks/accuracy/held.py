@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.law.law_file import load_law
 
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.finished import row_path
 from benchmarks.accuracy.held_designs import CANOPY_THICKNESSES_MM, OTHERS, canopies, other_held
 from benchmarks.laws import law_of
 from benchmarks.report import markdown, write_report
-from homogenize.law.law_file import load_law
 
 HEIGHT_STEP = 1.05  # ratio of two heights from which their order counts
 HEADER = [

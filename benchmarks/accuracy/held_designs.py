@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.pattern.design.design import Design
 
 from benchmarks.accuracy.designs import EDGE_MM
 from benchmarks.accuracy.printable import printable
-from pattern.design.design import Design
 
 CANOPY_MM = [200.0, 140.0]
 CANOPY_SCALES = (0.6, 0.65, 0.7, 0.75, 0.8, 0.9)

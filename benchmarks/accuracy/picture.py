@@ -10,6 +10,11 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern import gallery
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 from PIL import Image
 
 from asterism.draw.picture import small_png
@@ -21,11 +26,6 @@ from asterism.shape.comparison import compare_shapes
 from benchmarks.accuracy.designs import EDGE_MM, meshed
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import DOCS
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern import gallery
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 DESIGN = "dome"
 GAP = 30  # pixels

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
 
 
 def printable(draw: Callable[[], dict[str, Any]], stars: tuple[int, int]) -> Design:

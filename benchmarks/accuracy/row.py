@@ -6,16 +6,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.run import verify
 from benchmarks.accuracy.exact import exact, known
-from homogenize.law.law import Law
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 
 def whole_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:

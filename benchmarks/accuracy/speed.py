@@ -15,15 +15,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import LawError
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from asterism.exact.simulation import exact_shape
 from asterism.previews.session import Preview
 from benchmarks.accuracy.designs import designs
 from benchmarks.preview import changed, load, preview_of_a_new_print, timed
 from benchmarks.report import markdown, write_report
-from homogenize.errors import LawError
-from pattern import gallery
-from pattern.design.design import Design
 
 WANTED = 100.0  # times
 SHARES = [0.98, 0.99, 1.01, 1.02]  # of the width

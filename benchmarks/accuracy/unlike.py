@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.pattern.design.design import Design
 
 from benchmarks.accuracy.designs import EDGE_MM, STARS
 from benchmarks.accuracy.printable import printable
-from pattern.design.design import Design
 
 
 def unlike(count: int, edge_mm: float = EDGE_MM) -> list[Design]:

@@ -19,16 +19,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.build import layout
 
 from benchmarks.accuracy.designs import EDGE_MM, size_field
 from benchmarks.accuracy.held_designs import OUTLINES, drawn_supports
 from benchmarks.accuracy.printable import printable
 from benchmarks.report import RESULTS, markdown, write_report
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
-from pattern.geometry.planar import polygon_area
-from pattern.layout.build import layout
 
 WORKING, SEALED = HALVES = ("working", "sealed")
 SECOND, THIRD = LATER = ("second", "third")

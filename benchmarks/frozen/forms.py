@@ -19,6 +19,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.relax import follow
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.design import Design
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.search.alternatives import EQUAL_ENERGY
@@ -36,10 +40,6 @@ from benchmarks.frozen.draw import CHOSEN_ON, frozen
 from benchmarks.frozen.from_exact import minima_from
 from benchmarks.frozen.solve import frozen_law
 from benchmarks.report import markdown, write_report
-from fem.search.evidence import ShellEquilibrium
-from fem.search.relax import follow
-from homogenize.law.law import Law
-from pattern.design.design import Design
 
 NEARER = 2.0 / 3.0  # a minimum is nearer to the exact shape up to this share of the distance of the one shown
 HEADER = [

@@ -7,16 +7,16 @@ from copy import copy
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.relax import energies_by_part, follow
+from asterism.fem.shell.shell import Shell
 from scipy.spatial import cKDTree
 
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.rigid_support import stiffen
-from fem.search.evidence import ShellEquilibrium
-from fem.search.relax import energies_by_part, follow
-from fem.shell.shell import Shell
 
 FIT_SPACINGS = (0.5, 1.3)  # width and reach of the weights of the quadratic fits, in spacings
 # shares of the extent at which the tether takes up the energy at stake, one after the other

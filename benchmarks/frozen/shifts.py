@@ -13,15 +13,15 @@ import json
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.errors import LawError
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from benchmarks.report import RESULTS, markdown
-from homogenize.errors import LawError
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 SOURCES = ("accuracy", "accuracy.held")
 MIN_SHIFT_PERCENT = 0.1  # of the diameter

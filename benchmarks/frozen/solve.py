@@ -15,6 +15,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
@@ -22,10 +27,6 @@ from asterism.shape.shape import Shape
 from benchmarks.accuracy.exact import exact, known
 from benchmarks.frozen.draw import GROUPS, WORKING, frozen
 from benchmarks.report import markdown, write_report
-from homogenize.errors import ForeignLaw
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
 
 JOBS = 1  # processes that make a law
 KEPT = ("energy_n_mm", "is_minimum", "smallest_eigenvalue", "height_mm", "vertices", "iterations", "wall_s")

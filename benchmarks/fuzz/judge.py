@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.errors import Error
 
 from benchmarks.fuzz.cases import Case
-from equilibrium.errors import Error
 
 # processor time that a case may take
 MAX_SECONDS = 60

@@ -13,10 +13,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from asterism.homogenize.campaign.workers import SubmitAll
+
 from benchmarks.fuzz.cases import Case, make_case
 from benchmarks.fuzz.judge import MAX_SECONDS, failures, files_in
 from benchmarks.fuzz.kit import make_kit
-from homogenize.campaign.workers import SubmitAll
 
 # in one case of this many, pictures are drawn and sweeps have processes of their own; in the others pictures are blank
 # and sweeps compute in the process of the case, since a picture takes half a second and a new process seconds

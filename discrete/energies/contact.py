@@ -11,11 +11,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.mesh.mesh import Mesh
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Array
-from pattern.design.errors import DesignError
-from pattern.mesh.mesh import Mesh
 
 # 1: smallest distance of two middle surfaces over the distance at which contact begins
 MIN_DISTANCE_FRACTION = 0.5

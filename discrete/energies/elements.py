@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-
-from discrete.energies.kernel import HAVE_NUMBA
-from equilibrium.arrays import Array
+from asterism.discrete.energies.kernel import HAVE_NUMBA
+from asterism.equilibrium.arrays import Array
 
 
 class Elements:

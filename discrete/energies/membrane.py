@@ -12,11 +12,10 @@ Both energies go to infinity as a triangle collapses (J -> 0).
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.energies.elements import Elements
-from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
-from equilibrium.arrays import Array
-from pattern.geometry.planar import triangle_areas, triangle_gradients
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 
 
 @formula

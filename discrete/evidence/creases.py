@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.energies.membrane import invariants, volumetric_derivatives
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from equilibrium.arrays import Array
+from asterism.discrete.energies.membrane import invariants, volumetric_derivatives
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
 
 MAX_EDGE_OVER_WIDTH = 0.7  # 1: height of the triangles at the arms over the width of a crease, if it is resolved
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from equilibrium.clock import Clock
-from equilibrium.newton.minimise import NewtonResult
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.newton.minimise import NewtonResult
 
 
 @dataclass(frozen=True)

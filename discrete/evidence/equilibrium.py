@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from discrete.evidence.effort import PathStep
-from discrete.model.state import State
-from equilibrium.arrays import Array, Ints
+from asterism.discrete.evidence.effort import PathStep
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array, Ints
 
 MIN_SIDE_BUMP_MM = 1e-6  # mm, smallest height of a bump that counts as up or down
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Array
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
 
 
 @dataclass(frozen=True)

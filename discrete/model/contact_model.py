@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-
-from discrete.energies.contact import ContactBarrier
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from equilibrium.arrays import Array
-from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.reanalysing_factor import ReanalysingFactor
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
+from asterism.discrete.energies.contact import ContactBarrier
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.reanalysing_factor import ReanalysingFactor
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
 
 # 1: distance at which contact begins over the spacing, at most; it is the fabric's thickness if that is smaller
 MAX_CONTACT_DISTANCE_FRACTION = 0.1

@@ -7,21 +7,20 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-
-from discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
-from discrete.energies.bending.registry import FABRIC_BENDING
-from discrete.energies.elements import Elements
-from discrete.energies.membrane import Membrane, membrane_params
-from discrete.energies.rods.bend import RodBend
-from discrete.energies.rods.joint import RodJoint
-from discrete.energies.rods.joint_network import (
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
+from asterism.discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.membrane import Membrane, membrane_params
+from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.rods.joint import RodJoint
+from asterism.discrete.energies.rods.joint_network import (
     JointNetwork,
     fitted_frames,
     joint_inputs,
     joint_network,
     joint_params,
 )
-from discrete.energies.rods.network import (
+from asterism.discrete.energies.rods.network import (
     RodNetwork,
     bend_params,
     rod_network,
@@ -29,20 +28,20 @@ from discrete.energies.rods.network import (
     stretch_params,
     twist_params,
 )
-from discrete.energies.rods.stretch import RodStretch
-from discrete.energies.rods.twist import RodTwist
-from discrete.model.constraints import pin_constraints
-from discrete.model.reconstruction import Reconstruction
-from discrete.model.state import State, moved_state
-from discrete.model.system import System
-from equilibrium.arrays import Array
-from pattern.design.design import Design
-from pattern.design.materials import rest_curvature, rest_twist
-from pattern.design.residual_curvature import residual_curvature
-from pattern.geometry.planar import triangle_areas
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
-from pattern.rods.graph import RodGraph
+from asterism.discrete.energies.rods.stretch import RodStretch
+from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.model.constraints import pin_constraints
+from asterism.discrete.model.reconstruction import Reconstruction
+from asterism.discrete.model.state import State, moved_state
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import rest_curvature, rest_twist
+from asterism.pattern.design.residual_curvature import residual_curvature
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.rods.graph import RodGraph
 
 
 class DiscreteModel(System):
@@ -68,9 +67,9 @@ class DiscreteModel(System):
     --------
     One star, as printed and not yet released: the fabric holds all the energy.
 
-    >>> from pattern import gallery
-    >>> from pattern.layout.build import layout
-    >>> from pattern.mesh.meshing import mesh_layout
+    >>> from asterism.pattern import gallery
+    >>> from asterism.pattern.layout.build import layout
+    >>> from asterism.pattern.mesh.meshing import mesh_layout
     >>> design = gallery.load("star")
     >>> plan = layout(design)
     >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0), compiled=False)

@@ -12,13 +12,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-
-from discrete.model.rotations import rotate_vectors, rotation_remainder
-from discrete.model.state import State, edge_tangents, moved_state, parallel_transport
-from equilibrium.arrays import Array
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.discrete.model.rotations import rotate_vectors, rotation_remainder
+from asterism.discrete.model.state import State, edge_tangents, moved_state, parallel_transport
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 MAX_STEP_ROTATION_RAD = 1.0  # rad, largest rotation of an element in one step
 
@@ -48,7 +47,7 @@ class Reconstruction:
 
     >>> points = np.array([[0, 0], [0, 1], [1, 0], [1, 1.0]])
     >>> triangles, edges = np.array([[0, 2, 1], [2, 3, 1]]), np.empty((0, 2), dtype=int)
-    >>> from pattern.geometry.planar import triangle_gradients
+    >>> from asterism.pattern.geometry.planar import triangle_gradients
     >>> held = np.repeat([[True], [True], [False], [False]], 3, axis=1)
     >>> ones = np.ones(2)
     >>> solver = Reconstruction(triangles, edges, triangle_gradients(points, triangles), ones, np.empty(0), held)

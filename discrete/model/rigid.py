@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.model.state import State, edge_tangents
-from equilibrium.arrays import Array
+from asterism.discrete.model.state import State, edge_tangents
+from asterism.equilibrium.arrays import Array
 
 
 def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Array
+from asterism.equilibrium.arrays import Array
 
 
 def rotate_vectors(spin: Array, vectors: Array) -> Array:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from discrete.model.rotations import rotate_vectors
-from equilibrium.arrays import Array
+from asterism.discrete.model.rotations import rotate_vectors
+from asterism.equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-
-from discrete.energies.elements import Elements
-from discrete.model.rigid import rigid_modes, rigid_motions
-from discrete.model.state import State, moved_state
-from equilibrium.arrays import Array
-from equilibrium.linear.backends import make_solver
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.rigid_support import independent_dofs
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.model.rigid import rigid_modes, rigid_motions
+from asterism.discrete.model.state import State, moved_state
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.backends import make_solver
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.rigid_support import independent_dofs
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 # 1: product of Hessian and rigid motion over the largest entry of the Hessian, by rounding alone
 HESSIAN_ROUNDING = 1e-13
@@ -43,8 +42,8 @@ class System:
     --------
     A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
 
-    >>> from discrete.energies.rods.stretch import RodStretch
-    >>> from equilibrium.newton.minimise import minimise
+    >>> from asterism.discrete.energies.rods.stretch import RodStretch
+    >>> from asterism.equilibrium.newton.minimise import minimise
     >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]), compiled=False)
     >>> edges, held = np.array([[0, 1]]), np.array([True, True, True, False, True, True, True])
     >>> system = System({"spring": spring}, 2, edges, held, load=np.array([0, 0, 0, 1.0, 0, 0]))

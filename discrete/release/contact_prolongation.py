@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from discrete.model.contact_model import ContactModel
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.prolongation import prolong, prolong_linearly
+from asterism.discrete.model.contact_model import ContactModel
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.prolongation import prolong, prolong_linearly
 
 
 def prolong_without_intersection(coarse: DiscreteModel, state: State, fine: ContactModel) -> State | None:

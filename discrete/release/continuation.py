@@ -11,19 +11,18 @@ from collections.abc import Callable
 from contextlib import closing
 
 import numpy as np
-
-from discrete.evidence.effort import Effort, PathStep
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.star_bumps import bump_heights
-from discrete.model.state import State
-from discrete.release.pin_steps import attach_pins, model_with_pins_until
-from discrete.release.release_start import ReleaseStart
-from discrete.release.saddle import leave_saddle_of_model, lowest_mode
-from equilibrium.linear.factor import Factor
-from equilibrium.newton.certificate import Eigenpair
-from equilibrium.newton.minimise import Iteration, NewtonResult, minimise
-from equilibrium.newton.regularisation import Method
+from asterism.discrete.evidence.effort import Effort, PathStep
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.star_bumps import bump_heights
+from asterism.discrete.model.state import State
+from asterism.discrete.release.pin_steps import attach_pins, model_with_pins_until
+from asterism.discrete.release.release_start import ReleaseStart
+from asterism.discrete.release.saddle import leave_saddle_of_model, lowest_mode
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.newton.certificate import Eigenpair
+from asterism.equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from asterism.equilibrium.newton.regularisation import Method
 
 Report = Callable[[str, Iteration], None]
 

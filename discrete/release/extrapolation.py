@@ -6,13 +6,12 @@ Soft sheets change from mesh to mesh, mostly in the same direction. Extrapolatio
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.rotations import rotate_vectors
-from discrete.model.state import State, edge_tangents
-from discrete.release.prolongation import plastic_normals
-from equilibrium.arrays import Array
-from pattern.geometry.rigid_fit import rigid_fit
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.rotations import rotate_vectors
+from asterism.discrete.model.state import State, edge_tangents
+from asterism.discrete.release.prolongation import plastic_normals
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 
 def extrapolate(model: DiscreteModel, before: State, state: State, share: float) -> State:

@@ -5,23 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.continuation import Report, prefixed_report
+from asterism.discrete.release.levels import coarser_models, solve_through_levels
+from asterism.discrete.release.mesh_level import MeshLevel
+from asterism.discrete.release.release_start import release_starts
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.newton.regularisation import Method
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.point_location import locate
+from asterism.pattern.layout.free_motions import FreeMotions, free_motions
+from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
+from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from scipy.spatial import cKDTree
-
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.evidence.roll_axis import roll_axis_deg
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.continuation import Report, prefixed_report
-from discrete.release.levels import coarser_models, solve_through_levels
-from discrete.release.mesh_level import MeshLevel
-from discrete.release.release_start import release_starts
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.arrays import Array
-from equilibrium.newton.regularisation import Method
-from pattern.design.errors import DesignError
-from pattern.geometry.point_location import locate
-from pattern.layout.free_motions import FreeMotions, free_motions
-from pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
-from pattern.layout.symmetries import Symmetry, symmetries
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
 MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start

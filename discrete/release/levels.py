@@ -8,23 +8,22 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-
-from discrete.evidence.creases import measure_creases
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.contact_model import ContactModel, is_intersection_free
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.contact_prolongation import prolong_without_intersection
-from discrete.release.continuation import Report, prefixed_report
-from discrete.release.extrapolation import extrapolate
-from discrete.release.mesh_level import MeshLevel
-from discrete.release.prolongation import fit_to_surface, prolong
-from discrete.release.shared_search import SharedSearch
-from discrete.release.single_mesh import StartKind, solve_on_mesh
-from equilibrium.arrays import Array
-from equilibrium.newton.regularisation import Method
-from pattern.design.errors import MeshError
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.evidence.creases import measure_creases
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.model.contact_model import ContactModel, is_intersection_free
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.contact_prolongation import prolong_without_intersection
+from asterism.discrete.release.continuation import Report, prefixed_report
+from asterism.discrete.release.extrapolation import extrapolate
+from asterism.discrete.release.mesh_level import MeshLevel
+from asterism.discrete.release.prolongation import fit_to_surface, prolong
+from asterism.discrete.release.shared_search import SharedSearch
+from asterism.discrete.release.single_mesh import StartKind, solve_on_mesh
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.newton.regularisation import Method
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.mesh.meshing import mesh_layout
 
 COARSE_VERTICES = 1100  # vertices of the coarsest mesh, about; more if the design has many stars
 MIN_EDGES_PER_SPACING = 4.0  # edges between two adjacent stars of the coarsest mesh
@@ -165,8 +164,8 @@ def coarser_models(model: DiscreteModel) -> list[DiscreteModel]:
 
     Examples
     --------
-    >>> from pattern import gallery
-    >>> from pattern.layout.build import layout
+    >>> from asterism.pattern import gallery
+    >>> from asterism.pattern.layout.build import layout
     >>> design = gallery.load("star")
     >>> plan = layout(design)
     >>> coarser_models(DiscreteModel(design, plan, mesh_layout(plan, 4.0), compiled=False))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from equilibrium.arrays import Array
+from asterism.equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,9 @@ import copy
 from dataclasses import replace
 
 import numpy as np
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from pattern.geometry.rigid_fit import rigid_fit
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # 1: total weight of the free vertices over that of the held ones, in the rigid fit of a free sheet to its pins; it
 # decides a rotation that the pins leave undetermined

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State, edge_tangents, orthonormal_to_tangents
-from discrete.release.surface_interpolation import interpolate_surface
-from equilibrium.arrays import Array
-from pattern.geometry.normals import vertex_normals
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State, edge_tangents, orthonormal_to_tangents
+from asterism.discrete.release.surface_interpolation import interpolate_surface
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.geometry.normals import vertex_normals
 
 
 def prolong(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:

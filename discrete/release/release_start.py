@@ -7,12 +7,11 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.star_bumps import add_bumps, bump_heights
-from discrete.model.state import State
-from equilibrium.arrays import Array
-from pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.star_bumps import add_bumps, bump_heights
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
 SheetBend = Literal["none", "roll", "dome", "saddle"]
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.release_start import spacing_ratio
-from equilibrium.linear.factor import Factor, IterativeFactor
-from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
-from equilibrium.newton.saddle import leave_saddle
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.release_start import spacing_ratio
+from asterism.equilibrium.linear.factor import Factor, IterativeFactor
+from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
+from asterism.equilibrium.newton.saddle import leave_saddle
 
 # mm, largest displacement when a saddle is left, at the paper's spacing of the stars and in proportion at others
 MAX_SADDLE_MOVE_MM = 2.0

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-
-from discrete.evidence.effort import PathStep
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.mesh_level import MeshLevel
-from pattern.geometry.rigid_fit import rigid_fit
+from asterism.discrete.evidence.effort import PathStep
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.mesh_level import MeshLevel
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # 1: difference of two energies over the elastic energy, below which two states of one mesh may be one
 SAME_STATE_ENERGY = 1e-8

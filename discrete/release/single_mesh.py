@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.contact_model import is_intersection_free
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.continuation import ReleaseContinuation, Report
-from discrete.release.release_start import ReleaseStart
-from equilibrium.newton.regularisation import Method
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.model.contact_model import is_intersection_free
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.continuation import ReleaseContinuation, Report
+from asterism.discrete.release.release_start import ReleaseStart
+from asterism.equilibrium.newton.regularisation import Method
 
 StartKind = Literal["bump", "flat"]
 
@@ -58,9 +58,9 @@ def solve_on_mesh(
     --------
     A single star without rest curvature of its arms, as coarse as it can be meshed:
 
-    >>> from pattern import gallery
-    >>> from pattern.layout.build import layout
-    >>> from pattern.mesh.meshing import mesh_layout
+    >>> from asterism.pattern import gallery
+    >>> from asterism.pattern.layout.build import layout
+    >>> from asterism.pattern.mesh.meshing import mesh_layout
     >>> design = gallery.load("star")
     >>> plan = layout(design)
     >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0), compiled=False)

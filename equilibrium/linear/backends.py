@@ -11,13 +11,13 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from equilibrium.errors import BackendError
-from equilibrium.linear.cholmod import CholmodFactor
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.multigrid import MultigridFactor
-from equilibrium.linear.pardiso import PardisoFactor
-from equilibrium.linear.sparse_pattern import SparsePattern
-from equilibrium.linear.superlu import SuperLUFactor
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear.cholmod import CholmodFactor
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.multigrid import MultigridFactor
+from asterism.equilibrium.linear.pardiso import PardisoFactor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.linear.superlu import SuperLUFactor
 
 MAX_MEMORY_FRACTION = 0.5  # of the machine's memory for a factorisation; `make_solver` iterates beyond it
 DEFAULT_MEMORY_MB = 8192.0  # assumed where the system does not report its memory
@@ -94,7 +94,7 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
     A chain of two springs between three unknowns, on a soft foundation:
 
     >>> import numpy as np
-    >>> from equilibrium.linear.sparse_pattern import SparsePattern
+    >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
     >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
     >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
     >>> data[pattern.diagonal] += 1.0

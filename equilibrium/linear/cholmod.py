@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class CholmodFactor:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 Operator = Callable[[Floats], Floats]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class ExtendedPattern(SparsePattern):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 
 class Factor(Protocol):

@@ -21,11 +21,10 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.conjugate_gradients import proves_definite, solve_by_conjugate_gradients
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.conjugate_gradients import proves_definite, solve_by_conjugate_gradients
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 MIN_UNKNOWNS = 3000  # smaller matrices are factorised directly, without a coarse level
 DEFAULT_RELATIVE_RESIDUAL = 1e-10  # of a solution

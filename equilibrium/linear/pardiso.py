@@ -13,9 +13,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 # Smaller lower triangles use one thread: a second one mostly waits. One thread also adds in a fixed order, so that
 # small problems give the same digits in every run.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from equilibrium.arrays import Floats
-from equilibrium.errors import BackendError
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class HasPattern(Protocol):

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 SUPPORT_STIFFNESS_FACTOR = 1e3  # stiffness of a support over the largest diagonal entry
 

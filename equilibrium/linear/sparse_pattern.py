@@ -6,9 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.compiled import HAVE_NUMBA, loop
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import HAVE_NUMBA, loop
 
 ENTRIES_PER_BATCH = 1 << 22  # while a pattern is built; tens of MB
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from scipy.sparse.linalg import splu
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class SuperLUFactor:

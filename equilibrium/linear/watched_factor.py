@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
 
 
 @dataclass

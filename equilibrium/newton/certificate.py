@@ -6,11 +6,10 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor, IterativeFactor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobpcg
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor, IterativeFactor
-from equilibrium.linear.sparse_pattern import SparsePattern
 
 MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
 LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues
@@ -63,7 +62,7 @@ def smallest_eigenvalue(
     --------
     The softest mode of a free chain of two unit springs, without its translation:
 
-    >>> from equilibrium.linear.backends import make_factor
+    >>> from asterism.equilibrium.linear.backends import make_factor
     >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
     >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
     >>> translation = np.full((3, 1), 3.0**-0.5)

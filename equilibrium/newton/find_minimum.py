@@ -11,15 +11,14 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from equilibrium.linear.factor import Factor, IterativeFactor
-from equilibrium.linear.rigid_support import stiffen
-from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
-from equilibrium.newton.minimise import NewtonResult, minimise
-from equilibrium.newton.problem import AnyState, Problem
-from equilibrium.newton.saddle import leave_saddle
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.linear.factor import Factor, IterativeFactor
+from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
+from asterism.equilibrium.newton.minimise import NewtonResult, minimise
+from asterism.equilibrium.newton.problem import AnyState, Problem
+from asterism.equilibrium.newton.saddle import leave_saddle
 
 
 class HasRigidModes(Problem, Protocol):

@@ -13,12 +13,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from equilibrium.clock import Clock
-from equilibrium.linear.factor import Factor
-from equilibrium.newton.line_search import line_search, rounding_error
-from equilibrium.newton.problem import AnyState, Problem
-from equilibrium.newton.regularisation import Method, Regularisation
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.newton.line_search import line_search, rounding_error
+from asterism.equilibrium.newton.problem import AnyState, Problem
+from asterism.equilibrium.newton.regularisation import Method, Regularisation
 
 MAX_IDLE_ITERATIONS = 10  # in a row without progress; then rounding errors allow no further progress
 MIN_GRADIENT_PROGRESS = 0.9  # of the smallest gradient norm so far; a norm below counts as progress

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 AnyState = Any  # a configuration; each problem has its own type, and only the problem looks inside
 

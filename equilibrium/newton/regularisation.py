@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.clock import Clock
-from equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError
-from equilibrium.linear.factor import Factor, IterativeFactor
-from equilibrium.linear.rigid_support import stiffen
-from equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError
+from asterism.equilibrium.linear.factor import Factor, IterativeFactor
+from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
 
 Method = Literal["blended", "shifted"]
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.newton.problem import AnyState, Problem
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.newton.problem import AnyState, Problem
 
 MAX_HALVINGS = 12  # of the first step
 EQUAL_DECREASE_FRACTION = 0.01  # of the decrease in energy; sides that differ by less count as equal

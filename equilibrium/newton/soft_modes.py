@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
 
 GUARD_VECTORS = 1  # further vectors in every block, for multiple eigenvalues
 EIGENVALUE_TOLERANCE = 1e-5  # relative change between blocks; the change after it is about its square
@@ -36,8 +35,8 @@ def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int)
 
     Examples
     --------
-    >>> from equilibrium.linear.backends import make_factor
-    >>> from equilibrium.linear.sparse_pattern import SparsePattern
+    >>> from asterism.equilibrium.linear.backends import make_factor
+    >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
     >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(1, 3))  # the first unknown is held
     >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
     >>> factor = make_factor(pattern, "superlu")

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
 from numpy.typing import ArrayLike
-
-from equilibrium.arrays import Floats
 
 PlaneMap = Callable[[Floats], Floats]
 

@@ -19,13 +19,12 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.lagrange import Lagrange
+from asterism.fem.elements.location import triangles_at
+from asterism.fem.elements.monomials import monomials, powers
+from asterism.fem.elements.tabulation import Evaluation, Tabulation
 from skfem import MeshTri
-
-from equilibrium.arrays import Floats, Ints
-from fem.elements.lagrange import Lagrange
-from fem.elements.location import triangles_at
-from fem.elements.monomials import monomials, powers
-from fem.elements.tabulation import Evaluation, Tabulation
 
 
 class Lifted:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.compiled import loop
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import loop
 
 
 def powers(degree: int) -> Ints:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from fem.elements.deformation import affine, flat
-from fem.elements.space import Space
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.deformation import affine, flat
+from asterism.fem.elements.space import Space
 
 
 def flat_positions(space: Space) -> Floats:

@@ -8,9 +8,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.equilibrium.arrays import Floats, Ints
 from jaxtyping import Float, Int
-
-from equilibrium.arrays import Floats, Ints
 
 Functions = Callable[[], tuple[Ints, Floats]]
 

@@ -16,10 +16,9 @@ gives the side.
 from __future__ import annotations
 
 import numpy as np
-
-from fem.search.mean_fields import MeanFields
-from fem.search.sides import Side, check_side
-from fem.search.simple_shapes import SimpleShape
+from asterism.fem.search.mean_fields import MeanFields
+from asterism.fem.search.sides import Side, check_side
+from asterism.fem.search.simple_shapes import SimpleShape
 
 ARC_DIRECTIONS = 12  # the six axes of a hexagonal lattice and the directions halfway between them
 FLAT_METRIC = 1e-2  # 1: Gaussian curvature times size squared, below which a rest metric counts as flat

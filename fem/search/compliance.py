@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.shell.shell import Shell
 
 
 def compliance(shell: Shell, x: Floats, factor: Factor, forces: Floats) -> float:

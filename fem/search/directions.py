@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import Shell
 
 ENERGY_TOLERANCE = 1e-3  # 1: relative difference below which energies count as equal
 SYMMETRY_BREAKING_ANGLE = np.radians(8.0)  # rad, from an axis of symmetry, which may be a saddle

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True)

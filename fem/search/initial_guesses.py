@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.candidate_shapes import candidate_shapes
-from fem.search.directions import distinct_shapes, energy_minima
-from fem.search.guess_builder import GuessBuilder, InitialGuess
-from fem.search.mean_fields import mean_fields
-from fem.search.sides import Side
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.candidate_shapes import candidate_shapes
+from asterism.fem.search.directions import distinct_shapes, energy_minima
+from asterism.fem.search.guess_builder import GuessBuilder, InitialGuess
+from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.sides import Side
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import Shell
 
 # energies of the flat sheet above the best guess, beyond which guesses are left out
 MAX_EXCESS_OVER_FLAT = 20.0

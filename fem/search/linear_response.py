@@ -15,11 +15,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.mixed_newton import MAX_STEP
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.mixed_newton import MAX_STEP
+from asterism.fem.shell.shell import Shell
 
 MIN_SUPPORT_MOVE = 1e-9  # 1: displacement of a support over the extent, below which it counts as zero
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from fem.search.sides import Side
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.sides import Side
+from asterism.fem.shell.shell import Shell
 
 
 @dataclass(frozen=True)

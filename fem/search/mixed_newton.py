@@ -20,12 +20,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from equilibrium.linear.factor import Factor
-from fem.search.regularised import Regularised
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.regularised import Regularised
+from asterism.fem.shell.shell import Shell
 
 # the next step uses the same matrix if all three limits hold
 REUSE_RESIDUAL_RATIO = 0.03  # 1: residual after a step over that before it

@@ -16,13 +16,12 @@ well and the matrix itself is definite, both are zero.
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.clock import Clock
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.rigid_support import stiffen
-from fem.shell.shell import Shell
-from fem.shell.tension import tensile_part
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.fem.shell.shell import Shell
+from asterism.fem.shell.tension import tensile_part
 
 # blend: share of the compressive stress that is left out of the matrix
 FIRST_BLEND = 0.3  # 1: after the first refused matrix

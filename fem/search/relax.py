@@ -12,18 +12,22 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from equilibrium.newton.find_minimum import IterationResult, StationaryPoint, find_minimum, is_definite_on_support
-from equilibrium.newton.soft_modes import softest_modes as softest
-from fem.search.evidence import ShellEquilibrium, Trial
-from fem.search.guess_builder import InitialGuess
-from fem.search.initial_guesses import initial_guesses
-from fem.search.mixed_newton import mixed_newton
-from fem.search.sides import Side
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.newton.find_minimum import (
+    IterationResult,
+    StationaryPoint,
+    find_minimum,
+    is_definite_on_support,
+)
+from asterism.equilibrium.newton.soft_modes import softest_modes as softest
+from asterism.fem.search.evidence import ShellEquilibrium, Trial
+from asterism.fem.search.guess_builder import InitialGuess
+from asterism.fem.search.initial_guesses import initial_guesses
+from asterism.fem.search.mixed_newton import mixed_newton
+from asterism.fem.search.sides import Side
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import Shell
 
 GRADIENT_TOLERANCE = 1e-11  # 1: gradient norm of an equilibrium over `Shell.force_scale`
 SADDLE_STEP = 0.02  # 1: largest change of a dof when a saddle is left, over the extent of the sheet

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.shell.fields import Fields
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import Shell
 
 
 def stress_under(shell: Shell, x: Floats, fields: Fields) -> Floats:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-from equilibrium.arrays import Floats
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.shell import Shell
 
 Side = Literal["auto", "up", "down"]
 

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.compiled import formula, loop
-from fem.elements.space import Space
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.compiled import formula, loop
+from asterism.fem.elements.space import Space
 
 # takes printed points (n, 2) to (n, 6, 2): points in the plane and derivatives 1, 2, 11, 22, 12
 Plane = Callable[[Floats], Floats]
@@ -43,7 +42,7 @@ class SimpleShape:
     An arc of curvature 0.1/mm on a square of 2 mm: its edges are `10 (1 - cos 0.1)` mm above the centre line.
 
     >>> from skfem import MeshTri
-    >>> from fem.elements.lifted import Lifted
+    >>> from asterism.fem.elements.lifted import Lifted
     >>> space = Lifted(MeshTri().scaled(2.0), degree=2)
     >>> x = SimpleShape("arc", 0.1).positions(space, np.array([1.0, 1.0]), stretch=1.0)
     >>> round(float(np.ptp(x[:, 2])), 4), round(float(10 * (1 - np.cos(0.1))), 4)

@@ -10,12 +10,11 @@ If one part is larger by the share e, its forces f are larger by e f, and the re
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.linear_response import newton_step
-from fem.shell.density import Density
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.linear_response import newton_step
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.shell import Shell
 
 STIFFNESSES = ("membrane", "bending", "sixfold", "gaussian")
 

@@ -15,11 +15,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.sparse_pattern import SparsePattern
-from fem.elements.tabulation import Tabulation
-from fem.shell import koiter, koiter_tangent
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.fem.elements.tabulation import Tabulation
+from asterism.fem.shell import koiter, koiter_tangent
 
 
 class Assembly:

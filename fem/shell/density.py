@@ -20,9 +20,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.compiled import formula, loop
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.compiled import formula, loop
 
 EnergyTerm = Callable[[Floats], tuple[Floats, Floats, Floats]]
 

@@ -6,9 +6,8 @@ Element matrices are added to the pattern of `fem.shell.assembly`. The notation 
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.compiled import formula, loop
-from fem.shell.koiter import dot_3d, frame_of, gather_dofs, jet_of
+from asterism.equilibrium.compiled import formula, loop
+from asterism.fem.shell.koiter import dot_3d, frame_of, gather_dofs, jet_of
 
 
 @formula

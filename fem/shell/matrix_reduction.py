@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats
-from equilibrium.compiled import loop
-from equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.compiled import loop
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 
 class MatrixReduction:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats
-from fem.supports.conditions import Reduction
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.supports.conditions import Reduction
 
 
 class ReducedMass:

@@ -20,23 +20,22 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.errors import BackendError
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.rigid_support import independent_dofs
-from equilibrium.linear.sparse_pattern import SparsePattern
-from fem.elements.space import Space
-from fem.shell.assembly import Assembly
-from fem.shell.density import Density
-from fem.shell.fields import Fields
-from fem.shell.matrix_reduction import MatrixReduction
-from fem.shell.reduced_mass import ReducedMass
-from fem.shell.supported_sheet import SupportedSheet
-from fem.shell.tension import tensile_part
-from fem.supports.conditions import Condition
-from fem.supports.rigid import neutral_motions
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.rigid_support import independent_dofs
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.fem.elements.space import Space
+from asterism.fem.shell.assembly import Assembly
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.matrix_reduction import MatrixReduction
+from asterism.fem.shell.reduced_mass import ReducedMass
+from asterism.fem.shell.supported_sheet import SupportedSheet
+from asterism.fem.shell.tension import tensile_part
+from asterism.fem.supports.conditions import Condition
+from asterism.fem.supports.rigid import neutral_motions
 
 # 1: stiffness of a rigid motion over the sum of its absolute terms, below which the motion is neutral. Rounding leaves
 # 1e-13, and up to 1e-10 on nearly degenerate triangles; the weight gives a swinging sheet about 1e-6.
@@ -99,9 +98,9 @@ class Shell(SupportedSheet):
 
     >>> import numpy as np
     >>> from skfem import MeshTri
-    >>> from fem.elements.argyris import Argyris
-    >>> from fem.shell.density import Density, isotropic
-    >>> from fem.shell.fields import of_stretch
+    >>> from asterism.fem.elements.argyris import Argyris
+    >>> from asterism.fem.shell.density import Density, isotropic
+    >>> from asterism.fem.shell.fields import of_stretch
     >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
     >>> shell = Shell(Argyris(MeshTri()), of_stretch(sheet, 0.9))
     >>> x = 0.9 * shell.flat

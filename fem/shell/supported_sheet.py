@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.plain_maps import constant, flat_positions
+from asterism.fem.elements.space import Space
+from asterism.fem.supports.conditions import Condition, Reduction, impose_conditions
+from asterism.fem.supports.rigid import admissible_motions, span_a_plane
 from numpy.typing import NDArray
-
-from equilibrium.arrays import Floats, Ints
-from fem.elements.plain_maps import constant, flat_positions
-from fem.elements.space import Space
-from fem.supports.conditions import Condition, Reduction, impose_conditions
-from fem.supports.rigid import admissible_motions, span_a_plane
 
 
 class SupportedSheet:

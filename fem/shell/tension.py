@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 
 def tensile_part(stress: Floats) -> Floats:

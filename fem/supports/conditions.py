@@ -17,13 +17,12 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.deformation import Deformation, flat
+from asterism.fem.elements.space import Space
+from asterism.fem.supports.edge_equations import EdgeShift, Rows, edge_equations
+from asterism.fem.supports.elimination import Contradiction, eliminate
 from skfem import MeshTri
-
-from equilibrium.arrays import Floats, Ints
-from fem.elements.deformation import Deformation, flat
-from fem.elements.space import Space
-from fem.supports.edge_equations import EdgeShift, Rows, edge_equations
-from fem.supports.elimination import Contradiction, eliminate
 
 VERTEX_TOLERANCE_MM = 1e-6  # mm, largest distance of a mesh vertex from the point that it stands for
 # 1: residual of redundant equations over the extent of the sheet, beyond which supports contradict each other

@@ -12,9 +12,8 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
 from skfem import MeshTri
-
-from equilibrium.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

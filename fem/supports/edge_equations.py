@@ -17,11 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-
-from equilibrium.arrays import Floats, Ints
-from fem.elements.deformation import Deformation, flat
-from fem.elements.space import Space
-from fem.supports.edge_curve import EdgeCurve, edge_curve, left
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.deformation import Deformation, flat
+from asterism.fem.elements.space import Space
+from asterism.fem.supports.edge_curve import EdgeCurve, edge_curve, left
 
 # points (n, 2), middles (n, 2) of their mesh edges and tangents (n, 2) to shifts and derivatives (n, 3, 3)
 EdgeShift = Callable[[Floats, Floats, Floats], Floats]

@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.space import Space
 from numpy.typing import ArrayLike
-
-from equilibrium.arrays import Floats, Ints
-from fem.elements.space import Space
 
 Force = ArrayLike | Callable[[Floats], Floats]
 
@@ -29,7 +28,7 @@ def area_load(space: Space, force: Force) -> Floats:
     A plate of 1 mm^2 that weighs 2 N; the sum over the dofs that are positions is the weight:
 
     >>> from skfem import MeshTri
-    >>> from fem.elements.lifted import Lifted
+    >>> from asterism.fem.elements.lifted import Lifted
     >>> area_load(Lifted(MeshTri(), degree=2), (0.0, 0.0, -2.0)).sum(axis=0).round(6) + 0.0
     array([ 0.,  0., -2.])
     """

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from homogenize.campaign.code_version import code_version
-from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from homogenize.campaign.solve_missing import solve_missing
-from homogenize.cell.sample import solve_cell
-from homogenize.law.axes import sizes_text
-from homogenize.law.material import Material
-from homogenize.law.plan import CellTask
-from pattern.design.design import Design
-from pattern.design.errors import DesignError, MeshError
+from asterism.homogenize.campaign.code_version import code_version
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
+from asterism.homogenize.campaign.solve_missing import solve_missing
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.law.axes import sizes_text
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.plan import CellTask
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, MeshError
 
 SolveCell = Callable[[Design, float], Any]
 

@@ -8,10 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 
-import discrete
-import equilibrium
-import homogenize
-import pattern
+from asterism import discrete, equilibrium, homogenize, pattern
 
 # what of the packages shapes the answer of a cell
 SAMPLE_SOURCES = {

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.cell.aligned_lines import aligned_lines
-from homogenize.law.axes import AXES, Axis
-from homogenize.law.law import WITHOUT_BENDING
-from homogenize.law.material import Material
-from homogenize.law.plan import MIN_CELL_EDGE_MM
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.law.axes import AXES, Axis
+from asterism.homogenize.law.law import WITHOUT_BENDING
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.plan import MIN_CELL_EDGE_MM
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
 # mesh edges between adjacent stars, as in the paper's law, whose edges are 1.15 mm long
 EDGES_PER_SPACING = 15

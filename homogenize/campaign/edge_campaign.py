@@ -7,15 +7,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from homogenize.campaign.campaign import CampaignProgress, run_campaign
-from homogenize.campaign.fit_law import fit_law
-from homogenize.errors import CampaignError
-from homogenize.law.axes import LENGTH, THICKNESS, WIDTH
-from homogenize.law.law import Law
-from homogenize.law.law_range import MAX_BRIDGED_LENGTH_RATIO
-from homogenize.law.material import Material
-from homogenize.law.mesh_edges import EdgeTables
-from homogenize.law.plan import MIN_CELL_EDGE_MM
+from asterism.homogenize.campaign.campaign import CampaignProgress, run_campaign
+from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.errors import CampaignError
+from asterism.homogenize.law.axes import LENGTH, THICKNESS, WIDTH
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_range import MAX_BRIDGED_LENGTH_RATIO
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.mesh_edges import EdgeTables
+from asterism.homogenize.law.plan import MIN_CELL_EDGE_MM
 
 # mesh edges between adjacent stars: arms of ninths of the spacing lie on all of these meshes. Sheets with edges of 2 mm
 # have the first; of finer cells than the last each takes more than half a minute
@@ -49,7 +49,7 @@ def edge_materials(
 
     Examples
     --------
-    >>> from homogenize.law.law_file import load_law
+    >>> from asterism.homogenize.law.law_file import load_law
     >>> for material in edge_materials(load_law(), [1.9, 0.64], 1.35, thicknesses_mm=(0.26, 0.46)):
     ...     print(material.plan.edge_mm, material.plan.lengths_mm, len(material.tasks()))
     1.9245 (3.849, 5.7735, 7.698, 9.6225, 11.547) 31

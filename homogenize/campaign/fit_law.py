@@ -7,20 +7,19 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.campaign.sample_rows import record_data, sample_problem, sample_row
+from asterism.homogenize.errors import CampaignError
+from asterism.homogenize.law.anisotropy import anisotropy_size
+from asterism.homogenize.law.axes import AXES, coordinates
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_residuals import broken_symmetry, law_residuals, mesh_differences, unstable_tubes
+from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, quantity_units, to_stored
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.plan import Sizes
 from scipy.interpolate import PchipInterpolator, RBFInterpolator
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.campaign.campaign import SampleRecord
-from homogenize.campaign.sample_rows import record_data, sample_problem, sample_row
-from homogenize.errors import CampaignError
-from homogenize.law.anisotropy import anisotropy_size
-from homogenize.law.axes import AXES, coordinates
-from homogenize.law.law import Law
-from homogenize.law.law_residuals import broken_symmetry, law_residuals, mesh_differences, unstable_tubes
-from homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, quantity_units, to_stored
-from homogenize.law.material import Material
-from homogenize.law.plan import Sizes
 
 _Q = len(QUANTITY_NAMES)
 _SCATTERED_SHAPE = tuple(axis.scattered_nodes for axis in AXES)

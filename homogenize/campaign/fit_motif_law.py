@@ -6,16 +6,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.campaign.motif_campaign import MotifRecord
-from homogenize.campaign.motif_sample import motif_tensors, responses_from_data
-from homogenize.errors import CampaignError
-from homogenize.law.motif_errors import held_out_errors
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_plan import MotifPlan
-from homogenize.law.motif_table import MotifTable
-from homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.campaign.motif_campaign import MotifRecord
+from asterism.homogenize.campaign.motif_sample import motif_tensors, responses_from_data
+from asterism.homogenize.errors import CampaignError
+from asterism.homogenize.law.motif_errors import held_out_errors
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_plan import MotifPlan
+from asterism.homogenize.law.motif_table import MotifTable
+from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors
 
 
 def fit_motif_law(plan: MotifPlan, records: Sequence[MotifRecord], made: dict[str, Any] | None = None) -> MotifLaw:

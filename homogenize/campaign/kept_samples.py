@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from pattern.design.errors import DesignError
-from pattern.design.files import plain, read_table, write_table
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.files import plain, read_table, write_table
 
 # raise it when the content of a sample's file changes its meaning
 SAMPLE_FORMAT = 1

@@ -10,18 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asterism.homogenize.campaign.campaign import CampaignProgress
+from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES, sources_hash
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
+from asterism.homogenize.campaign.motif_sample import responses_to_data
+from asterism.homogenize.campaign.solve_missing import solve_missing
+from asterism.homogenize.cell.motif_responses import MotifResponses, motif_responses
+from asterism.homogenize.law.motif_plan import MotifPlan, MotifTask
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, MeshError
 
-import homogenize
-import pattern
-from homogenize.campaign.campaign import CampaignProgress
-from homogenize.campaign.code_version import SAMPLE_SOURCES, sources_hash
-from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from homogenize.campaign.motif_sample import responses_to_data
-from homogenize.campaign.solve_missing import solve_missing
-from homogenize.cell.motif_responses import MotifResponses, motif_responses
-from homogenize.law.motif_plan import MotifPlan, MotifTask
-from pattern.design.design import Design
-from pattern.design.errors import DesignError, MeshError
+from asterism import homogenize, pattern
 
 SolveMotif = Callable[[Design, float], MotifResponses]
 # what shapes the answer of a motif's cell, beside what shapes that of a star's

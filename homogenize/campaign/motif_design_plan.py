@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.campaign.design_plan import HELD_OUT_CELLS, geometric_nodes
-from homogenize.law.motif_plan import (
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.campaign.design_plan import HELD_OUT_CELLS, geometric_nodes
+from asterism.homogenize.law.motif_plan import (
     ROD_SIZE_KEYS,
     MotifPlan,
     MotifSize,
@@ -17,14 +16,14 @@ from homogenize.law.motif_plan import (
     source_of,
     without_motif_law,
 )
-from homogenize.law.plan import MIN_CELL_EDGE_MM
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.rods import Rods
-from pattern.design.sizing.field import SizingField, sample
-from pattern.design.sizing.profile import Profile
-from pattern.design.stars import THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from pattern.layout.print_layout import print_layout
+from asterism.homogenize.law.plan import MIN_CELL_EDGE_MM
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rods import Rods
+from asterism.pattern.design.sizing.field import SizingField, sample
+from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.stars import THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.layout.print_layout import print_layout
 
 # largest ratio of adjacent nodes: bending changes with the cube of the thickness, and membrane with the width
 MAX_NODE_RATIO: dict[RodSizeKey, float] = {"thickness_mm": 1.12, "width_mm": 1.26}

@@ -6,12 +6,11 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-
-from homogenize.cell.effective_stiffness import EffectiveStiffness
-from homogenize.cell.larger_cell import CellComparison
-from homogenize.cell.motif_responses import MotifResponses, RolledDirection
-from homogenize.cell.tube_bending import bending_of_tubes
-from homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
+from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
+from asterism.homogenize.cell.larger_cell import CellComparison
+from asterism.homogenize.cell.motif_responses import MotifResponses, RolledDirection
+from asterism.homogenize.cell.tube_bending import bending_of_tubes
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 
 
 def responses_to_data(responses: MotifResponses) -> dict[str, Any]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.campaign.campaign import SampleRecord
-from homogenize.cell.isotropy import isotropic_constants
-from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
-from homogenize.law.anisotropy import sample_anisotropy
-from homogenize.law.axes import named_sizes
-from homogenize.law.law_table import QUANTITIES, QUANTITY_NAMES
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.cell.isotropy import isotropic_constants
+from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
+from asterism.homogenize.law.anisotropy import sample_anisotropy
+from asterism.homogenize.law.axes import named_sizes
+from asterism.homogenize.law.law_table import QUANTITIES, QUANTITY_NAMES
 
 
 def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:

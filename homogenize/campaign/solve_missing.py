@@ -7,8 +7,8 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import Any
 
-from homogenize.campaign.kept_samples import KeptSamples, Outcome
-from homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
+from asterism.homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
 
 Cell = tuple[Mapping[str, Any], tuple[Any, ...]]
 

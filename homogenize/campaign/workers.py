@@ -19,7 +19,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from homogenize.errors import AddressError, CampaignError
+from asterism.homogenize.errors import AddressError, CampaignError
 
 Arrivals = Iterator[tuple[int, Any]]
 SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]

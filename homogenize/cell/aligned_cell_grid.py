@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from asterism.pattern.mesh.grading import Grading
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
-
-from equilibrium.arrays import Floats, Ints
-from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE
-from pattern.design.errors import MeshError
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
-from pattern.mesh.grading import Grading
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ at the corners of the single cells. Their arms run along A1, A2 or A2 - A1, in e
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from homogenize.cell.aligned_cell_grid import (
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.homogenize.cell.aligned_cell_grid import (
     cell_grading,
     graded_stations,
     grid_displacement,
@@ -18,9 +17,9 @@ from homogenize.cell.aligned_cell_grid import (
     link_stations,
     tips_meet,
 )
-from homogenize.cell.image_numbering import ImageNumbering, new_triangles
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from asterism.homogenize.cell.image_numbering import ImageNumbering, new_triangles
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 
 def aligned_cell_mesh(

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Ints
-from homogenize.cell.point_group import keeps_grid_lines
-from pattern.design.lattice import Lattice
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from asterism.equilibrium.arrays import Ints
+from asterism.homogenize.cell.point_group import keeps_grid_lines
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 GRADED_OFF_LINES = "cells have graded meshes only if all arms lie on lattice lines and the grid has their symmetry"
 

@@ -11,11 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from homogenize.cell.aligned_cell_mesh import edges_per_spacing
-from homogenize.cell.aligned_lines import aligned_lines
-from homogenize.cell.cell_mesh import star_size
-from pattern.design.design import Design
+from asterism.homogenize.cell.aligned_cell_mesh import edges_per_spacing
+from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.cell.cell_mesh import star_size
+from asterism.pattern.design.design import Design
 
 # of an edge: an arm that is so near to a whole number of edges has one mesh
 WHOLE_EDGE_TOLERANCE = 1e-3
@@ -26,7 +25,7 @@ def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...
 
     Examples
     --------
-    >>> from pattern.design.design import Design
+    >>> from asterism.pattern.design.design import Design
     >>> star = {"stars": {"length_mm": 9.0}, "border": {"rings": 1}}
     >>> [(n, round(w, 3)) for n, w in arm_segments(Design.from_dict(star), 2.0)]
     [(4, 0.323), (5, 0.677)]

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.energies.bending.registry import FABRIC_BENDING
-from equilibrium.arrays import Floats
-from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
-from homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
-from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
-from homogenize.cell.point_group import arm_directions, point_group
-from pattern.design.design import Design
-from pattern.design.errors import MeshError
-from pattern.rods.arms import check_clear
+from asterism.discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from asterism.homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
+from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from asterism.homogenize.cell.point_group import arm_directions, point_group
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.rods.arms import check_clear
 
 # a star and its neighbours, as numbers of lattice vectors
 _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-
-from discrete.model.state import State
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.sparse_pattern import SparsePattern
-from equilibrium.newton.certificate import smallest_eigenvalue
-from homogenize.cell.effective_stiffness import reduction_matrix
-from homogenize.cell.unit_cell import UnitCell
+from asterism.discrete.model.state import State
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.newton.certificate import smallest_eigenvalue
+from asterism.homogenize.cell.effective_stiffness import reduction_matrix
+from asterism.homogenize.cell.unit_cell import UnitCell
 
 # signs along A1 and A2 of the displacements that do not repeat from cell to cell
 SIGN_CHANGES = ((-1, 1), (1, -1), (-1, -1))

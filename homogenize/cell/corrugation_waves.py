@@ -13,12 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.homogenize.cell.point_group import point_group
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.planar import cross_2d
 from numpy.typing import NDArray
-
-from equilibrium.arrays import Floats, Ints
-from homogenize.cell.point_group import point_group
-from pattern.design.lattice import Lattice
-from pattern.geometry.planar import cross_2d
 
 # length of the longest reciprocal vector, over the shortest
 MAX_WAVE_NUMBER_RATIO = 3.0

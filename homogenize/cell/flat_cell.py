@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.model.star_bumps import bump_heights
-from discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
-from equilibrium.arrays import Array
-from equilibrium.newton.minimise import NewtonResult, minimise
-from homogenize.cell.unit_cell import ANCHOR, UnitCell
-from pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.discrete.model.star_bumps import bump_heights
+from asterism.discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.newton.minimise import NewtonResult, minimise
+from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
 # part of the stretch that is released
 RELEASE_STEPS = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)

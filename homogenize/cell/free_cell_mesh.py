@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
-from homogenize.cell.graded_steps import MAX_EDGE_TO_GAP_RATIO, graded_steps
-from homogenize.cell.mirror_points import NearbyArms, with_symmetry
-from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
-from homogenize.cell.tiles import MeshPath, Tiles
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import distance_to_segment
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
+from asterism.homogenize.cell.graded_steps import MAX_EDGE_TO_GAP_RATIO, graded_steps
+from asterism.homogenize.cell.mirror_points import NearbyArms, with_symmetry
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from asterism.homogenize.cell.tiles import MeshPath, Tiles
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_segment
 
 # smallest angle of a triangle
 MIN_CELL_ANGLE_DEG = 20.0

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 # length of an edge, over the distance to the arms of other stars
 MAX_EDGE_TO_GAP_RATIO = 1.5

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Ints
+from asterism.equilibrium.arrays import Ints
 
 
 class ImageNumbering:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 # Kelvin notation (11, 22, sqrt 2 x 12): rotations keep the norm of a stiffness
 KELVIN_FACTORS = np.array([1.0, 1.0, np.sqrt(2.0)])

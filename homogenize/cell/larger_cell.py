@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.model.state import State, moved_state
-from equilibrium.arrays import Array
-from homogenize.cell.flat_cell import FlatCell, relax_flat_cell, released_from
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.design import Design
+from asterism.discrete.model.state import State, moved_state
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell, released_from
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
 
 # of the energy of one cell, by which four cells may be lower: meshes and starts differ by less
 MAX_ENERGY_EXCESS = 0.01

@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.cell.conforming_triangulation import MeshConstraints
-from homogenize.cell.graded_steps import graded_steps
-from homogenize.cell.orbits import home, nearest_image
-from homogenize.cell.point_group import POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
-from pattern.geometry.planar import distance_to_segment
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.conforming_triangulation import MeshConstraints
+from asterism.homogenize.cell.graded_steps import graded_steps
+from asterism.homogenize.cell.orbits import home, nearest_image
+from asterism.homogenize.cell.point_group import POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
+from asterism.pattern.geometry.planar import distance_to_segment
 
 # distance of the first point beside a star's centre from the nearest arm, over the edge length
 MIN_FIRST_GAP_RATIO = 0.6

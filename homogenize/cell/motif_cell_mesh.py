@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats, Ints
-from homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
-from homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
-from homogenize.cell.graded_steps import graded_steps
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from homogenize.cell.tiles import MeshPath, Tiles
-from pattern.design.errors import MeshError
-from pattern.mesh.free.line_points import least_pieces
-from pattern.rods.motif_graph import MotifGraph
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
+from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
+from asterism.homogenize.cell.graded_steps import graded_steps
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.tiles import MeshPath, Tiles
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.mesh.free.line_points import least_pieces
+from asterism.pattern.rods.motif_graph import MotifGraph
 
 # edges of a mesh on the shorter lattice vector, at least
 MIN_EDGES_A_CELL = 3

@@ -6,16 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Array
-from homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.larger_cell import CellComparison, compare_with_larger_cell
-from homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
-from homogenize.cell.rod_bending import rod_bending
-from homogenize.cell.tube_directions import ALL_ANGLES_RAD
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.design import Design
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.larger_cell import CellComparison, compare_with_larger_cell
+from asterism.homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
+from asterism.homogenize.cell.rod_bending import rod_bending
+from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
 
 
 @dataclass(frozen=True)

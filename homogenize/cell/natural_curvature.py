@@ -11,11 +11,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Array
-from homogenize.cell.flat_cell import FlatCell
-from homogenize.cell.rolling import Tube, UnrolledCell, roll_cell, unroll, unrolled_flat_cell, unrolled_in_direction
-from homogenize.cell.unit_cell import UnitCell
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.flat_cell import FlatCell
+from asterism.homogenize.cell.rolling import (
+    Tube,
+    UnrolledCell,
+    roll_cell,
+    unroll,
+    unrolled_flat_cell,
+    unrolled_in_direction,
+)
+from asterism.homogenize.cell.unit_cell import UnitCell
 
 # curvature of the first tube, times the spacing of the stars
 FIRST_CURL = 0.06

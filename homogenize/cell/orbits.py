@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from asterism.equilibrium.arrays import Bools, Floats, Ints
+from asterism.homogenize.cell.periodic_delaunay import CELLS_AROUND
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Bools, Floats, Ints
-from homogenize.cell.periodic_delaunay import CELLS_AROUND
 
 # of an edge: images of one point, and places that a symmetric mesh maps onto each other
 ORBIT_TOLERANCE = 1e-6

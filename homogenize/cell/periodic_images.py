@@ -15,9 +15,8 @@ import functools
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from discrete.energies.elements import Elements
-from equilibrium.arrays import Array
+from asterism.discrete.energies.elements import Elements
+from asterism.equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

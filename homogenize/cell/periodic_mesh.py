@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 # of the spacing: ends of arms that are closer are one point
 TOUCHING_TOLERANCE = 1e-6

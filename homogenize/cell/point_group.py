@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.lattice import Lattice
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 # of unit vectors, and of lattice coordinates
 POINT_GROUP_TOLERANCE = 1e-6

@@ -6,24 +6,23 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.model.rotations import rotate_vectors
-from discrete.model.state import State, edge_tangents, moved_state
-from discrete.model.system import System
-from equilibrium.arrays import Array
-from equilibrium.linear.rigid_support import independent_dofs
-from equilibrium.newton.minimise import minimise
-from homogenize.cell.flat_cell import (
+from asterism.discrete.model.rotations import rotate_vectors
+from asterism.discrete.model.state import State, edge_tangents, moved_state
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.rigid_support import independent_dofs
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.homogenize.cell.flat_cell import (
     BUMP_HEIGHT_RATIO,
     BUMP_WIDTH_RATIO,
     FINAL_GRADIENT_RATIO,
     INTERMEDIATE_GRADIENT_RATIO,
     RELEASE_STEPS,
 )
-from homogenize.cell.ribbon_mesh import RibbonShape, ribbon_mesh
-from homogenize.cell.screw_images import ScrewElements, ScrewImages
-from homogenize.cell.unfolded_model import unfolded_model
-from pattern.design.design import Design
+from asterism.homogenize.cell.ribbon_mesh import RibbonShape, ribbon_mesh
+from asterism.homogenize.cell.screw_images import ScrewElements, ScrewImages
+from asterism.homogenize.cell.unfolded_model import unfolded_model
+from asterism.pattern.design.design import Design
 
 # release at which the flat ribbon is rolled a little along its length, to choose the side it rolls to
 ROLL_RELEASE = 0.2

@@ -10,13 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Ints
-from homogenize.cell.aligned_lines import aligned_lines
-from homogenize.cell.image_numbering import ImageNumbering
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from pattern.design.lattice import Lattice
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from asterism.equilibrium.arrays import Ints
+from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.cell.image_numbering import ImageNumbering
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 
 @dataclass(frozen=True)

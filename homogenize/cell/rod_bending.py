@@ -10,12 +10,11 @@ entries.
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.energies.rods.section import torsion_constant
-from equilibrium.arrays import Floats
-from homogenize.law.anisotropy import mean_q12
-from pattern.design.design import Design
-from pattern.rods.motif_graph import motif_graph
+from asterism.discrete.energies.rods.section import torsion_constant
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.anisotropy import mean_q12
+from asterism.pattern.design.design import Design
+from asterism.pattern.rods.motif_graph import motif_graph
 
 # second derivative of det K
 GAUSSIAN: Floats = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -0.5]])

@@ -10,13 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.model.star_bumps import bump_heights
-from discrete.model.state import State
-from equilibrium.arrays import Array
-from equilibrium.newton.minimise import minimise
-from homogenize.cell.flat_cell import FlatCell, cell_gradient_tolerance, with_orthogonal_directors
-from homogenize.cell.unit_cell import ANCHOR, UnitCell
+from asterism.discrete.model.star_bumps import bump_heights
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.homogenize.cell.flat_cell import FlatCell, cell_gradient_tolerance, with_orthogonal_directors
+from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 
 @dataclass(frozen=True)

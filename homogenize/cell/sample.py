@@ -7,26 +7,25 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
 import numpy as np
-
-from equilibrium.arrays import Array
-from equilibrium.clock import Clock
-from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.blend_responses import blend_responses
-from homogenize.cell.cell_mesh import star_size
-from homogenize.cell.cell_stability import CellStability, cell_stability
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness, mean_height
-from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from homogenize.cell.isotropy import distance_from_isotropy
-from homogenize.cell.natural_curvature import TubeBranch, trace_tubes
-from homogenize.cell.point_group import point_group
-from homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
-from homogenize.cell.symmetric_responses import symmetric_responses
-from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, is_threefold, tube_angles
-from homogenize.cell.tube_membrane import tube_membrane_stiffness
-from homogenize.cell.unit_cell import ANCHOR, UnitCell
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.clock import Clock
+from asterism.homogenize.cell.arm_segments import arm_segments
+from asterism.homogenize.cell.blend_responses import blend_responses
+from asterism.homogenize.cell.cell_mesh import star_size
+from asterism.homogenize.cell.cell_stability import CellStability, cell_stability
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness, mean_height
+from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.isotropy import distance_from_isotropy
+from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
+from asterism.homogenize.cell.point_group import point_group
+from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
+from asterism.homogenize.cell.symmetric_responses import symmetric_responses
+from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, is_threefold, tube_angles
+from asterism.homogenize.cell.tube_membrane import tube_membrane_stiffness
+from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
 
 @dataclass(frozen=True)

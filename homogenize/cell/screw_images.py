@@ -16,9 +16,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from discrete.energies.elements import Elements
-from equilibrium.arrays import Array
+from asterism.discrete.energies.elements import Elements
+from asterism.equilibrium.arrays import Array
 
 _XYZ = np.arange(3)
 

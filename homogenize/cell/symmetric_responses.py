@@ -11,8 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Array, Floats, Ints
+from asterism.equilibrium.arrays import Array, Floats, Ints
 
 # rad, and of the stretches
 DIRECTION_TOLERANCE = 1e-6

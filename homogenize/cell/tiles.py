@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Ints
-from homogenize.cell.image_numbering import ImageNumbering, new_triangles
-from homogenize.cell.periodic_delaunay import PeriodicTriangles
-from homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.equilibrium.arrays import Ints
+from asterism.homogenize.cell.image_numbering import ImageNumbering, new_triangles
+from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
 
 
 @dataclass(frozen=True)

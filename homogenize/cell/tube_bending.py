@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.cell.motif_responses import MotifResponses
-from homogenize.cell.rod_bending import completed_by_rods
-from homogenize.law.anisotropy import VOIGT_ENTRIES, voigt_matrices
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.motif_responses import MotifResponses
+from asterism.homogenize.cell.rod_bending import completed_by_rods
+from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, voigt_matrices
 
 # of the largest bending stiffness, at least
 MIN_STIFFNESS_RATIO = 0.01

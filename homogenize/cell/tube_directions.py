@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.lattice import Lattice
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.lattice import Lattice
 
 # a sixfold function has its extremes at the first and the last
 THREEFOLD_ANGLES_RAD = (0.0, np.pi / 12, np.pi / 6)

@@ -14,11 +14,10 @@ bending energy of that, `D k^2` beside A, is part of the result and small.
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.rolling import Tube
+from asterism.homogenize.cell.unit_cell import UnitCell
 from scipy.sparse.linalg import splu
-
-from equilibrium.arrays import Array
-from homogenize.cell.rolling import Tube
-from homogenize.cell.unit_cell import UnitCell
 
 
 def tube_membrane_stiffness(cell: UnitCell, tube: Tube) -> Array:

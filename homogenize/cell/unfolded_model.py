@@ -6,20 +6,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from discrete.energies.bending.fabric_bending import BendingMesh
-from discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
-from discrete.model.discrete_model import DiscreteModel
-from equilibrium.arrays import Floats
-from homogenize.cell.cell_mesh import star_size
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
-from pattern.rods.graph import RodGraph
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh
+from asterism.discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.cell_mesh import star_size
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.rods.graph import RodGraph
 
 if TYPE_CHECKING:
-    from pattern.rods.motif_graph import MotifGraph
+    from asterism.pattern.rods.motif_graph import MotifGraph
 
 
 def unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | None) -> DiscreteModel:

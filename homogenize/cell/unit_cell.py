@@ -9,27 +9,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-
-from discrete.energies.bending.plate_patches import patches
-from discrete.energies.bending.registry import FABRIC_BENDING
-from discrete.energies.elements import Elements
-from discrete.model.rotations import rotate_vectors
-from discrete.model.state import State, edge_tangents, moved_state
-from discrete.model.system import System
-from equilibrium.arrays import Array
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.rigid_support import independent_dofs
-from equilibrium.linear.sparse_pattern import SparsePattern
-from homogenize.cell.cell_mesh import cell_mesh
-from homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from homogenize.cell.unfolded_model import unfolded_model
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.geometry.planar import triangle_areas
+from asterism.discrete.energies.bending.plate_patches import patches
+from asterism.discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.model.rotations import rotate_vectors
+from asterism.discrete.model.state import State, edge_tangents, moved_state
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.rigid_support import independent_dofs
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.homogenize.cell.cell_mesh import cell_mesh
+from asterism.homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.unfolded_model import unfolded_model
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.planar import triangle_areas
 
 if TYPE_CHECKING:
-    from pattern.rods.motif_graph import MotifGraph
+    from asterism.pattern.rods.motif_graph import MotifGraph
 
 # base point that is held: the centre of the first star, or the first node of a motif
 ANCHOR = 0
@@ -283,8 +282,10 @@ def _motif_and_mesh(
     """The rods of one cell, or None for stars, and the mesh of the cells."""
     if design.rods is None:
         return None, cell_mesh(design, edge_mm, repeat, segments)
-    from homogenize.cell.motif_cell_mesh import motif_cell_mesh  # slow to import; cells of stars do without them
-    from pattern.rods.motif_graph import motif_graph
+    from asterism.homogenize.cell.motif_cell_mesh import (
+        motif_cell_mesh,  # slow to import; cells of stars do without them
+    )
+    from asterism.pattern.rods.motif_graph import motif_graph
 
     if design.stars is not None:
         raise DesignError("rods", "must stand alone in a unit cell, without [stars]")

@@ -18,10 +18,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.cell.tube_directions import is_threefold
-from pattern.design.lattice import Lattice
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.tube_directions import is_threefold
+from asterism.pattern.design.lattice import Lattice
 
 # Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to
 # 0.1

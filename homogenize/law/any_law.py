@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeAlias
 
-from homogenize.law.law import Law
-from homogenize.law.law_file import law_digest, load_law
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_law_file import is_motif_law, load_motif_law, motif_law_digest
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import law_digest, load_law
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law_file import is_motif_law, load_motif_law, motif_law_digest
 
 AnyLaw: TypeAlias = Law | MotifLaw
 
@@ -23,7 +23,7 @@ def load_any_law(path: str | Path) -> AnyLaw:
 
     Examples
     --------
-    >>> from homogenize.law.law_file import PAPER_LAW
+    >>> from asterism.homogenize.law.law_file import PAPER_LAW
     >>> type(load_any_law(PAPER_LAW)).__name__
     'Law'
     """

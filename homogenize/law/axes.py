@@ -15,10 +15,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)

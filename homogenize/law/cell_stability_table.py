@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.law.axes import AXES, coordinates
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.axes import AXES, coordinates
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 SlopeRule = Literal["monotone", "smooth", "spline"]
 # relative weights of both sides below this are rounding errors: the values around the node lie on a line

@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from homogenize.law.grid_slopes import SlopeRule, node_slopes
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.homogenize.law.grid_slopes import SlopeRule, node_slopes
 
 
 class HermiteGrid:

@@ -12,16 +12,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
-
-from equilibrium.arrays import Floats
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.cell_stability_table import CellStabilityTable
-from homogenize.law.law_table import QUANTITIES, LawTable, LawValues
-from homogenize.law.material import Material
-from homogenize.law.mesh_edges import EdgeTables, table_at_edge, whole_edge
-from homogenize.law.same_material import (
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.cell_stability_table import CellStabilityTable
+from asterism.homogenize.law.law_table import QUANTITIES, LawTable, LawValues
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.mesh_edges import EdgeTables, table_at_edge, whole_edge
+from asterism.homogenize.law.same_material import (
     FREE_KEYS,
     LATTICE_TOLERANCE,
     MATERIAL_TOLERANCE,
@@ -30,8 +28,9 @@ from homogenize.law.same_material import (
     same_sites,
     same_values,
 )
-from pattern.design.design import Design
-from pattern.design.lattice import Lattice
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import Lattice
+from numpy.typing import ArrayLike
 
 # without bending, bare fabric has no stiffness or no equilibrium, and the natural curvature of the paper's star jumps
 # between 0.027 and 0.079 per mm for mesh edges from 3.5 to 0.8 mm
@@ -91,7 +90,7 @@ class Law:
 
         Examples
         --------
-        >>> from homogenize.law.law_file import load_law
+        >>> from asterism.homogenize.law.law_file import load_law
         >>> law = load_law()
         >>> for edge in (2.0, 1.15, 0.7, 0.0):  # mm; natural curvature of the gallery's tube, 1/mm
         ...     print(edge, law.at_edge(edge).at(1.35)(10.0, 0.4, 1.2).value["kappa"].round(4))
@@ -170,7 +169,7 @@ class Law:
 
         Examples
         --------
-        >>> from homogenize.law.law_file import load_law
+        >>> from asterism.homogenize.law.law_file import load_law
         >>> load_law().size_ranges(1.35)["width_mm"]
         (0.8, 1.6)
         """
@@ -228,8 +227,8 @@ class Law:
 
         Examples
         --------
-        >>> from homogenize.law.law_file import load_law
-        >>> from pattern.design.design import Design
+        >>> from asterism.homogenize.law.law_file import load_law
+        >>> from asterism.pattern.design.design import Design
         >>> design = Design.from_dict({"stars": {"length_mm": 9.0}, "border": {"rings": 1}})
         >>> found = load_law().evaluate(design, 9.0, 0.42, 1.2)
         >>> found.value["bending"].round(3), bool(found.inside[0])  # N mm

@@ -16,17 +16,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.errors import LawError
-from homogenize.law.anisotropy import anisotropy_size
-from homogenize.law.axes import AXES
-from homogenize.law.law import Law
-from homogenize.law.law_file_errors import law_file_errors
-from homogenize.law.law_table import QUANTITY_NAMES, LawTable, to_stored
-from homogenize.law.material import Material
-from homogenize.law.mesh_edges import EdgeTables
-from pattern.design.files import check_regular
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.anisotropy import anisotropy_size
+from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file_errors import law_file_errors
+from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, to_stored
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.mesh_edges import EdgeTables
+from asterism.pattern.design.files import check_regular
 
 # raise it when the arrays or quantities of a file change their meaning
 LAW_FORMAT = 4

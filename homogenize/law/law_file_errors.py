@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from homogenize.errors import LawError, UnreadableLaw
-from pattern.design.errors import DesignError
+from asterism.homogenize.errors import LawError, UnreadableLaw
+from asterism.pattern.design.errors import DesignError
 
 # what numpy and zipfile raise for files that are damaged, or no archives
 DAMAGED_FILE_ERRORS = (

@@ -6,12 +6,18 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.law.axes import AXES, named_sizes
-from homogenize.law.hermite_grid import HermiteGrid
-from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITIES, QUANTITY_NAMES, LawTable, from_stored, to_stored
-from homogenize.law.plan import CellTask
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.law.axes import AXES, named_sizes
+from asterism.homogenize.law.hermite_grid import HermiteGrid
+from asterism.homogenize.law.law_table import (
+    MAX_SEPARATED_CURL,
+    QUANTITIES,
+    QUANTITY_NAMES,
+    LawTable,
+    from_stored,
+    to_stored,
+)
+from asterism.homogenize.law.plan import CellTask
 
 # An error is relative to the cell's value, or to this part of the largest value in the table if that is larger. The
 # part is larger for quantities that change their sign.

@@ -14,12 +14,11 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.law.axes import AXES, coordinates, named_sizes
+from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule
+from asterism.homogenize.law.law_range import min_length
 from numpy.typing import ArrayLike
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.law.axes import AXES, coordinates, named_sizes
-from homogenize.law.hermite_grid import HermiteGrid, SlopeRule
-from homogenize.law.law_range import min_length
 
 
 @dataclass(frozen=True)
@@ -173,7 +172,7 @@ class LawTable:
 
         Examples
         --------
-        >>> from homogenize.law.law_file import load_law
+        >>> from asterism.homogenize.law.law_file import load_law
         >>> table = load_law().at(1.35)
         >>> found = table([0.0, 9.0], 0.42, 1.2)
         >>> found.value["lam"].round(3)

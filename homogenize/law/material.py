@@ -7,18 +7,17 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from asterism.homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
+from asterism.homogenize.law.axes import AXES, LENGTH, named_sizes
+from asterism.homogenize.law.plan import CampaignPlan, CellTask
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, from_validation
+from asterism.pattern.design.files import read_table
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.material_files import MeasurementNote
+from asterism.pattern.design.materials import Fabric, Plastic
+from asterism.pattern.design.section import Line, Section
 from pydantic import Field, ValidationError, ValidationInfo, model_validator
-
-from homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
-from homogenize.law.axes import AXES, LENGTH, named_sizes
-from homogenize.law.plan import CampaignPlan, CellTask
-from pattern.design.design import Design
-from pattern.design.errors import DesignError, from_validation
-from pattern.design.files import read_table
-from pattern.design.lattice import Lattice
-from pattern.design.material_files import MeasurementNote
-from pattern.design.materials import Fabric, Plastic
-from pattern.design.section import Line, Section
 
 PAPER_MATERIAL = Path(__file__).parents[1] / "data" / "paper.toml"
 

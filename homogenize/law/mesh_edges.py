@@ -16,12 +16,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.errors import LawError
-from homogenize.law.axes import AXES, coordinates
-from homogenize.law.hermite_grid import HermiteGrid
-from homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, to_stored
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.axes import AXES, coordinates
+from asterism.homogenize.law.hermite_grid import HermiteGrid
+from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, to_stored
 
 # an observed order of the natural curvature outside of these limits gives no limit
 MIN_CURVATURE_ORDER = 0.5

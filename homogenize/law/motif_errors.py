@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.law.motif_table import MotifTable
-from homogenize.law.tensor_forms import SheetTensors
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.motif_table import MotifTable
+from asterism.homogenize.law.tensor_forms import SheetTensors
 
 # errors in percent: of the length of the flat sheet, of energies, and of the largest curvature
 MIN_CURVATURE = 1e-9  # 1/mm, of a sheet that does not curl

@@ -7,17 +7,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.motif_plan import ROD_SIZE_KEYS, MotifPlan
+from asterism.homogenize.law.motif_problem import problem_of_motif
+from asterism.homogenize.law.motif_table import SIZE_TOLERANCE, MotifTable
+from asterism.homogenize.law.tensor_forms import SheetTensors
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.leading_field import leading_field
+from asterism.pattern.design.sizing.profile import Profile
 from numpy.typing import ArrayLike
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.errors import LawError
-from homogenize.law.motif_plan import ROD_SIZE_KEYS, MotifPlan
-from homogenize.law.motif_problem import problem_of_motif
-from homogenize.law.motif_table import SIZE_TOLERANCE, MotifTable
-from homogenize.law.tensor_forms import SheetTensors
-from pattern.design.design import Design
-from pattern.design.leading_field import leading_field
-from pattern.design.sizing.profile import Profile
 
 
 @dataclass(frozen=True)

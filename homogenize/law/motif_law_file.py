@@ -14,16 +14,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from homogenize.errors import LawError
-from homogenize.law.law_file import KIND, PackedRows
-from homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS, law_file_errors
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_plan import MotifPlan
-from homogenize.law.motif_table import MotifTable
-from homogenize.law.tensor_forms import STORED_SIZE
-from pattern.design.errors import DesignError
-from pattern.design.files import check_regular
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_file import KIND, PackedRows
+from asterism.homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS, law_file_errors
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_plan import MotifPlan
+from asterism.homogenize.law.motif_table import MotifTable
+from asterism.homogenize.law.tensor_forms import STORED_SIZE
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.files import check_regular
 
 MOTIF_KIND = "motif"
 # raise it when the arrays of a file change their meaning

@@ -8,11 +8,10 @@ from itertools import product
 from typing import Any, Literal
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.law import WITHOUT_BENDING
-from homogenize.law.same_material import (
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.law import WITHOUT_BENDING
+from asterism.homogenize.law.same_material import (
     FREE_KEYS,
     LATTICE_TOLERANCE,
     MATERIAL_TOLERANCE,
@@ -21,10 +20,10 @@ from homogenize.law.same_material import (
     same_sites,
     same_values,
 )
-from pattern.design.design import Design
-from pattern.design.rods import DrawnLine, Rods
-from pattern.design.sizing.field import SizingField, sample
-from pattern.design.sizing.profile import Profile
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.rods import DrawnLine, Rods
+from asterism.pattern.design.sizing.field import SizingField, sample
+from asterism.pattern.design.sizing.profile import Profile
 
 RodSizeKey = Literal["thickness_mm", "width_mm"]
 ROD_SIZE_KEYS: tuple[RodSizeKey, ...] = ("thickness_mm", "width_mm")

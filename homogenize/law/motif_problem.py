@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pattern.design.leading_field import leading_field
+from asterism.pattern.design.leading_field import leading_field
 
 
 def problem_of_motif(problem: str) -> str:

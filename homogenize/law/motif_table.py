@@ -7,10 +7,9 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.law.hermite_grid import HermiteGrid
-from homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.law.hermite_grid import HermiteGrid
+from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored
 
 # relative, of a size beyond the range of the law: rounding
 SIZE_TOLERANCE = 1e-6

@@ -9,14 +9,13 @@ from itertools import pairwise, product
 from typing import Literal, Self
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.axes import AXES, LENGTH, Axis
+from asterism.homogenize.law.law_range import min_length
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Number, Point, Section, Whole
+from asterism.pattern.design.stars import MIN_ARM_MM
 from pydantic import Field, ValidationInfo, field_validator, model_validator
-
-from equilibrium.arrays import Floats
-from homogenize.law.axes import AXES, LENGTH, Axis
-from homogenize.law.law_range import min_length
-from pattern.design.errors import DesignError
-from pattern.design.section import Number, Point, Section, Whole
-from pattern.design.stars import MIN_ARM_MM
 
 # cells of one grid or one set of scattered cells
 MAX_SAMPLES = 100_000

@@ -7,9 +7,8 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-
-from homogenize.errors import ForeignLaw
-from pattern.design.lattice import Lattice
+from asterism.homogenize.errors import ForeignLaw
+from asterism.pattern.design.lattice import Lattice
 
 # relative difference between numbers of a design and of the law: rounding of the machine
 LATTICE_TOLERANCE = 1e-6

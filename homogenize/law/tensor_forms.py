@@ -13,8 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 # of a row of stored forms
 METRIC, MEMBRANE, BENDING, MOMENT = slice(0, 3), slice(3, 9), slice(9, 15), slice(15, 18)

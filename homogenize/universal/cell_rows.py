@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.campaign.sample_rows import sample_quantities
-from homogenize.universal.groups import GROUP_KEYS, REFERENCE_MODULUS_MPA, REFERENCE_SPACING_MM
-from homogenize.universal.row_names import ANISOTROPY, ROW_NAMES, quantity_scales
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.campaign.sample_rows import sample_quantities
+from asterism.homogenize.universal.groups import GROUP_KEYS, REFERENCE_MODULUS_MPA, REFERENCE_SPACING_MM
+from asterism.homogenize.universal.row_names import ANISOTROPY, ROW_NAMES, quantity_scales
 
 # cells of stars that keep their symmetry are isotropic up to rounding; those whose fabric buckles between stars are not
 MAX_ANISOTROPY = 0.02

@@ -24,11 +24,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
-from pattern.design.materials import Fabric, Plastic, rest_curvature
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 # of the cells that stand for all others; results do not depend on them
 REFERENCE_SPACING_MM = float(DEFAULT_SPACING_MM)

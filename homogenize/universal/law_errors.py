@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Bools, Floats, Ints
-from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
-from homogenize.universal.universal_law import UniversalLaw
+from asterism.equilibrium.arrays import Bools, Floats, Ints
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
+from asterism.homogenize.universal.universal_law import UniversalLaw
 
 # An error is relative to the value of the cell, or to this value if that is larger. Values are dimensionless. The floor
 # of the curvature is a fiftieth over the spacing: a sheet of 10 stars across then rises by a fortieth of its diameter.

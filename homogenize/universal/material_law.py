@@ -9,21 +9,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
+from asterism.homogenize.universal.law_errors import NEAREST_CELLS, STATED_QUANTITIES, errors_of_cells, left_out_errors
+from asterism.homogenize.universal.row_names import WAVE_COUNT, quantity_scales
+from asterism.homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.stars import MIN_ARM_MM
 from scipy.ndimage import binary_dilation, distance_transform_edt
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.errors import LawError
-from homogenize.law.axes import AXES
-from homogenize.law.law import Law
-from homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
-from homogenize.law.material import Material
-from homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
-from homogenize.universal.law_errors import NEAREST_CELLS, STATED_QUANTITIES, errors_of_cells, left_out_errors
-from homogenize.universal.row_names import WAVE_COUNT, quantity_scales
-from homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
-from pattern.design.design import Design
-from pattern.design.lattice import Lattice
-from pattern.design.stars import MIN_ARM_MM
 
 # what the cells of the universal law have in common
 COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending": "paper", "plastic.poisson": 0.3}

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
+from asterism.homogenize.universal.law_errors import left_out_errors
+from asterism.homogenize.universal.spread_cells import spread_groups
+from asterism.homogenize.universal.universal_law import UniversalLaw, kriging_places
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats
-from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
-from homogenize.universal.law_errors import left_out_errors
-from homogenize.universal.spread_cells import spread_groups
-from homogenize.universal.universal_law import UniversalLaw, kriging_places
 
 # of the sequence that candidates come from; the law's own cells have another one
 CANDIDATE_SEED = 1

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.law.law_table import QUANTITY_NAMES
-from pattern.design.lattice import Lattice
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.pattern.design.lattice import Lattice
 
 # powers of the spacing and of `E2 h2` that each quantity is divided by
 LENGTH_POWERS = {"kappa": -1, "bending": 2, "c3": 3, "offset_mm": 1}

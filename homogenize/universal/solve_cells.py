@@ -8,19 +8,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.campaign.campaign import CampaignProgress
-from homogenize.campaign.code_version import code_version
-from homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from homogenize.campaign.solve_missing import solve_missing
-from homogenize.cell.sample import solve_cell
-from homogenize.cell.tube_directions import THREEFOLD_ANGLES_RAD
-from homogenize.universal.cell_rows import cell_row, row_problem
-from homogenize.universal.groups import REFERENCE_SPACING_MM, reference_cell
-from homogenize.universal.row_names import ROW_NAMES
-from homogenize.universal.solved_cells import SolvedCells
-from pattern.design.errors import DesignError, MeshError
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.campaign.campaign import CampaignProgress
+from asterism.homogenize.campaign.code_version import code_version
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
+from asterism.homogenize.campaign.solve_missing import solve_missing
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.cell.tube_directions import THREEFOLD_ANGLES_RAD
+from asterism.homogenize.universal.cell_rows import cell_row, row_problem
+from asterism.homogenize.universal.groups import REFERENCE_SPACING_MM, reference_cell
+from asterism.homogenize.universal.row_names import ROW_NAMES
+from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.pattern.design.errors import DesignError, MeshError
 
 # the law holds the mean over these directions, and the difference between them
 _ANGLES = (THREEFOLD_ANGLES_RAD[0], THREEFOLD_ANGLES_RAD[-1])

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-
-from equilibrium.arrays import Bools, Floats
-from homogenize.universal.groups import GROUPS
-from homogenize.universal.row_names import ROW_NAMES
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.universal.groups import GROUPS
+from asterism.homogenize.universal.row_names import ROW_NAMES
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,8 @@ its finished cells stay in the plan.
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.universal.groups import GROUP_KEYS, GROUPS, MAX_ARM_CURL, MIN_FABRIC_TO_EDGE, arm_curl
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, MAX_ARM_CURL, MIN_FABRIC_TO_EDGE, arm_curl
 
 # mesh edges between two stars; coarse meshes are cheap, and the answers vary evenly from mesh to mesh
 EDGES_BETWEEN_STARS = (10, 12, 15, 20)

@@ -12,16 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from homogenize.campaign.campaign import CampaignProgress
-from homogenize.campaign.code_version import code_version
-from homogenize.errors import CampaignError
-from homogenize.universal.refined_cells import refined_groups
-from homogenize.universal.row_names import ROW_NAMES
-from homogenize.universal.solve_cells import SolveGroups, solve_cells, solve_groups
-from homogenize.universal.solved_cells import SolvedCells
-from homogenize.universal.spread_cells import spread_groups
-from homogenize.universal.universal_law import UniversalLaw, universal_law
+from asterism.homogenize.campaign.campaign import CampaignProgress
+from asterism.homogenize.campaign.code_version import code_version
+from asterism.homogenize.errors import CampaignError
+from asterism.homogenize.universal.refined_cells import refined_groups
+from asterism.homogenize.universal.row_names import ROW_NAMES
+from asterism.homogenize.universal.solve_cells import SolveGroups, solve_cells, solve_groups
+from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.spread_cells import spread_groups
+from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
 
 # relative difference of a cell that is solved again; rounding of another machine
 REPEAT_TOLERANCE = 1e-4

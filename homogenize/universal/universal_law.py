@@ -8,12 +8,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Bools, Floats, Ints
-from homogenize.errors import CampaignError
-from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.groups import (
+from asterism.equilibrium.arrays import Bools, Floats, Ints
+from asterism.homogenize.errors import CampaignError
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.universal.groups import (
     GROUP_KEYS,
     GROUPS,
     MAX_ARM_CURL,
@@ -22,10 +20,11 @@ from homogenize.universal.groups import (
     coordinates_of_groups,
     mismatch,
 )
-from homogenize.universal.kriging import Kriging
-from homogenize.universal.likelihood import likely_covariance
-from homogenize.universal.row_names import WAVE_NAMES
-from homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.kriging import Kriging
+from asterism.homogenize.universal.likelihood import likely_covariance
+from asterism.homogenize.universal.row_names import WAVE_NAMES
+from asterism.homogenize.universal.solved_cells import SolvedCells
+from scipy.spatial import cKDTree
 
 _POISSON = 0.3
 # on equilateral triangles the paper's hinges are three times as stiff as the plate

@@ -7,16 +7,15 @@ import json
 from pathlib import Path
 
 import numpy as np
-
-from homogenize.errors import LawError
-from homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS
-from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.groups import GROUP_KEYS, GROUPS
-from homogenize.universal.kriging import Covariance, Kriging
-from homogenize.universal.row_names import ROW_NAMES
-from homogenize.universal.solved_cells import SolvedCells
-from homogenize.universal.universal_law import UniversalLaw, kernel_factors, kriging_places
-from pattern.design.files import check_regular
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS
+from asterism.homogenize.universal.kriging import Covariance, Kriging
+from asterism.homogenize.universal.row_names import ROW_NAMES
+from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.universal_law import UniversalLaw, kernel_factors, kriging_places
+from asterism.pattern.design.files import check_regular
 
 # raise it when arrays or groups change their meaning
 UNIVERSAL_LAW_FORMAT = 2

@@ -7,20 +7,19 @@ from pathlib import Path
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.border import Border
+from asterism.pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
+from asterism.pattern.design.files import write_table
+from asterism.pattern.design.fit_weights import FitWeights
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.material_files import MaterialChoice, with_material_file
+from asterism.pattern.design.materials import Fabric, Plastic
+from asterism.pattern.design.pins import Pins
+from asterism.pattern.design.rods import Rods
+from asterism.pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
+from asterism.pattern.design.stars import Stars
 from pydantic import Field, ValidationError, field_validator, model_validator
-
-from pattern.design.arguments import check_type
-from pattern.design.border import Border
-from pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
-from pattern.design.files import write_table
-from pattern.design.fit_weights import FitWeights
-from pattern.design.lattice import Lattice
-from pattern.design.material_files import MaterialChoice, with_material_file
-from pattern.design.materials import Fabric, Plastic
-from pattern.design.pins import Pins
-from pattern.design.rods import Rods
-from pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
-from pattern.design.stars import Stars
 
 # on the ground
 GRAVITY_M_S2 = 9.81

@@ -11,12 +11,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError, NoUnitError
-from pattern.design.rhino_lines import rhino_lines
-from pattern.design.rhino_model import RHINO_FORMAT, open_rhino_model
-from pattern.geometry.flattening import flattened
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError, NoUnitError
+from asterism.pattern.design.rhino_lines import rhino_lines
+from asterism.pattern.design.rhino_model import RHINO_FORMAT, open_rhino_model
+from asterism.pattern.geometry.flattening import flattened
 
 MAX_FILE_BYTES = 20_000_000
 MAX_FILE_LINES = 20_000

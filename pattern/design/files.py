@@ -13,7 +13,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError
 
 MAX_DESIGN_BYTES = 10_000_000
 

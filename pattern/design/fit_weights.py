@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Self
 
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Number, Section
+from asterism.pattern.design.stars import Site
 from pydantic import Field, model_validator
-
-from pattern.design.errors import DesignError
-from pattern.design.section import Number, Section
-from pattern.design.stars import Site
 
 # least and largest weight of a place; places without one have the weight 1
 WEIGHT_RANGE = (0.01, 100.0)

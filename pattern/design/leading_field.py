@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from pattern.design.design import Design
+from asterism.pattern.design.design import Design
 
 _FIELD = re.compile(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )")
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import shapely
-
-from pattern.design.errors import DesignError
-from pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
 
 # mm, largest distance of a curve from the straight edges of the sheet
 OUTLINE_CURVE_MM = 0.02

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Number, Place, Point, Section, Whole
 from pydantic import Field, field_validator, model_validator
-
-from pattern.design.errors import DesignError
-from pattern.design.section import Number, Place, Point, Section, Whole
 
 MAX_PIN_PLACE_MM = 1e4
 

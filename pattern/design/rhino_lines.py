@@ -8,10 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.rhino_model import RhinoModel
-from pattern.geometry.flattening import flattened
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.rhino_model import RhinoModel
+from asterism.pattern.geometry.flattening import flattened
 
 # points of a curve in each span between its knots, at which its turn is measured
 SPAN_SAMPLES = 24

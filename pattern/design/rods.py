@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.file_lines import MM_OF_UNITS, read_lines
+from asterism.pattern.design.residual_curvature import CurvaturePerMm
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.design.section import Flag, Line, Number, Point, Section, Text
+from asterism.pattern.design.sizing.field import SizingField
 from pydantic import Field, ValidationInfo, model_validator
-
-from pattern.design.errors import DesignError
-from pattern.design.file_lines import MM_OF_UNITS, read_lines
-from pattern.design.residual_curvature import CurvaturePerMm
-from pattern.design.rounding import Rounding
-from pattern.design.section import Flag, Line, Number, Point, Section, Text
-from pattern.design.sizing.field import SizingField
 
 MIN_RADIUS_MM = 0.5
 # mm, largest distance of an imported curve from the straight pieces that are stored

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.section import Number, Section
 from pydantic import Field
-
-from equilibrium.arrays import Floats
-from pattern.design.section import Number, Section
 
 
 class Rounding(Section):

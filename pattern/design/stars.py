@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.design.section import Flag, Number, Point, Section, Whole
+from asterism.pattern.design.sizing.field import SizingField
 from pydantic import Field, model_validator
-
-from pattern.design.errors import DesignError
-from pattern.design.rounding import Rounding
-from pattern.design.section import Flag, Number, Point, Section, Whole
-from pattern.design.sizing.field import SizingField
 
 THICKNESS_RANGE_MM = (0.05, 5.0)
 WIDTH_RANGE_MM = (0.1, 10.0)

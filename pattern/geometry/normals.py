@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
 from jaxtyping import Float, Int
-
-from equilibrium.arrays import Floats
 
 
 def triangle_normals(

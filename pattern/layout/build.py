@@ -7,26 +7,25 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.arguments import check_type
-from pattern.design.border import Border
-from pattern.design.design import Design
-from pattern.design.errors import NEEDS_STARS_ALONE, BlankSheetError, DesignError
-from pattern.design.lattice import Lattice
-from pattern.design.pins import Pins
-from pattern.design.stars import MIN_ARM_MM
-from pattern.geometry.planar import inside
-from pattern.layout.layout import Layout
-from pattern.layout.outline import outline
-from pattern.layout.pin_conflicts import check_conflicts
-from pattern.layout.pin_placement import pin_set, snapped_to_arms
-from pattern.layout.pin_reach import check_reach
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.star_cells import star_cells, star_margin_mm
-from pattern.layout.star_sizes import star_sizes
-from pattern.layout.supports import PinSet
-from pattern.rods.arms import check_clear, cut
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.border import Border
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import NEEDS_STARS_ALONE, BlankSheetError, DesignError
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.pins import Pins
+from asterism.pattern.design.stars import MIN_ARM_MM
+from asterism.pattern.geometry.planar import inside
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.outline import outline
+from asterism.pattern.layout.pin_conflicts import check_conflicts
+from asterism.pattern.layout.pin_placement import pin_set, snapped_to_arms
+from asterism.pattern.layout.pin_reach import check_reach
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.star_cells import star_cells, star_margin_mm
+from asterism.pattern.layout.star_sizes import star_sizes
+from asterism.pattern.layout.supports import PinSet
+from asterism.pattern.rods.arms import check_clear, cut
 
 KEPT_OUTLINES = 8
 # largest distance of the curved edge of a hole from its straight pieces, on sheets of stars; drawings have their own
@@ -173,7 +172,7 @@ def _kept_holes(border: Border, lattice: Lattice) -> tuple[Floats, ...]:
     """The edges of the holes, kept for edits."""
     if not border.holes:
         return ()
-    from pattern.rods.hole_rings import check_holes, hole_rings  # slow to import; most designs do without it
+    from asterism.pattern.rods.hole_rings import check_holes, hole_rings  # slow to import; most designs do without it
 
     rings = hole_rings(border, HOLE_CURVE_MM)
     check_holes(rings, _kept_outline(border, lattice), border.tip_margin_mm)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.layout.layout import Layout
-from pattern.rods.graph import Rod, RodGraph
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.rods.graph import Rod, RodGraph
 
 # highest order of a rotation that is looked for; a circle has all of them
 MAX_ROTATION_ORDER = 12

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.layout.free_motions import RIGID_MOTION_TOLERANCE, FreeMotions
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.free_motions import RIGID_MOTION_TOLERANCE, FreeMotions
+from asterism.pattern.layout.layout import Layout
 
 
 def free_rotation_axes(layout: Layout) -> Floats:

@@ -6,16 +6,15 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import distance_to_segment, inside, split_for_table
+from asterism.pattern.geometry.plane_lattice import PlaneLattice
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.support_samples import SupportSamples, sample_supports
+from asterism.pattern.layout.supports import PinSet, all_points
+from asterism.pattern.rods.graph import Rod, RodGraph
+from asterism.pattern.rods.star_graph import star_graph
 from jaxtyping import Float, Int
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import distance_to_segment, inside, split_for_table
-from pattern.geometry.plane_lattice import PlaneLattice
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.support_samples import SupportSamples, sample_supports
-from pattern.layout.supports import PinSet, all_points
-from pattern.rods.graph import Rod, RodGraph
-from pattern.rods.star_graph import star_graph
 
 # points of a drawn rod at which shapes are compared, and most rods that are compared
 COMPARED_POINTS_A_ROD = 9

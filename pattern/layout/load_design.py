@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.files import read_table
-from pattern.layout.print_layout import print_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.files import read_table
+from asterism.pattern.layout.print_layout import print_layout
 
 
 def load_design(path: str | Path) -> Design:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.design.border import MAX_SHEET_MM, Border
-from pattern.design.errors import DesignError
-from pattern.design.lattice import Lattice
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import MAX_SHEET_MM, Border
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import Lattice
 
 
 def outline(border: Border, lattice: Lattice) -> Floats:

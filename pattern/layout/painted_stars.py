@@ -6,13 +6,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from asterism.equilibrium.arrays import Ints
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.stars import Override, Site
+from asterism.pattern.layout.outline import outline
+from asterism.pattern.layout.star_cells import star_cells
 from numpy.typing import ArrayLike
-
-from equilibrium.arrays import Ints
-from pattern.design.design import Design
-from pattern.design.stars import Override, Site
-from pattern.layout.outline import outline
-from pattern.layout.star_cells import star_cells
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
 NO_SIZES = (None, None, None)

@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.layout.pin_placement import PIN_TOLERANCE_MM, rounded_place
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.supports import PinSet, all_points, set_of_point
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM, rounded_place
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.supports import PinSet, all_points, set_of_point
 
 
 class _Conflict(NamedTuple):

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import DesignError
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.supports import PinSet
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.supports import PinSet
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be
 MAX_PULL = 3.0

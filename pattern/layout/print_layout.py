@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.holes import Hole
-from pattern.geometry.planar import polygon_area
-from pattern.layout.build import check_mesh_size, check_pins, layout, sheet_outline
-from pattern.layout.layout import Layout
-from pattern.layout.pin_placement import pin_set, snapped_to_lines
-from pattern.layout.supports import PinSet
-from pattern.rods.graph import RodGraph
-from pattern.rods.star_clearance import check_beside
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.holes import Hole
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.build import check_mesh_size, check_pins, layout, sheet_outline
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.pin_placement import pin_set, snapped_to_lines
+from asterism.pattern.layout.supports import PinSet
+from asterism.pattern.rods.graph import RodGraph
+from asterism.pattern.rods.star_clearance import check_beside
 
 if TYPE_CHECKING:
-    from pattern.rods.drawn_graph import DrawnPattern
+    from asterism.pattern.rods.drawn_graph import DrawnPattern
 
 
 def print_layout(design: Design) -> Layout:
@@ -43,7 +42,7 @@ def print_layout(design: Design) -> Layout:
     """
     if not isinstance(design, Design) or design.rods is None:
         return layout(design)
-    from pattern.rods.drawn_graph import drawn_pattern  # slow to import; designs of stars do without it
+    from asterism.pattern.rods.drawn_graph import drawn_pattern  # slow to import; designs of stars do without it
 
     corners = None if design.border.rods is not None else sheet_outline(design)
     drawn = drawn_pattern(design.rods, design.border, design.lattice, corners)

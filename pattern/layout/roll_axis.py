@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.layout import Layout
 
 # rotation of the normal from one end of the sheet to the other
 MIN_ROLL_RAD = 1.0

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import STRAIGHT_TURN_RAD, polygon_area, turning_angles
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, polygon_area, turning_angles
 
 
 @dataclass(frozen=True, eq=False)

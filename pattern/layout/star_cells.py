@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.border import Border
-from pattern.design.errors import DesignError
-from pattern.design.lattice import Lattice
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.border import Border
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import Lattice
 
 MAX_STARS_OF_DESIGN = 5000
 # cells in the box around the sheet that may be listed before those outside the outline are dropped

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import DesignError
-from pattern.design.lattice import Lattice
-from pattern.design.sizing.field import sample
-from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.sizing.field import sample
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
 
 # A star is meant by `at_mm` within this part of the spacing: too close to be mistaken for a neighbour.
 MAX_STAR_MISS_SPACINGS = 0.1

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import nearest_segment
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import nearest_segment
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.supports import PinSet
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.supports import PinSet
 
 
 class SupportSamples(NamedTuple):

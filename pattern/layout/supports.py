@@ -10,11 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import STRAIGHT_TURN_RAD
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.layout.support_curve import SupportCurve
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.layout.support_curve import SupportCurve
 
 # Which of x, y, z are supported, by the value of `slide` in the design file.
 FIXED_BY_SLIDE = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.layout.free_motions import FreeMotions
-from pattern.layout.symmetries import Symmetry
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.free_motions import FreeMotions
+from asterism.pattern.layout.symmetries import Symmetry
 
 FREE_SHEET = FreeMotions()
 

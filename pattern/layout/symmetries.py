@@ -6,15 +6,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.rods import IMPORT_CURVE_MM
+from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
+from asterism.pattern.layout.drawn_motions import DrawingImages, candidate_turns, maps_holes
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.support_samples import SupportSamples
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.design import Design
-from pattern.design.rods import IMPORT_CURVE_MM
-from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
-from pattern.layout.drawn_motions import DrawingImages, candidate_turns, maps_holes
-from pattern.layout.layout import Layout
-from pattern.layout.support_samples import SupportSamples
 
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6

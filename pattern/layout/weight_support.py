@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.layout import Layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
 
 
 def check_weight_is_supported(design: Design, layout: Layout) -> None:

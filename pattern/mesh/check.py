@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_angles, triangle_areas
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import is_in_sorted, polygon_area, triangle_angles, triangle_areas
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
 
 MAX_EXACT_TRIANGLES = 2_000_000
 

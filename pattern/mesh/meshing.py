@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pattern.design.errors import MeshError
-from pattern.layout.layout import Layout
-from pattern.mesh.aligned.aligned_mesh import aligned_mesh
-from pattern.mesh.free.delaunay_mesh import MAX_SPLITS, delaunay_mesh
-from pattern.mesh.mesh import Mesh
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.aligned.aligned_mesh import aligned_mesh
+from asterism.pattern.mesh.free.delaunay_mesh import MAX_SPLITS, delaunay_mesh
+from asterism.pattern.mesh.mesh import Mesh
 
 MeshKind = Literal["auto", "aligned", "delaunay"]
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
+from asterism.pattern.layout.layout import Layout
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
-from pattern.layout.layout import Layout
 
 # a vertex this close to a pin is at the pin
 PIN_VERTEX_TOLERANCE_MM = 1e-5

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import DesignError
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import DesignError
 
 # ends closer than this are meant to meet, with a rounded length
 NEARLY_MEETING_MM = 0.02

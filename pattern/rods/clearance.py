@@ -6,11 +6,10 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.design.stars import MIN_ARM_MM
-from pattern.rods.graph import Rod, RodGraph
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.stars import MIN_ARM_MM
+from asterism.pattern.rods.graph import Rod, RodGraph
 
 MAX_RODS = 20_000
 # rods that meet at a smaller angle print as one, and the mesh has no good triangles between them

@@ -6,21 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.design.border import Border
-from pattern.design.errors import DesignError
-from pattern.design.lattice import Lattice
-from pattern.design.rods import DrawnLine, Rods
-from pattern.design.sizing.field import SizingField, sample
-from pattern.design.sizing.profile import Profile
-from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from pattern.geometry.planar import polygon_area
-from pattern.rods.clearance import check_rods
-from pattern.rods.curves import polyline
-from pattern.rods.graph import Rod, RodGraph
-from pattern.rods.hole_rings import check_holes, hole_rings
-from pattern.rods.planar_lines import Piece, cut_lines, is_closed
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import Border
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.rods import DrawnLine, Rods
+from asterism.pattern.design.sizing.field import SizingField, sample
+from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.rods.clearance import check_rods
+from asterism.pattern.rods.curves import polyline
+from asterism.pattern.rods.graph import Rod, RodGraph
+from asterism.pattern.rods.hole_rings import check_holes, hole_rings
+from asterism.pattern.rods.planar_lines import Piece, cut_lines, is_closed
 
 MAX_COPIES = 20_000
 # mm: sections that vary over the sheet are evaluated at points this close along a rod

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import cross_2d
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import cross_2d
 
 # a rod that turns by more at a node has a corner there; decided on the drawing, since a mesh turns curves in steps
 CORNER_DEG = 10.0

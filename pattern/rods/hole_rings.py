@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.design.border import MIN_SHEET_AREA_MM2, Border
-from pattern.design.errors import DesignError
-from pattern.design.rods import DrawnLine
-from pattern.rods.curves import polyline
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import MIN_SHEET_AREA_MM2, Border
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rods import DrawnLine
+from asterism.pattern.rods.curves import polyline
 
 
 def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import DesignError
-from pattern.design.lattice import Lattice
-from pattern.design.rods import Rods
-from pattern.design.sizing.profile import Profile
-from pattern.rods.curves import polyline
-from pattern.rods.drawn_graph import PlacedLine, graph_of_lines
-from pattern.rods.graph import Rod
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.rods import Rods
+from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.rods.curves import polyline
+from asterism.pattern.rods.drawn_graph import PlacedLine, graph_of_lines
+from asterism.pattern.rods.graph import Rod
 
 # mm: places of a cell closer than this are one, but for rounding, whatever `join_mm` is
 SAME_NODE_MM = 1e-5

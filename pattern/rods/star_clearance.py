@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-
-from pattern.design.errors import DesignError
-from pattern.rods.graph import RodGraph
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.rods.graph import RodGraph
 
 
 def check_beside(stars: RodGraph, drawn: RodGraph) -> None:

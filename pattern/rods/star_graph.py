@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.rods.graph import Rod, RodGraph
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.rods.graph import Rod, RodGraph
 
 
 def star_graph(

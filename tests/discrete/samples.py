@@ -6,19 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.energies.bending.hinges import Hinges
-from discrete.energies.bending.plate import Plate
-from discrete.energies.elements import Elements
-from discrete.energies.membrane import Membrane
-from discrete.energies.rods.bend import RodBend
-from discrete.energies.rods.joint import RodJoint
-from discrete.energies.rods.joint_network import JointNetwork, joint_inputs
-from discrete.energies.rods.network import RodNetwork, stencil_inputs
-from discrete.energies.rods.stretch import RodStretch
-from discrete.energies.rods.twist import RodTwist
-from discrete.model.state import State, moved_state
-from equilibrium.arrays import Array
+from asterism.discrete.energies.bending.hinges import Hinges
+from asterism.discrete.energies.bending.plate import Plate
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.membrane import Membrane
+from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.rods.joint import RodJoint
+from asterism.discrete.energies.rods.joint_network import JointNetwork, joint_inputs
+from asterism.discrete.energies.rods.network import RodNetwork, stencil_inputs
+from asterism.discrete.energies.rods.stretch import RodStretch
+from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.model.state import State, moved_state
+from asterism.equilibrium.arrays import Array
 
 COUNT = 40
 

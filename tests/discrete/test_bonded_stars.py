@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.single_mesh import solve_on_mesh
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 DESIGN = Design.from_dict(
     {

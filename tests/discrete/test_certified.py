@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.continuation import force_scale
+from asterism.discrete.release.release_start import ReleaseStart
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.continuation import force_scale
-from discrete.release.release_start import ReleaseStart
-from discrete.release.single_mesh import solve_on_mesh
-from pattern.design.design import Design
-from pattern.design.errors import DesignError, MeshError
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 PINS: list[list[dict]] = [
     [],

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import moved_state
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import moved_state
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(edge_mm: float = 4.0, **data: Any) -> DiscreteModel:

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
+from asterism.discrete.energies.membrane import Membrane
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 from scipy.spatial import Delaunay
-
-from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
-from discrete.energies.membrane import Membrane
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.model.system import System
-from equilibrium.arrays import Array
-from equilibrium.linear.backends import make_factor
-from equilibrium.newton.minimise import minimise
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 SIDE = 20.0

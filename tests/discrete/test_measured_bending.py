@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from homogenize.errors import ForeignLaw
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 SHEET = {"stars": {"length_mm": 7.0}, "border": {"rings": 1}}
 # of the default thickness and modulus

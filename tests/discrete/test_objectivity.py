@@ -9,17 +9,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.rigid import rigid_modes
+from asterism.discrete.model.state import State, moved_state
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.meshing import mesh_layout
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.rigid import rigid_modes
-from discrete.model.state import State, moved_state
-from equilibrium.arrays import Array
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.meshing import mesh_layout
 
 TOLERANCE = 1e-11
 DESIGN = Design.from_dict(

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.pin_steps import model_with_pins_until
-from discrete.release.release_start import ReleaseStart
-from discrete.release.single_mesh import solve_on_mesh
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.pin_steps import model_with_pins_until
+from asterism.discrete.release.release_start import ReleaseStart
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(edge: float = 4.0, rings: int = 1, **changes: object) -> DiscreteModel:

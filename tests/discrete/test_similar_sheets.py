@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.release_start import ReleaseStart
-from discrete.release.single_mesh import solve_on_mesh
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.release_start import ReleaseStart
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 BENT = ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.3, releases=(0.3, 1.0))
 

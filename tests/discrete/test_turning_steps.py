@@ -6,15 +6,14 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.newton.minimise import minimise
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 FINE = 17.3205 / 36  # mm; graded: 0.11 mm along the arms, triangles beside them 0.1 mm high
 

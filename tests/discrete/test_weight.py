@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.single_mesh import solve_on_mesh
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 GRAVITY = 9.81
 

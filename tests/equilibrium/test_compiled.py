@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop, sum_formula
+from asterism.equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop, sum_formula
 
 LOOPS = """
-from equilibrium.compiled import formula
+from asterism.equilibrium.compiled import formula
 
 
 @formula
@@ -38,7 +37,7 @@ def test_changed_formulas_have_no_machine_code(tmp_path: Path, monkeypatch: pyte
     assert not has_machine_code(package)
     assert loop(total)(np.array([1.0, 2.0])) == 6.0
     assert has_machine_code(package)
-    monkeypatch.setattr("equilibrium.compiled._digest", lambda package: "of-other-formulas")
+    monkeypatch.setattr("asterism.equilibrium.compiled._digest", lambda package: "of-other-formulas")
     assert not has_machine_code(package)
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 
 import pytest
-
-from equilibrium.threads import _openblas, one_blas_thread
+from asterism.equilibrium.threads import _openblas, one_blas_thread
 
 
 def threads() -> list[int]:

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from equilibrium import compiled
+from asterism.equilibrium import compiled
 
 SOURCE = """
-from equilibrium.compiled import loop
+from asterism.equilibrium.compiled import loop
 
 
 @loop

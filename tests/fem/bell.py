@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.argyris import Argyris
 from skfem import MeshTri
-
-from equilibrium.arrays import Floats
-from fem.elements.argyris import Argyris
 
 
 class Bell(Argyris):

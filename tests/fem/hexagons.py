@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import Fields, of_stretch
 from skfem import MeshTri
-
-from equilibrium.arrays import Floats
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import Fields, of_stretch
 
 RADIUS, THICKNESS, MODULUS, POISSON = 130.0, 2.6, 7.0, 0.3  # mm, mm, MPa
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from fem.elements.deformation import Deformation
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.deformation import Deformation
 
 
 def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:

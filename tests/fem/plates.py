@@ -2,10 +2,9 @@
 
 import numpy as np
 import scipy.sparse as sp
+from asterism.fem.elements.deformation import flat
+from asterism.fem.supports.conditions import Condition, impose_conditions
 from scipy.sparse.linalg import spsolve
-
-from fem.elements.deformation import flat
-from fem.supports.conditions import Condition, impose_conditions
 
 STIFF = 1e7
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.compliance import compliance
+from asterism.fem.search.linear_response import linear_response
+from asterism.fem.search.mixed_newton import MAX_STEP
+from asterism.fem.search.relax import follow, relax
+from asterism.fem.shell.fields import FieldError, Fields, of_stretch
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import PointSupport
+from asterism.fem.supports.loads import point_load
 
-from equilibrium.arrays import Floats
-from fem.elements.argyris import Argyris
-from fem.search.compliance import compliance
-from fem.search.linear_response import linear_response
-from fem.search.mixed_newton import MAX_STEP
-from fem.search.relax import follow, relax
-from fem.shell.fields import FieldError, Fields, of_stretch
-from fem.shell.shell import Shell
-from fem.supports.conditions import PointSupport
-from fem.supports.loads import point_load
 from tests.fem.hexagons import density, hexagon, radius
 
 

@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-
-from discrete.model.state import State
-from equilibrium.arrays import Array
-from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from homogenize.cell.sample import Sample, solve_cell
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.design import Design
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.sample import Sample, solve_cell
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
 
 EDGE = 2.9  # six edges between stars
 

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from homogenize.cell.tube_directions import tube_angles
-from pattern.design.design import Design
+from asterism.homogenize.cell.tube_directions import tube_angles
+from asterism.pattern.design.design import Design
 
 
 @dataclass

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-
-from homogenize.cell.effective_stiffness import EffectiveStiffness
-from homogenize.cell.larger_cell import CellComparison
-from homogenize.cell.motif_responses import MotifResponses, RolledDirection
-from homogenize.cell.tube_directions import ALL_ANGLES_RAD
-from pattern.design.design import Design
+from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
+from asterism.homogenize.cell.larger_cell import CellComparison
+from asterism.homogenize.cell.motif_responses import MotifResponses, RolledDirection
+from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.pattern.design.design import Design
 
 # mm, of lines below which four cells relax to less energy than one
 LEAST_THICKNESS = 0.34

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-
-from pattern.design.design import Design
-from pattern.design.lattice import Lattice
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import Lattice
 
 Line = dict[str, Any]
 Pattern = tuple[list[Line], dict[str, Any]]  # motif and lattice

@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-
-from homogenize.campaign.workers import SubmitAll
+from asterism.homogenize.campaign.workers import SubmitAll
 
 
 @contextmanager
@@ -24,4 +23,4 @@ def workers(jobs: int) -> Iterator[SubmitAll]:
 
 def use(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let campaigns solve their cells in this process until the test ends."""
-    monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", workers)
+    monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", workers)

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.discrete.energies.bending.hinges import paper_coefficients
+from asterism.discrete.model.state import State
+from asterism.homogenize.cell.cell_stability import cell_stability
+from asterism.homogenize.cell.effective_stiffness import effective_stiffness
+from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.natural_curvature import trace_tubes
+from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.cell.unit_cell import UnitCell
 from scipy.linalg import block_diag
 
-from discrete.energies.bending.hinges import paper_coefficients
-from discrete.model.state import State
-from homogenize.cell.cell_stability import cell_stability
-from homogenize.cell.effective_stiffness import effective_stiffness
-from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from homogenize.cell.natural_curvature import trace_tubes
-from homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell
-from homogenize.cell.sample import solve_cell
-from homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cells import EDGE, design, full, shaken
 from tests.homogenize.test_cell_symmetry import _moved
 
@@ -182,7 +182,7 @@ def test_free_and_aligned_meshes_agree(monkeypatch: pytest.MonkeyPatch, thicknes
     star = design(10.0, thickness)
     aligned = solve_cell(star, 1.92, (0.0, np.pi / 6))
     for module in ("cell_mesh", "arm_segments"):
-        monkeypatch.setattr(f"homogenize.cell.{module}.aligned_lines", lambda lattice: None)
+        monkeypatch.setattr(f"asterism.homogenize.cell.{module}.aligned_lines", lambda lattice: None)
     free = solve_cell(star, 1.92, (0.0, np.pi / 6))
     assert len(free.segments) == 1
     assert free.lam == pytest.approx(aligned.lam, rel=2e-3)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from homogenize.law.law_table import MAX_SEPARATED_CURL
-from homogenize.law.material import PAPER_MATERIAL, load_material
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.homogenize.law.material import PAPER_MATERIAL, load_material
 
 
 @pytest.fixture(scope="module")

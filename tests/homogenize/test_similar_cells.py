@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
 EDGE = 5.0
 

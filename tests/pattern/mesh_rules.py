@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import (
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import (
     distance_to_outline,
     distance_to_segment,
     polygon_area,
     triangle_angles,
     triangle_areas,
 )
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
+from scipy.spatial import cKDTree
 
 
 def smallest_angle(mesh: Mesh) -> float:

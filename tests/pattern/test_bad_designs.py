@@ -4,11 +4,10 @@ import copy
 import json
 
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.layout.load_design import load_design
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}

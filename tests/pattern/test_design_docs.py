@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.sizing.profiles import PROFILES
+from asterism.pattern.design.stars import Override
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.print_layout import print_layout
 from pydantic import BaseModel
-
-from pattern.design.design import Design
-from pattern.design.sizing.profiles import PROFILES
-from pattern.design.stars import Override
-from pattern.layout.build import layout
-from pattern.layout.print_layout import print_layout
 
 TEXT = (Path(__file__).parents[2] / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
 WHOLE, OVERRIDE, RODS, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)

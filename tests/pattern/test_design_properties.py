@@ -4,13 +4,12 @@ import copy
 import json
 
 import pytest
+from asterism.pattern.design.design import Design, save_design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-
-from pattern.design.design import Design, save_design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.layout.load_design import load_design
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 

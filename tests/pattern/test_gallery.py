@@ -6,13 +6,12 @@ import sys
 
 import numpy as np
 import pytest
-
-from pattern import gallery
-from pattern.design.design import save_design
-from pattern.layout.build import layout
-from pattern.layout.load_design import load_design
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.pattern import gallery
+from asterism.pattern.design.design import save_design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 FRAME_MM = 260
 
@@ -54,7 +53,7 @@ def test_unknown_name():
 
 def test_reading_a_design_imports_nothing_slow():
     check = (
-        "import sys; from pattern import gallery; gallery.load('dome'); "
+        "import sys; from asterism.pattern import gallery; gallery.load('dome'); "
         "assert not {'scipy', 'numba', 'matplotlib', 'PIL'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", check], check=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pattern
+from asterism import pattern
 from tests.test_rooms import ORDER
 
 

@@ -5,21 +5,21 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.law.law import Law
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.exact.simulation import exact_shape
 from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from homogenize.campaign.campaign import SampleRecord
-from homogenize.campaign.fit_law import fit_law
-from homogenize.cell.sample import solve_cell
-from homogenize.law.law import Law
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 EDGE = 3.5  # mm, of the exact model's meshes
 MIDDLE = 20.0  # mm of print around the middle

@@ -10,19 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from discrete.energies.bending.hinges import Hinges, interior_edges, paper_coefficients
-from discrete.energies.elements import Elements
-from discrete.energies.membrane import Membrane
-from discrete.energies.rods.bend import RodBend
-from discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
-from discrete.energies.rods.twist import RodTwist
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State, edge_tangents
-from equilibrium.arrays import Array
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.mesh.mesh import Mesh
+from asterism.discrete.energies.bending.hinges import Hinges, interior_edges, paper_coefficients
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.membrane import Membrane
+from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
+from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State, edge_tangents
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
 
 FOLDER = Path(__file__).parent.parent / "data" / "reference"
 SPACING = 10.0 * np.sqrt(3.0)

@@ -6,10 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-
-from discrete.energies.rods.bend import RodBend
-from discrete.energies.rods.network import (
+from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.rods.network import (
     RodNetwork,
     bend_params,
     rod_network,
@@ -17,16 +15,17 @@ from discrete.energies.rods.network import (
     stretch_params,
     twist_params,
 )
-from discrete.energies.rods.section import torsion_constant
-from discrete.energies.rods.stretch import RodStretch
-from discrete.energies.rods.twist import RodTwist
-from discrete.model.state import State
-from discrete.model.system import System
-from equilibrium.arrays import Array
-from equilibrium.linear.backends import make_factor
-from equilibrium.newton.certificate import smallest_eigenvalue
-from equilibrium.newton.minimise import NewtonResult, minimise
-from equilibrium.newton.regularisation import Method
+from asterism.discrete.energies.rods.section import torsion_constant
+from asterism.discrete.energies.rods.stretch import RodStretch
+from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.newton.certificate import smallest_eigenvalue
+from asterism.equilibrium.newton.minimise import NewtonResult, minimise
+from asterism.equilibrium.newton.regularisation import Method
+from scipy.optimize import brentq
 
 
 @dataclass(frozen=True)

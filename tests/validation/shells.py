@@ -3,16 +3,15 @@
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from equilibrium.newton.find_minimum import is_definite_on_support
-from fem.elements.deformation import Deformation
-from fem.elements.space import Space
-from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import GRADIENT_TOLERANCE
-from fem.shell.density import Density, isotropic, on_metric
-from fem.shell.fields import Fields
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.newton.find_minimum import is_definite_on_support
+from asterism.fem.elements.deformation import Deformation
+from asterism.fem.elements.space import Space
+from asterism.fem.search.mixed_newton import mixed_newton
+from asterism.fem.search.relax import GRADIENT_TOLERANCE
+from asterism.fem.shell.density import Density, isotropic, on_metric
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import Shell
 
 
 def material(modulus: float, thickness: float, poisson: float) -> Floats:

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import rest_curvature
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 from scipy.optimize import minimize_scalar
 
 from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.model.system import System
-from pattern.design.design import Design
-from pattern.design.materials import rest_curvature
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
 from tests.validation.rods import Material, solve
 
 RADIUS_MM, EDGE_MM = 40.0, 3.0

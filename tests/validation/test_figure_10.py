@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
 
 from asterism.shape.comparison import Comparison
-from equilibrium.arrays import Floats
 from tests.validation.figures import both, middles
 
 MODELS = pytest.mark.parametrize("model", [0, 1], ids=["exact", "preview"])

@@ -8,18 +8,24 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
+from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.rods.joint import RodJoint
+from asterism.discrete.energies.rods.joint_network import fitted_frames, joint_inputs, joint_network, joint_params
+from asterism.discrete.energies.rods.network import (
+    bend_params,
+    rod_network,
+    stencil_inputs,
+    stretch_params,
+    twist_params,
+)
+from asterism.discrete.energies.rods.stretch import RodStretch
+from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.model.rigid import rigid_motions
+from asterism.discrete.model.rotations import rotate_vectors
+from asterism.discrete.model.state import State, moved_state
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
 
-from discrete.energies.rods.bend import RodBend
-from discrete.energies.rods.joint import RodJoint
-from discrete.energies.rods.joint_network import fitted_frames, joint_inputs, joint_network, joint_params
-from discrete.energies.rods.network import bend_params, rod_network, stencil_inputs, stretch_params, twist_params
-from discrete.energies.rods.stretch import RodStretch
-from discrete.energies.rods.twist import RodTwist
-from discrete.model.rigid import rigid_motions
-from discrete.model.rotations import rotate_vectors
-from discrete.model.state import State, moved_state
-from discrete.model.system import System
-from equilibrium.arrays import Array
 from tests.validation.rods import Material
 
 LENGTH_MM = 20.0

@@ -12,16 +12,16 @@ import json
 
 import numpy as np
 import pytest
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
+from asterism.discrete.release.continuation import force_scale
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.pattern.design.materials import rest_curvature
 
-from discrete.energies.elements import Elements
-from discrete.model.state import State
-from discrete.model.system import System
-from discrete.release.continuation import force_scale
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.arrays import Array
-from equilibrium.linear.backends import make_factor
-from equilibrium.newton.minimise import minimise
-from pattern.design.materials import rest_curvature
 from tests.validation import reference
 
 DERIVATIVES = pytest.mark.parametrize("name", ["derivatives_A", "derivatives_B"])

@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
+from asterism.fem.elements.deformation import Deformation
+from asterism.fem.search.relax import follow, relax
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import EdgeSupport
+from asterism.fem.supports.loads import edge_load
 from skfem import MeshTri
 
-from fem.elements.deformation import Deformation
-from fem.search.relax import follow, relax
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.density import Density
-from fem.shell.fields import Fields
-from fem.shell.shell import Shell
-from fem.supports.conditions import EdgeSupport
-from fem.supports.loads import edge_load
 from tests.fem.meshes import annulus, facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, of_metric, parts, rate, stepped

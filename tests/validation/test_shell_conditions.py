@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from asterism.fem.elements.deformation import affine, flat
+from asterism.fem.search.relax import follow, relax
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import Fields, of_stretch
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
+from asterism.fem.supports.loads import area_load, point_load
 from scipy.special import ellipe, ellipk
 
-from fem.elements.deformation import affine, flat
-from fem.search.relax import follow, relax
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import Fields, of_stretch
-from fem.shell.shell import Shell
-from fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
-from fem.supports.loads import area_load, point_load
 from tests.fem.meshes import disc, facets_where, rectangle, turned
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, guess, material, stepped

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.deformation import affine
+from asterism.fem.search.relax import relax
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import EdgeSupport
+from asterism.fem.supports.loads import edge_load
 from scipy.linalg import sqrtm
 from scipy.optimize import minimize
 
-from equilibrium.arrays import Floats
-from fem.elements.deformation import affine
-from fem.search.relax import relax
-from fem.shell.density import Density
-from fem.shell.fields import Fields
-from fem.shell.shell import Shell
-from fem.supports.conditions import EdgeSupport
-from fem.supports.loads import edge_load
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, stepped

@@ -38,9 +38,9 @@ def compiling_ahead(package: Package | None) -> Iterator[None]:
 
 def start_compiling(package: Package) -> subprocess.Popen[bytes] | None:
     """Start a process that compiles the loops of a package; None if an earlier one has, or nobody could find them."""
-    from equilibrium.compiled import has_machine_code
+    from asterism.equilibrium.compiled import has_machine_code
 
-    spec = find_spec(package)
+    spec = find_spec(f"asterism.{package}")
     assert spec is not None and spec.origin is not None
     folder = Path(spec.origin).parent
     if has_machine_code(folder) or not os.access(folder, os.W_OK):

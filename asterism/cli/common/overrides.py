@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.print_layout import print_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.print_layout import print_layout
 
 
 def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Design:

@@ -15,7 +15,7 @@ from asterism.process import interruption
 
 if TYPE_CHECKING:
     # it loads numpy and scipy, which takes part of the time that this module shows
-    from equilibrium.newton.minimise import Iteration
+    from asterism.equilibrium.newton.minimise import Iteration
 
 # longest silence: then a line says that the computation goes on
 MAX_QUIET_S = 4.0

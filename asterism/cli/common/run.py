@@ -15,12 +15,12 @@ import typer
 
 from asterism.cli.common.design_errors import with_design_file
 from asterism.cli.common.progress import Progress
+from asterism.equilibrium.errors import Error
 from asterism.process.collection import libraries_are_loaded
-from equilibrium.errors import Error
 
 if TYPE_CHECKING:
+    from asterism.equilibrium.newton.minimise import Iteration
     from asterism.exact.cost import Cost
-    from equilibrium.newton.minimise import Iteration
 
 DONE = 0
 NO_ANSWER = 1

@@ -18,9 +18,9 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse.linalg import SuperLU, splu
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import Disk
 from asterism.fitting.flattening.surface_laplacian import angle_sums, corner_angles, laplacian
-from equilibrium.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

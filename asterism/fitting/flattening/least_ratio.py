@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linprog
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.flattening.boundary_first import Flattener
-from equilibrium.arrays import Floats
 
 # number of Fourier terms: cosines and sines of 1 to 12 waves around the border
 FOURIER_TERMS = 24

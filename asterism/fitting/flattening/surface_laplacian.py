@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 
 def corner_angles(vertices: Floats, triangles: Ints) -> Floats:

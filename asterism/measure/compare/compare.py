@@ -17,6 +17,7 @@ from asterism.measure.compare.scan import extent, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
+from asterism.pattern.design.errors import one_line
 from asterism.process.version import __version__
 from asterism.results.files import SUMMARY_FILE, OutputError, holds_result, staged_result
 from asterism.results.output_check import check_writable
@@ -30,7 +31,6 @@ from asterism.results.records.comparison import (
 from asterism.shape.diameter import diameter
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
-from pattern.design.errors import one_line
 
 
 @dataclass(frozen=True)

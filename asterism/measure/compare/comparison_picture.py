@@ -20,9 +20,9 @@ from asterism.draw.chart_axes import style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import write_title
 from asterism.draw.render import OBLIQUE, camera, render
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.scan_comparison import ScanComparison
 from asterism.measure.compare.silhouette import OutlineFit
-from equilibrium.arrays import Floats
 
 SHAPE_COLOUR = INK
 SIGNED_DISTANCE_COLOURS = colormaps["RdBu_r"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from equilibrium.errors import Error
-from pattern.design.errors import one_line
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import one_line
 
 
 class ScanError(Error, ValueError):

@@ -11,9 +11,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats, Ints
 
 # points of the scan that take part
 _MAX_POINTS = 3000

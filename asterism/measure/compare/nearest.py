@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.normals import triangle_normals
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.normals import triangle_normals
 
 # triangles of one size that are tried for each point: those with the nearest centres
 _CANDIDATES_A_SIZE = 12

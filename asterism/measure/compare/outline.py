@@ -13,11 +13,11 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.units import MM
+from asterism.pattern.geometry.planar import polygon_area
 from asterism.results.csv_cells import read_rows
-from equilibrium.arrays import Floats
-from pattern.geometry.planar import polygon_area
 
 OUTLINE_FORMATS = (".svg", ".csv")
 # largest coordinate, in the unit of the file

@@ -12,10 +12,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import surface_samples
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # points of the scan that take part in each of the three stages
 _COARSE_POINTS = 150

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.scan_file import check_scan_file
 from asterism.measure.compare.units import MM
-from equilibrium.arrays import Floats, Ints
 
 SCAN_FORMATS = (".obj", ".stl", ".ply")
 MAX_SCAN_POINTS = 20_000

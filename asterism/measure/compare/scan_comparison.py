@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.fitted_size import FittedSize, fitted_size
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import SPREAD, Pose, distinct_poses, register
@@ -15,7 +16,6 @@ from asterism.results.records.comparison import ScanDistancesRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
-from equilibrium.arrays import Floats, Ints
 
 # poses count as equally good up to this factor of the best spread, ...
 _EQUAL_SPREAD_FACTOR = 1.1

@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
 from asterism.draw.render import VIEWS, camera
+from asterism.equilibrium.arrays import Floats
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 
 # spacing of the points along outline and silhouette
 _POINT_SPACING_MM = 0.25

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import f as fisher
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips import arc
 from asterism.measure.strips.curvature_model import CurvatureModel, KappaBarKind, StripData
 from asterism.measure.strips.noise import finest_deviation, shared_rounding
 from asterism.measure.strips.parameter_estimate import ParameterEstimate
-from equilibrium.arrays import Floats, Ints
 
 # probability with which the tests reject a model that holds
 FALSE_ALARM = 0.01

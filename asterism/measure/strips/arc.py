@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 
 def curvature(width: ArrayLike, height: ArrayLike) -> Floats:

@@ -7,10 +7,10 @@ from typing import Literal, Self, get_args
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.reading import Reading
-from equilibrium.arrays import Floats, Ints
-from pattern.design.materials import bilayer_curvature
+from asterism.pattern.design.materials import bilayer_curvature
 
 StripFormula = Literal["paper", "timoshenko"]
 KappaBarKind = Literal["constant", "per-thickness", "zero"]

@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import PALE
 from asterism.draw.fonts import write_title
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.strip_fit import StripFit
-from equilibrium.arrays import Floats
-from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
-from pattern.design.residual_curvature import residual_curvature
+from asterism.pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
+from asterism.pattern.design.residual_curvature import residual_curvature
 
 WITH_FABRIC_COLOUR = "#2a6f97"
 PEELED_COLOUR = "#c8553d"

@@ -12,11 +12,11 @@ from asterism.measure.strips.fit_picture import draw_fit
 from asterism.measure.strips.material_file import check_ours, material_text
 from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, StripFit, fit_readings
 from asterism.measure.strips.strip_table import read_strips
+from asterism.pattern.design.errors import one_line
+from asterism.pattern.design.materials import Plastic
 from asterism.results.files import OutputError, staged
 from asterism.results.record import ABSENT
 from asterism.results.records.strips import StripFitRecord, StripOptionsRecord
-from pattern.design.errors import one_line
-from pattern.design.materials import Plastic
 
 
 @dataclass(frozen=True)

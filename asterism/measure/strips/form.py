@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.strips import arc
 from asterism.measure.strips.specimen import PrintedStrip, Specimen
 from asterism.measure.strips.strip_table import BOX_COLUMNS, KNOWN_COLUMNS
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.instructions import homing_advice
 from asterism.print.printer import Printer
-from equilibrium.arrays import Floats
-from pattern.design.materials import Fabric, Plastic, rest_curvature
 
 # largest size of the map of the strips
 MAP_MM = (180.0, 115.0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

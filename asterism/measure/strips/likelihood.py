@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import log_ndtr
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.strips.curvature_model import CurvatureModel, StripData
-from equilibrium.arrays import Floats
 
 
 def flat_terms(mean: Floats, limit: Floats, spread: Floats) -> tuple[Floats, Floats]:

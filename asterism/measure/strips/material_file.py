@@ -7,9 +7,9 @@ import json
 import tomllib
 from pathlib import Path
 
+from asterism.homogenize.law.material import Material
 from asterism.measure.strips.strip_fit import StripFit
 from asterism.results.files import OutputError
-from homogenize.law.material import Material
 
 # a file with this first line was written by the command, which may replace it
 MATERIAL_FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."

@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips.form import PrintStart, csv_text, strip_form
 from asterism.measure.strips.specimen import THICKNESSES_MM, PrintedStrip, Specimen, lay_out_specimen, layer_heights
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.print.formats.pdf import write_pdf
 from asterism.print.formats.stl import write_stl
 from asterism.print.formats.threemf import write_3mf
@@ -17,9 +20,6 @@ from asterism.print.printer import Printer
 from asterism.print.profiles import load_printer
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import DesignError
-from pattern.design.stars import THICKNESS_RANGE_MM
 
 TEST_PRINT_FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 

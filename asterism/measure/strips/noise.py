@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 
 # largest share of `tau` in the variance: a straight strip has an error of reading too
 _MAX_SCATTER_SHARE = 0.99

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import t as student
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips import arc
 from asterism.measure.strips.curvature_model import CurvatureModel, StripData
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.noise import finest_deviation, rounding_deviation
 from asterism.measure.strips.parameter_estimate import estimate_parameters, first_guess
-from equilibrium.arrays import Floats, Ints
 
 # probability that a table of good readings has an outlier
 OUTLIER_FALSE_ALARM = 0.01

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.strips import arc
 from asterism.measure.strips.curvature_model import CurvatureModel, StripData
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.kind_effects import KindEffects, effect_sizes, fit_kind_effects, variance_factor
 from asterism.measure.strips.likelihood import solve
 from asterism.measure.strips.noise import MIN_REPEATS, ReadingNoise, fit_noise, rounding_deviation, shared_rounding
-from equilibrium.arrays import Floats
-from pattern.design.materials import bilayer_curvature
+from asterism.pattern.design.materials import bilayer_curvature
 
 # factor of the variance of the means of kinds in the first turn, which uses the scatter within kinds only
 _FIRST_MEAN_VARIANCE_FACTOR = 1e6

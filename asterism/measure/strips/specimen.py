@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from asterism.pattern.design.errors import DesignError
 from asterism.print.rounded import MAX_LAYER_OVER_LINE
-from pattern.design.errors import DesignError
 
 THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
 # gap between strips: space for scissors

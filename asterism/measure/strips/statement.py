@@ -11,6 +11,7 @@ from scipy.stats import norm
 from asterism.measure.strips.curvature_model import FORMULAS, StripData
 from asterism.measure.strips.strip_fit import Interval, StripFit
 from asterism.measure.strips.systematic import shared_errors
+from asterism.pattern.design.materials import bilayer_curvature
 from asterism.process.version import __version__
 from asterism.results.records.strips import (
     KappaBarRecord,
@@ -19,7 +20,6 @@ from asterism.results.records.strips import (
     StripFitRecord,
     StripOptionsRecord,
 )
-from pattern.design.materials import bilayer_curvature
 
 # so many equal readings are copies: strips from one printer scatter by more than a mark of a ruler
 MIN_COPIES = 8

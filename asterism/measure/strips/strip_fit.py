@@ -24,8 +24,8 @@ from asterism.measure.strips.noise import ReadingNoise
 from asterism.measure.strips.outliers import outliers
 from asterism.measure.strips.parameter_estimate import ParameterEstimate, estimate_parameters
 from asterism.measure.strips.reading import Reading
-from pattern.design.errors import from_validation
-from pattern.design.materials import Plastic
+from asterism.pattern.design.errors import from_validation
+from asterism.pattern.design.materials import Plastic
 
 # strips whose arc is lower count as flat
 FLAT_HEIGHT_MM = 0.5

@@ -8,8 +8,8 @@ from pathlib import Path
 from asterism.measure.strips import arc
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.table_checks import check_given_once, check_not_swapped
+from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.results.csv_cells import Row, TableError, read_rows
-from pattern.design.stars import THICKNESS_RANGE_MM
 
 # columns that are known before the measurement
 KNOWN_COLUMNS = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")

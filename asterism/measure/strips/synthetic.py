@@ -7,7 +7,7 @@ import numpy as np
 from asterism.measure.strips import arc
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.specimen import THICKNESSES_MM
-from pattern.design.materials import Fabric, Plastic, rest_curvature
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 
 def synthetic_readings(

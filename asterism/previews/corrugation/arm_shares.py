@@ -12,9 +12,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import loop
 from asterism.previews.corrugation.arms import Arms
-from equilibrium.arrays import Floats, Ints
-from equilibrium.compiled import loop
 
 # the crease of exp(-q/b) on the arm is rounded over this multiple of b
 CREASE_ROUNDING = 0.1

@@ -23,12 +23,12 @@ from copy import copy
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.argyris import Argyris
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.star_arms import are_last_arms
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.surface.smooth_surface import smooth_surface
-from equilibrium.arrays import Floats
-from fem.elements.argyris import Argyris
-from pattern.layout.layout import Layout
 
 # arms whose unit vectors differ by less are the same: rounding leaves 1e-13, and two arms of a star differ by 1 or more
 SAME_DIRECTION = 1e-6

@@ -26,10 +26,10 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.previews.edges.free_rim import beside, stars_share
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats, Ints
 
 # smallest natural turn over one spacing in the formula for s(k), to avoid a division by zero
 MIN_NATURAL_TURN_RAD = 1e-4

@@ -25,12 +25,12 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import distance_to_segment, nearest_segment
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.holes import in_holes
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import distance_to_segment, nearest_segment
-from pattern.layout.layout import Layout
 
 # a place with a smaller share of stars counts as far from all stars
 MIN_STAR_SHARE = 0.02

@@ -23,13 +23,13 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.geometry.planar import distance_along
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.edges.free_rim import MIN_STAR_SHARE, beside, stars_share
 from asterism.previews.fields.star_arms import are_last_arms, rosette
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats
-from pattern.geometry.planar import distance_along
-from pattern.layout.layout import Layout
 
 
 def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:

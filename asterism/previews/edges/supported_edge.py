@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.supports.conditions import EdgeSupport
+from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, nearest_segment, turning_angles
 from asterism.previews.print_sheet import PrintSheet
-from equilibrium.arrays import Floats
-from fem.supports.conditions import EdgeSupport
-from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, nearest_segment, turning_angles
 
 # a corner of the design within this distance of the outline of the mesh, in spacings, is on that outline
 MAX_OUTLINE_GAP_SPACINGS = 1e-6

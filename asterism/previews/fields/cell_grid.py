@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.compiled import formula, loop
-from pattern.design.lattice import Lattice
-from pattern.layout.layout import Layout
+from asterism.equilibrium.compiled import formula, loop
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.layout.layout import Layout
 
 # weight of a grid point outside of the sheet; it only matters in tongues that are narrower than the step of the grid
 MIN_SHARE_OFF_SHEET = 1e-6

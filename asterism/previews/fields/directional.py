@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from homogenize.law.anisotropy import (
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.anisotropy import (
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
     MOMENT_COLUMNS,

@@ -7,10 +7,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import distance_to_outline
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import distance_to_outline
-from pattern.layout.layout import Layout
 
 # steps to candidates for neighbours, in lattice coordinates
 LATTICE_NEIGHBOURS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])

@@ -53,17 +53,17 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import Fields
+from asterism.homogenize.law.anisotropy import BENDING_POISSON, min_bending_ratio
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.previews.edges.free_rim import beside, rim_curvature, stars_share
 from asterism.previews.edges.rim_arms import arm_curvature
 from asterism.previews.fields.directional import rest_curvature_tensor, tensors, with_bending_tensor
 from asterism.previews.fields.star_arms import arm_metric
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import Fields
-from homogenize.law.anisotropy import BENDING_POISSON, min_bending_ratio
-from pattern.design.lattice import DEFAULT_SPACING_MM
 
 # lower limit of the saturation curvature of the sixfold term, as a turn over one spacing
 MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM

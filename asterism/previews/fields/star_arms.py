@@ -20,9 +20,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats
-from pattern.layout.layout import Layout
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:

@@ -17,12 +17,12 @@ from functools import cached_property, partial
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import formula, loop
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats, Ints
-from equilibrium.compiled import formula, loop
-from pattern.design.lattice import Lattice
-from pattern.layout.layout import Layout
 
 # resolution of the grid
 GRID_POINTS_PER_SPACING = 20

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.directional import tube_of_largest_gain
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Bools, Floats
-from homogenize.errors import LawError
-from homogenize.law.axes import law_coordinates
-from homogenize.law.law import Law
-from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
 
 # star sizes that differ by at most this part are equal
 EQUAL_SIZES = 0.01

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from equilibrium.compiled import loop
-from fem.shell.density import EnergyTerm
-from fem.shell.fields import Fields
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.compiled import loop
+from asterism.fem.shell.density import EnergyTerm
+from asterism.fem.shell.fields import Fields
 
 # below this det C, ln J continues as a parabola: during a search, strains may be impossible for a surface
 MIN_DET_C = 0.1

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from fem.shell.density import EnergyTerm
-from pattern.design.materials import Fabric
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import EnergyTerm
+from asterism.pattern.design.materials import Fabric
 
 # below this det C, ln J continues as a parabola: during a search, strains may be impossible for a surface
 MIN_FABRIC_DET_C = 0.1

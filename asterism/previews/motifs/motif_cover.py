@@ -11,11 +11,11 @@ import numpy as np
 import shapely
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.geometry.planar import polygon_area
-from pattern.layout.layout import Layout
-from pattern.rods.curves import polyline
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.rods.curves import polyline
 
 # points along each lattice vector at which the endless pattern is sampled
 SAMPLES = 40

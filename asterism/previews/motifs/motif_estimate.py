@@ -12,12 +12,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.previews.uncertainty.error_sources import error_sources
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
 
 # share of the places on rods: with more of them outside the law no estimate is available
 MAX_OUTSIDE_SHARE = 0.1

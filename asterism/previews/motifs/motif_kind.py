@@ -4,6 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_plan import without_motif_law
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.model import PreviewModel
 from asterism.previews.motifs.motif_estimate import estimate_motif_error
 from asterism.previews.motifs.motif_shape import MotifLens, motif_shape_of, shown_motif_mesh
@@ -17,16 +27,6 @@ from asterism.previews.surface.places import Places, SheetLens
 from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_plan import without_motif_law
-from pattern.design.arguments import check_type
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.mesh import Mesh
 
 
 class MotifKind(PatternKind):

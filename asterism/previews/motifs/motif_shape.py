@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.motifs.motif_sheet import MotifSheet
 from asterism.previews.motifs.motif_values import MotifFieldValues
@@ -14,8 +16,6 @@ from asterism.previews.surface.places import Places
 from asterism.previews.surface.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from pattern.mesh.mesh import Mesh
 
 # largest edge of the triangles of a preview's shape, over the spacing of the lattice
 MAX_SHOWN_MOTIF_EDGE = 1 / 3

@@ -6,6 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import Density, isotropic, on_metric
+from asterism.fem.shell.fields import FieldError, Fields
+from asterism.fem.supports.loads import area_load
+from asterism.homogenize.cell.rod_bending import GAUSSIAN
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.motif_plan import rounded, source_of
+from asterism.homogenize.law.tensor_forms import TO_VOIGT
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.design.sizing.field import sample
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.rods.curves import polyline
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.motifs.bare_fabric import bare_fabric, fabric_tension
 from asterism.previews.motifs.motif_cover import bare_share, reach_mm
@@ -13,19 +26,6 @@ from asterism.previews.motifs.motif_values import MotifFieldValues
 from asterism.previews.motifs.rim_tension import Rims, rims_of
 from asterism.previews.print_sheet import EDGE_SPACINGS, MIN_TRIANGLES, PrintSheet, elements_of, usual_triangles
 from asterism.previews.supports.point_pins import with_point_softness
-from equilibrium.arrays import Floats
-from fem.shell.density import Density, isotropic, on_metric
-from fem.shell.fields import FieldError, Fields
-from fem.supports.loads import area_load
-from homogenize.cell.rod_bending import GAUSSIAN
-from homogenize.errors import LawError
-from homogenize.law.motif_plan import rounded, source_of
-from homogenize.law.tensor_forms import TO_VOIGT
-from pattern.design.design import Design
-from pattern.design.materials import Fabric
-from pattern.design.sizing.field import sample
-from pattern.layout.layout import Layout
-from pattern.rods.curves import polyline
 
 # most triangles of the shell's mesh, unless the caller gives a number: motifs may be far finer than the sheet's form
 MAX_MOTIF_TRIANGLES = 150

@@ -6,6 +6,9 @@ from collections.abc import Iterator
 
 from scipy.spatial import cKDTree
 
+from asterism.fem.search.relax import is_collapsing
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.common_warnings import form_warnings, shape_warnings, side_warnings, support_warnings
 from asterism.previews.motifs.motif_cover import holes_within_cells
 from asterism.previews.state import AnyPreviewState
@@ -13,9 +16,6 @@ from asterism.previews.summary import common_numbers, count_crossings
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
-from fem.search.relax import is_collapsing
-from pattern.layout.roll_axis import roll_axis_from_normals
-from pattern.mesh.mesh import Mesh
 
 # largest Gaussian modulus over the one at which bending becomes indefinite without a warning
 MAX_RIM_SHARE = 1.5

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from equilibrium.arrays import Floats
-from homogenize.law.motif_law import MotifLaw, MotifValues
-from pattern.design.design import Design
-from pattern.design.sizing.profile import Profile
-from pattern.layout.layout import Layout
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.motif_law import MotifLaw, MotifValues
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,13 +25,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import distance_to_segment
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.rods.curves import polyline
 from asterism.previews.motifs.motif_cover import small_holes
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.geometry.planar import distance_to_segment
-from pattern.layout.layout import Layout
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.rods.curves import polyline
 
 # distance of the places of a side at which rims are measured, in spacings of the lattice
 SAMPLE_SPACINGS = 0.05
@@ -83,7 +83,7 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
     --------
     Lines 5 mm apart, of which the outermost are 4 mm from two sides and end at the others:
 
-    >>> from pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.layout.print_layout import print_layout
     >>> lines = Design.from_dict({
     ...     "rods": {"motif": [{"line_mm": [(0, 0), (5, 0)]}]}, "lattice": {"kind": "square", "spacing_mm": 5.0},
     ...     "border": {"rectangle_mm": (40, 38)},

@@ -9,22 +9,22 @@ from functools import partial
 
 import numpy as np
 
-from equilibrium.errors import Error
-from homogenize.campaign.design_plan import geometric_nodes
-from homogenize.campaign.fit_motif_law import fit_motif_law
-from homogenize.campaign.motif_campaign import MotifRecord, sizes_label
-from homogenize.campaign.motif_design_plan import LIMITS_MM, MAX_NODE_RATIO, plan_for_motif
-from homogenize.campaign.motif_sample import responses_to_data
-from homogenize.cell.motif_responses import MotifResponses, motif_responses
-from homogenize.errors import CampaignError, LawError
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.motif_law_file import load_motif_law
-from homogenize.law.motif_plan import MotifPlan, MotifSize, MotifTask
-from homogenize.law.motif_problem import problem_of_motif
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.leading_field import leading_field
-from pattern.layout.layout import Layout
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.campaign.design_plan import geometric_nodes
+from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
+from asterism.homogenize.campaign.motif_campaign import MotifRecord, sizes_label
+from asterism.homogenize.campaign.motif_design_plan import LIMITS_MM, MAX_NODE_RATIO, plan_for_motif
+from asterism.homogenize.campaign.motif_sample import responses_to_data
+from asterism.homogenize.cell.motif_responses import MotifResponses, motif_responses
+from asterism.homogenize.errors import CampaignError, LawError
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law_file import load_motif_law
+from asterism.homogenize.law.motif_plan import MotifPlan, MotifSize, MotifTask
+from asterism.homogenize.law.motif_problem import problem_of_motif
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.leading_field import leading_field
+from asterism.pattern.layout.layout import Layout
 
 # after an edit of a size, the law covers its new value times and over this factor, so that further edits are quick
 EDIT_REACH = 1.25

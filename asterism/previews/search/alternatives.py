@@ -14,16 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.evidence import ShellEquilibrium
-from fem.search.guess_builder import GuessBuilder
-from fem.search.initial_guesses import MAX_ENERGY_RATIO
-from fem.search.mean_fields import MeanFields
-from fem.search.relax import MAX_ITERATIONS_OF_FURTHER_GUESSES, factorise, follow, softest_shell_modes
-from fem.search.sides import FLAT_SAG_MM, Side
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.guess_builder import GuessBuilder
+from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO
+from asterism.fem.search.mean_fields import MeanFields
+from asterism.fem.search.relax import MAX_ITERATIONS_OF_FURTHER_GUESSES, factorise, follow, softest_shell_modes
+from asterism.fem.search.sides import FLAT_SAG_MM, Side
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import Shell
 
 # two minima count as one form if their energies differ by less than this share
 EQUAL_ENERGY = 1e-3

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.evidence import ShellEquilibrium
-from fem.search.relax import follow
-from fem.shell.shell import Shell
-from pattern.geometry.rigid_fit import rigid_fit
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.relax import follow
+from asterism.fem.shell.shell import Shell
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # number of steps in which supported degrees of freedom move to their places
 SUPPORT_STEPS = 6

@@ -15,6 +15,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.candidate_shapes import candidate_shapes
+from asterism.fem.search.evidence import ShellEquilibrium, Trial
+from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.relax import factorise, follow, relax, softest_shell_modes
+from asterism.fem.search.sides import Side, side_of
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import Shell
 from asterism.previews.search.alternatives import (
     EQUAL_ENERGY,
     buckle,
@@ -25,15 +34,6 @@ from asterism.previews.search.alternatives import (
     perturb_along_softest_mode,
 )
 from asterism.previews.search.near_zero_modes import is_equilibrium_near_another
-from equilibrium.arrays import Floats
-from equilibrium.linear.factor import Factor
-from fem.search.candidate_shapes import candidate_shapes
-from fem.search.evidence import ShellEquilibrium, Trial
-from fem.search.mean_fields import mean_fields
-from fem.search.relax import factorise, follow, relax, softest_shell_modes
-from fem.search.sides import Side, side_of
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.shell import Shell
 
 # a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
 MIN_TUBE_TURN_RAD = 3.0

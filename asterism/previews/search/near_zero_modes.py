@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from fem.search.evidence import ShellEquilibrium
-from fem.shell.shell import Shell
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.shell.shell import Shell
 
 # smaller and negative eigenvalues are replaced by this one
 MIN_STIFFNESS_N_MM3 = 1e-12

@@ -6,12 +6,12 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
-from equilibrium.arrays import Floats, Ints
-from fem.elements.deformation import affine
-from fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
-from pattern.design.design import Design
-from pattern.layout.layout import Layout
-from pattern.mesh.coarse.sheet_mesh import SheetMesh
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.deformation import affine
+from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:

@@ -21,13 +21,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
+from asterism.pattern.geometry.planar import triangle_angles
+from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh
 from asterism.previews.fields.stretched_fabric import stretched_fabric
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from equilibrium.arrays import Floats, Ints
-from fem.shell.density import Density
-from fem.shell.fields import Fields
-from pattern.geometry.planar import triangle_angles
-from pattern.mesh.coarse.sheet_mesh import SheetMesh
 
 # lower limit of the softness: the region around a pin is at most twice as stiff as the sheet
 MIN_SOFTNESS = -0.5

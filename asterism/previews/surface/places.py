@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.surface.smooth_surface import SmoothSurface
-from equilibrium.arrays import Floats
-from pattern.mesh.mesh import Mesh
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Ints
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.surface.places import Places
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
-from equilibrium.arrays import Ints
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.meshing import mesh_layout
 
 
 def mesh_to_show(sheet: PrintSheet, max_edge: float) -> Mesh:

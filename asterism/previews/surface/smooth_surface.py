@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equilibrium.arrays import Floats
-from fem.elements.tabulation import Evaluation
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.tabulation import Evaluation
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
 from asterism.previews.edges.supported_edge import SupportedEdge
@@ -17,9 +20,6 @@ from asterism.previews.surface.places import Places
 from asterism.previews.surface.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.previews.surface.smooth_surface import smooth_surface
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from pattern.mesh.mesh import Mesh
 
 # largest edge of the triangles of a preview's shape, over the spacing of the stars
 MAX_SHOWN_EDGE = 1 / 6

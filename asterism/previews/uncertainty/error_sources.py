@@ -6,17 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.stiffness_response import STIFFNESSES, rms_of, stiffness_responses
+from asterism.pattern.layout.free_rotations import count_free_tilts
 from asterism.previews.search.near_zero_modes import amplitudes_percent
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.uncertainty.height_doubts import HeightDoubts, height_doubts
 from asterism.previews.uncertainty.other_forms import OtherForm, other_forms
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from fem.search.mean_fields import mean_fields
-from fem.search.stiffness_response import STIFFNESSES, rms_of, stiffness_responses
-from pattern.layout.free_rotations import count_free_tilts
 
 
 @dataclass(frozen=True)

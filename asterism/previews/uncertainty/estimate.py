@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.homogenize.cell.tube_directions import is_threefold, omitted_anisotropy
 from asterism.previews.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.state import StarState
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.previews.uncertainty.error_sources import error_sources
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
-from equilibrium.clock import Clock
-from homogenize.cell.tube_directions import is_threefold, omitted_anisotropy
 
 # share of the stars: with more of them outside the law, strongly anisotropic or inverted no estimate is available
 MAX_FOREIGN_SHARE = 0.1

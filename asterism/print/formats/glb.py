@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.print.formats.registry import export_format
 from asterism.process.version import __version__
 from asterism.shape.shape import Shape
-from pattern.geometry.normals import vertex_normals
 
 # codes of the format: types of numbers, and kinds of buffers
 _FLOAT_CODE = 5126

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.pattern.design.errors import one_line
 from asterism.print.formats.registry import export_format
 from asterism.print.formats.rod_table import ROD_HEADING, rod_table
 from asterism.print.formats.star_table import HEADING, star_table
 from asterism.print.job import Job
-from pattern.design.errors import one_line
 
 _STAR_MODULES = """
 module strip(p) {

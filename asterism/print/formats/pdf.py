@@ -18,10 +18,10 @@ from matplotlib.patheffects import Stroke
 from matplotlib.transforms import Affine2D, Transform
 
 from asterism.draw.fonts import families, printable
+from asterism.equilibrium.arrays import Floats
 from asterism.print.drawing import Circle, Drawing, Label, Polyline
 from asterism.print.formats.registry import export_format
 from asterism.print.layers import NEEDLES
-from equilibrium.arrays import Floats
 
 _MM_PER_INCH = 25.4
 # width of the white line around a number

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError
 
 FormatKind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape", "model"]
 Writer = TypeVar("Writer", bound=Callable[..., None])

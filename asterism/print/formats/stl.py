@@ -7,10 +7,10 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.print.formats.registry import export_format
 from asterism.print.solid import Solid
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats, Ints
 
 
 def write_stl(path: Path, points: Floats, triangles: Ints) -> None:

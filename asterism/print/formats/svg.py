@@ -10,9 +10,9 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline
 from asterism.print.formats.registry import export_format
-from equilibrium.arrays import Floats
 
 _SVG = "http://www.w3.org/2000/svg"
 _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"

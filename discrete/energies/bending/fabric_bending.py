@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from discrete.energies.bending.hinges import interior_edges
-from discrete.energies.elements import Elements
-from equilibrium.arrays import Array
+from asterism.discrete.energies.bending.hinges import interior_edges
+from asterism.discrete.energies.elements import Elements
+from asterism.equilibrium.arrays import Array
 
 
 class FabricPlate(NamedTuple):

@@ -15,10 +15,9 @@ rotation of the edge's frame, cancels between the two triangles.
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.energies.elements import Elements
-from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
-from equilibrium.arrays import Array
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
+from asterism.equilibrium.arrays import Array
 
 
 @formula

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import cast
 
-from discrete.energies.bending.fabric_bending import BendingMesh, FabricBending, FabricPlate
-from discrete.energies.bending.hinges import Hinges, paper_coefficients
-from discrete.energies.elements import Elements
-from equilibrium.arrays import Array
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricBending, FabricPlate
+from asterism.discrete.energies.bending.hinges import Hinges, paper_coefficients
+from asterism.discrete.energies.elements import Elements
+from asterism.equilibrium.arrays import Array
 
 
 def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:

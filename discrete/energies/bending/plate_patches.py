@@ -15,11 +15,10 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-
-from discrete.energies.bending.hinges import interior_edges
-from equilibrium.arrays import Array
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import triangle_areas, triangle_gradients
+from asterism.discrete.energies.bending.hinges import interior_edges
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 
 # 1: squared second derivatives for unit heights times squared area; equilateral triangles have 1
 MAX_CURVATURE_GAIN = 4.0

@@ -6,9 +6,9 @@ its name in `pattern.design.materials`.
 
 from __future__ import annotations
 
-from discrete.energies.bending.consistent import CONSISTENT
-from discrete.energies.bending.fabric_bending import FabricBending
-from discrete.energies.bending.paper import PAPER
+from asterism.discrete.energies.bending.consistent import CONSISTENT
+from asterism.discrete.energies.bending.fabric_bending import FabricBending
+from asterism.discrete.energies.bending.paper import PAPER
 
 NO_BENDING = FabricBending(
     "none", (), lambda mesh, plate, compiled: {}, lambda parts, plate, area_ratio, shape: None, crease_factor=0.0

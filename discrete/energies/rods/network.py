@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from discrete.energies.rods.section import torsion_constant
-from discrete.model.state import edge_tangents
-from equilibrium.arrays import Array
+from asterism.discrete.energies.rods.section import torsion_constant
+from asterism.discrete.model.state import edge_tangents
+from asterism.equilibrium.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Array
+from asterism.equilibrium.arrays import Array
 
 
 def torsion_constant(width: Array, thickness: Array) -> Array:

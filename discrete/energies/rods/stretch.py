@@ -6,9 +6,8 @@ Each edge counts once, also where the stencils of a junction share it (Bergou et
 from __future__ import annotations
 
 import numpy as np
-
-from discrete.energies.elements import Elements
-from discrete.energies.kernel import dot, formula, multiply, point, sub, sweep
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.kernel import dot, formula, multiply, point, sub, sweep
 
 
 @formula

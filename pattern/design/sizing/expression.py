@@ -9,8 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-
-from equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats
 
 MAX_FORMULA_CHARACTERS = 500
 MAX_FORMULA_NESTING = 40

@@ -6,10 +6,9 @@ from abc import abstractmethod
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.section import Number, Section
 from pydantic import Field
-
-from equilibrium.arrays import Floats
-from pattern.design.section import Number, Section
 
 DistanceMm = Annotated[Number, Field(gt=0, le=1e4)]
 Power = Annotated[Number, Field(gt=0, le=100)]

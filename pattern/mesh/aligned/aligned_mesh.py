@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.layout.layout import Layout
-from pattern.mesh.aligned.arm_stations import arm_stations
-from pattern.mesh.aligned.cut_mesh import cut_mesh
-from pattern.mesh.aligned.grid_motion import moved, prescribed
-from pattern.mesh.aligned.hexagon_border import HexagonBorder
-from pattern.mesh.aligned.lattice_grid import LatticeGrid
-from pattern.mesh.check import check_edge, checked
-from pattern.mesh.grading import Grading
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.aligned.arm_stations import arm_stations
+from asterism.pattern.mesh.aligned.cut_mesh import cut_mesh
+from asterism.pattern.mesh.aligned.grid_motion import moved, prescribed
+from asterism.pattern.mesh.aligned.hexagon_border import HexagonBorder
+from asterism.pattern.mesh.aligned.lattice_grid import LatticeGrid
+from asterism.pattern.mesh.check import check_edge, checked
+from asterism.pattern.mesh.grading import Grading
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
 # meshes with a smaller angle are left to the Delaunay mesh, which refines narrow places
 MIN_ALIGNED_ANGLE_DEG = 15.0

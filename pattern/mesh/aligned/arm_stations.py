@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.layout.layout import Layout
-from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, LatticeGrid
-from pattern.mesh.grading import Grading
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, LatticeGrid
+from asterism.pattern.mesh.grading import Grading
 
 # shortest edge along arms and gaps, over the edge of the grid
 MIN_STATION_EDGE_FACTOR = 0.25

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.aligned.arm_stations import BorderStations, arm_stations
+from asterism.pattern.mesh.aligned.grid_motion import moved, prescribed
+from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
+from asterism.pattern.mesh.free.triangulate import triangulate
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.outline_points import outline_points
+from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
-from pattern.layout.layout import Layout
-from pattern.mesh.aligned.arm_stations import BorderStations, arm_stations
-from pattern.mesh.aligned.grid_motion import moved, prescribed
-from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
-from pattern.mesh.free.triangulate import triangulate
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.outline_points import outline_points
-from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
 # free grid points keep this distance from the outline, in grid edges
 GRID_MARGIN_EDGES = 0.7

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import distance_to_outline
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
-from pattern.layout.layout import Layout
-from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_outline
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats, Ints
-from pattern.geometry.planar import polygon_area, turning_angles
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import polygon_area, turning_angles
 
 # an outline that turns by more has a corner there
 OUTLINE_CORNER_DEG = 35.0

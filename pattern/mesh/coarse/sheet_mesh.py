@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import (
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import (
     dense_outline,
     distance_to_outline,
     distance_to_segment,
@@ -19,11 +17,12 @@ from pattern.geometry.planar import (
     mean_circumcentres,
     triangle_angles,
 )
-from pattern.layout.sheet_edges import SheetEdges
-from pattern.mesh.coarse.coarse_outline import coarse_outline
-from pattern.mesh.free.line_points import place_within
-from pattern.mesh.free.triangulate import triangulate
-from pattern.mesh.outline_points import outline_points
+from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.pattern.mesh.coarse.coarse_outline import coarse_outline
+from asterism.pattern.mesh.free.line_points import place_within
+from asterism.pattern.mesh.free.triangulate import triangulate
+from asterism.pattern.mesh.outline_points import outline_points
+from scipy.spatial import cKDTree
 
 # inner points keep this distance from the outline and from supported points, in mesh edges
 CLEARANCE_EDGES = 0.6

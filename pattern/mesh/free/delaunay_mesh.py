@@ -6,21 +6,20 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.check import check_edge, checked
+from asterism.pattern.mesh.free.line_points import least_pieces, place_within, points_along, points_around
+from asterism.pattern.mesh.free.triangulate import triangulate
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.outline_points import outline_points
+from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
-
-from equilibrium.arrays import Floats, Ints
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
-from pattern.layout.layout import Layout
-from pattern.mesh.check import check_edge, checked
-from pattern.mesh.free.line_points import least_pieces, place_within, points_along, points_around
-from pattern.mesh.free.triangulate import triangulate
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.outline_points import outline_points
-from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
 REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle

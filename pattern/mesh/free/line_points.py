@@ -6,10 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-
-from equilibrium.arrays import Floats
-from pattern.geometry.planar import turning_angles
-from pattern.rods.graph import CORNER_DEG, Rod
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.geometry.planar import turning_angles
+from asterism.pattern.rods.graph import CORNER_DEG, Rod
 
 # a segment of a curved line turns by less
 MAX_SEGMENT_TURN_RAD = np.radians(20.0)

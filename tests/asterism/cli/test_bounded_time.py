@@ -34,7 +34,7 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("discrete.release.continuation.MAX_RELEASE_ITERATIONS", 12)
+    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_RELEASE_ITERATIONS", 12)
     (tmp_path / "d.toml").write_text(SMALL)
     done = command(["simulate", "d.toml", "--starts", "1"], capsys, monkeypatch)
     assert done.status == 1 and "not an equilibrium: gradient" in done.err

@@ -241,7 +241,13 @@ CHANGED = f"""try:
 
 @pytest.mark.parametrize(
     ("package", "how"),
-    [("typer", RAISED), ("equilibrium.errors", RAISED), ("numpy", IN_TEXT), ("scipy", CHANGED), ("numba", SWALLOWED)],
+    [
+        ("typer", RAISED),
+        ("asterism.equilibrium.errors", RAISED),
+        ("numpy", IN_TEXT),
+        ("scipy", CHANGED),
+        ("numba", SWALLOWED),
+    ],
 )
 def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: Path) -> None:
     """Some packages swallow it, others make an error of it."""
@@ -325,9 +331,9 @@ def test_an_empty_output_is_not_the_working_directory(
 @pytest.mark.usefixtures("blank_pictures")
 def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     """A state that is not converged is written, said to be none, and ends with status 1."""
-    import discrete.release.levels
+    from asterism.discrete.release import levels
 
-    find = discrete.release.levels.solve_on_meshes
+    find = levels.solve_on_meshes
     monkeypatch.setattr("asterism.exact.simulation.solve_on_meshes", lambda *a, **k: find(*a, **k, max_iterations=1))
     (tmp_path / "d.toml").write_text(SMALL)
     stopped = command(["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")], capsys, monkeypatch)

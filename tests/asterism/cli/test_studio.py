@@ -14,11 +14,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from asterism.pattern import gallery
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from asterism.studio.requests import MAX_REQUEST_BYTES
-from pattern import gallery
 from tests.asterism.commands import command
 
 PATIENCE_S = 60

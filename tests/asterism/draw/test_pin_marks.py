@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -15,7 +16,6 @@ from asterism.draw.pin_marks import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_
 from asterism.draw.shading import PINS
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
 from tests.asterism.sheets import dome, sheet
 
 RECTANGLE = {"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": [100.0, 80.0]}}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
 
 from asterism.draw.shading import (
     ARMS,
@@ -17,7 +18,6 @@ from asterism.draw.shading import (
     PLASTIC_SIDE,
     shade,
 )
-from equilibrium.arrays import Floats
 
 TOWARDS_VIEWER = np.array([0.0, 0.0, 1.0])
 

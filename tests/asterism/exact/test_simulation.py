@@ -7,13 +7,13 @@ import json
 import meshio
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
 import asterism
 from asterism.exact.simulation import exact_shape
 from asterism.reports.write_results import write_results
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 
 KEYS = [
     "converged",
@@ -122,7 +122,7 @@ def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
 
 
 def test_backends_agree() -> None:
-    from equilibrium.linear.backends import available
+    from asterism.equilibrium.linear.backends import available
 
     energies = [exact_shape(small(), backend=name).summary["energy_n_mm"] for name in available()]
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats, Ints
 
 from benchmarks.fit_targets import rectangle_mesh, round_mesh
-from equilibrium.arrays import Floats, Ints
 
 
 def spherical_cap(half_angle_deg: float, size_mm: float = 100.0, rings: int = 22) -> tuple[Floats, Ints]:

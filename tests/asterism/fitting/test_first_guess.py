@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.pattern.layout.build import layout
 
 from asterism.fitting.errors import ReachError, TargetError
 from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
@@ -12,8 +14,6 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.previews.default_law import paper_law
 from benchmarks.fit_targets import rectangle_mesh
-from homogenize.errors import ForeignLaw, LawError
-from pattern.layout.build import layout
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
 

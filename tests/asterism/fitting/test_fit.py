@@ -9,6 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
 
 import asterism
 from asterism.fitting.first_guess import guess_design
@@ -20,9 +23,6 @@ from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.print.profiles import load_printer
 from benchmarks.fit_targets import rectangle_mesh
-from equilibrium.arrays import Floats
-from pattern.layout.build import layout
-from pattern.layout.load_design import load_design
 from tests.asterism.commands import command
 from tests.asterism.fitting.surfaces import spherical_cap
 

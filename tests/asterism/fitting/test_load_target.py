@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
 from PIL import Image
 
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
-from equilibrium.arrays import Floats
 from tests.asterism.fitting.broken_targets import dome
 
 WIDTH, RISE = 90.0, 12.0

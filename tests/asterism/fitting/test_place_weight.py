@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
 from PIL import Image
 
 from asterism.fitting.distance import FitDistance
@@ -19,10 +23,6 @@ from asterism.fitting.target import TargetSurface
 from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
 from tests.asterism.sheets import sheet
 
 RIGHT = "1 + 7*(x > 5)"

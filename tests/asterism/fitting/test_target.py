@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -16,8 +18,6 @@ from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from asterism.fitting.target import TargetSurface
 from asterism.measure.compare.errors import ScanError
-from equilibrium.arrays import Floats
-from equilibrium.errors import Error
 from tests.asterism.fitting.surfaces import spherical_cap
 from tests.asterism.fitting.wrong_surfaces import (
     Mesh,

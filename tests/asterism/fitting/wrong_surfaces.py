@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
+from asterism.equilibrium.arrays import Floats, Ints
 
 from benchmarks.fit_targets import rectangle_mesh
-from equilibrium.arrays import Floats, Ints
 from tests.asterism.fitting.surfaces import spherical_cap
 
 Mesh = tuple[Floats, Ints]

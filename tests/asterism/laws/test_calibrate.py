@@ -15,14 +15,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
+from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.plan import CellTask
 from PIL import Image
 
 from asterism.laws import calibrate as calibrate_command
 from asterism.laws.calibrate import ProgressLine
-from homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
-from homogenize.law.law_file import load_law
-from homogenize.law.material import Material
-from homogenize.law.plan import CellTask
 from tests.asterism.commands import command
 from tests.homogenize import fake, same_process
 
@@ -68,7 +68,7 @@ def test_the_same_plan_gives_the_same_law_from_the_start(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With one process and fresh cells: bit for bit."""
-    from homogenize.law.law_file import law_digest
+    from asterism.homogenize.law.law_file import law_digest
 
     (tmp_path / "m.toml").write_text(PLAN)
     monkeypatch.chdir(tmp_path)

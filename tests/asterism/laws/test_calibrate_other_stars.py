@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import law_bytes, load_law
+from asterism.pattern.design.design import Design
 
 from asterism.previews.directions_warning import directions_warning
 from asterism.previews.session import Preview
-from homogenize.errors import LawError
-from homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
-from homogenize.law.law import Law
-from homogenize.law.law_file import law_bytes, load_law
-from pattern.design.design import Design
 from tests.asterism.laws.test_calibrate import PLAN, run
 
 # its law takes a quarter of a minute; files of such laws, and previews with them, have quick tests beside their code

@@ -14,8 +14,8 @@ from tests.homogenize.universal import answers
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", same_process.workers)
-    monkeypatch.setattr("homogenize.universal.universal_campaign.solve_groups", answers.solve)
+    monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
+    monkeypatch.setattr("asterism.homogenize.universal.universal_campaign.solve_groups", answers.solve)
     monkeypatch.setattr("asterism.laws.universal.solve_groups", answers.solve)
     monkeypatch.setattr("asterism.laws.universal.make_universal_law.__defaults__", (None, 1, None, None, answers.solve))
     return tmp_path
@@ -56,7 +56,7 @@ def test_mistakes(
 def test_a_law_of_one_material_is_no_universal_law(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from homogenize.law.law_file import PAPER_LAW
+    from asterism.homogenize.law.law_file import PAPER_LAW
 
     refused = command(["law", "errors", str(PAPER_LAW)], capsys, monkeypatch)
     assert refused.status == 2 and refused.line.endswith("is not a universal law")

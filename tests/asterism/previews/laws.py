@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.law.law import Law
-from homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
-from homogenize.law.material import Material
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
+from asterism.homogenize.law.material import Material
 
 SPACING = 10.0 * np.sqrt(3.0)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from asterism.homogenize.errors import LawError, UnreadableLaw
+from asterism.homogenize.law.law_file import PAPER_LAW
+from asterism.pattern.design.design import Design
 
 from asterism.previews.default_law import law_of
-from homogenize.errors import LawError, UnreadableLaw
-from homogenize.law.law_file import PAPER_LAW
-from pattern.design.design import Design
 
 
 def test_a_file_is_read_again_only_after_a_change(tmp_path: Path) -> None:

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import inside, triangle_areas
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.previews.edges.free_rim import free_normals
 from asterism.previews.edges.rim_arms import rim_curvature_share
@@ -13,11 +18,6 @@ from asterism.previews.session import Preview
 from asterism.previews.sheet import sheet_of
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
-from pattern.geometry.planar import inside, triangle_areas
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
-from pattern.mesh.meshing import mesh_layout
 from tests.asterism.previews.laws import plain_law
 
 ROUND = {"circle_mm": {"centre": [0, 0], "radius": 8}}

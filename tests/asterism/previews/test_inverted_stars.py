@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
 
 import asterism
 from asterism.previews.inverted_stars import stars_that_may_be_inverted
 from asterism.previews.session import Preview
-from homogenize.law.law_file import load_law
-from pattern.design.design import Design
 
 # stars of the exact dome with arms of 10 mm that are inverted after its release (`asterism simulate`), without the
 # three corners of the sheet

@@ -6,14 +6,14 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 import asterism.previews.star_kind as star_kind
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 
 # parts that act on a free sheet; others need supports, holes or stars of other kinds

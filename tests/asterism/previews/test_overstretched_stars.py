@@ -6,6 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.previews.overstretched_stars import (
     mean_square_limit,
@@ -15,11 +20,6 @@ from asterism.previews.overstretched_stars import (
 )
 from asterism.previews.session import Preview
 from asterism.shape.shape import Shape
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.design.materials import Fabric
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 
 def printed(design: Design, scale: float = 1.0, spike_mm: float = 0.0) -> Shape:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 
 
 def pinned(pins: list[dict[str, Any]], name: str = "dome") -> Design:

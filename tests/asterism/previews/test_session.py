@@ -10,6 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from asterism.equilibrium.clock import Clock
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 from scipy.spatial.transform import Rotation
 
 import asterism
@@ -24,15 +33,6 @@ from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
 from asterism.previews.warnings import preview_warnings
 from asterism.shape.comparison import compare_shapes
-from equilibrium.clock import Clock
-from homogenize.errors import LawError
-from homogenize.law.law_table import QUANTITY_NAMES
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.geometry.planar import polygon_area
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 from tests.asterism.previews.laws import SPACING, plain_law
 
 TURN, SIXFOLD_MOST = PREVIEW_MODEL.bump_turn_rad, PREVIEW_MODEL.max_sixfold_share

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
 
 
 def edited(name: str, **sections: Any) -> Design:

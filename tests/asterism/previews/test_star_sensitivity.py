@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.painted_stars import with_painted_stars
 
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import SizeName, star_sensitivity
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.painted_stars import with_painted_stars
 
 SIZES = {"length_mm": 7.0, "thickness_mm": 0.45, "width_mm": 1.2}
 PINNED = {"corners": [0, 2, 4], "target_mm": [[30.0, 15.0, 0.0], [-33.0, 2.0, 3.0], [2.0, -34.0, 0.0]]}

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.layout.load_design import load_design
 
 from asterism.previews.run import preview
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.print.known_printers import size_warning
-from pattern import gallery
-from pattern.layout.load_design import load_design
 
 # % of the diameter: the estimated error of a template whose supports do not hold it narrow
 MAX_ERROR_PERCENT = 4.0

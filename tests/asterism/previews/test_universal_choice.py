@@ -6,6 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.universal.solve_cells import solve_cells
+from asterism.homogenize.universal.spread_cells import spread_groups
+from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
+from asterism.pattern.design.design import Design
 
 from asterism.previews import universal_choice as module
 from asterism.previews.default_law import paper_law
@@ -13,11 +18,6 @@ from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.previews.universal_choice import universal_choice
-from homogenize.errors import ForeignLaw
-from homogenize.universal.solve_cells import solve_cells
-from homogenize.universal.spread_cells import spread_groups
-from homogenize.universal.universal_law import UniversalLaw, universal_law
-from pattern.design.design import Design
 from tests.homogenize import same_process
 from tests.homogenize.universal import answers
 
@@ -32,7 +32,7 @@ def design(**more: Any) -> Design:
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", same_process.workers)
+        monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
         cells = solve_cells(spread_groups(120), tmp_path_factory.mktemp("cells"), solve=answers.solve)
     return universal_law(cells, 120)
 

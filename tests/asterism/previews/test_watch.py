@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from asterism.previews.session import Preview
 from asterism.previews.watch import SearchLimitError
-from pattern import gallery
-from pattern.design.design import Design
 
 
 def dome(**sections: Any) -> Design:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.pattern.design.design import Design
+
 from asterism.print.job import Job, prepare
 from asterism.print.profiles import load_plastic, load_printer
-from pattern.design.design import Design
 
 SMALL: dict[str, Any] = {
     "name": "small",

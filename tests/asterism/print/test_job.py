@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from asterism.pattern import gallery
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.build import layout
 
 from asterism.print.arm_pieces import height_steps
 from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.print_cost import print_cost
 from asterism.print.profiles import load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_pieces
-from pattern import gallery
-from pattern.design.errors import DesignError
-from pattern.design.rounding import Rounding
-from pattern.layout.build import layout
 from tests.asterism.print.jobs import design, job
 from tests.asterism.sheets import sheet
 

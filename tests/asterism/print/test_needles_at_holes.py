@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.draw.pin_marks import pin_marks
 from asterism.print.needles import needles
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
 
 LINES = [{"line_mm": [(-19, y), (19, y)]} for y in (-16, 16)]
 HOLES = [{"circle_mm": {"centre": [-9, 0], "radius": 6}}, {"polygon_mm": [[5, -5], [15, -5], [15, 5], [5, 5]]}]

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.planar import polygon_area
 
 import asterism
 from asterism.print.formats.registry import demanded_formats
 from asterism.print.formats.rhino import write_rhino
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.geometry.planar import polygon_area
 from tests.asterism.print.jobs import job
 
 rhino3dm: Any = pytest.importorskip("rhino3dm")

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.build import layout
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -16,9 +19,6 @@ from asterism.print.arm_pieces import arm_pieces
 from asterism.print.formats.stl import write_stl
 from asterism.print.plastic_regions import border_terrace, plastic_terraces
 from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
-from pattern.design.design import Design
-from pattern.design.rounding import Rounding
-from pattern.layout.build import layout
 from tests.asterism.print.jobs import design, job
 
 RULE = Rounding(first_layer_mm=0.2, layer_mm=0.1, line_mm=0.4)

@@ -8,16 +8,16 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.errors import MeshError
 
 from asterism.process.compiling import announce_compiling, clock_without_compiling, signs_while_compiling
-from pattern import gallery
-from pattern.design.errors import MeshError
 from tests.asterism.commands import command
 
 pytest.importorskip("numba")
 
 SOURCE = """
-from equilibrium.compiled import formula, loop
+from asterism.equilibrium.compiled import formula, loop
 
 @formula
 def twice(x):
@@ -53,10 +53,10 @@ def said(module: ModuleType) -> list[str]:
 
 
 def test_compiling_is_said_once_and_not_where_machine_code_is_found(tmp_path: Path) -> None:
-    lines = said(fresh(tmp_path, "discrete.loops"))
+    lines = said(fresh(tmp_path, "asterism.discrete.loops"))
     assert len(lines) == 1 and lines[0].startswith("compiling the exact model:")
     assert list(tmp_path.rglob("*.nbi"))
-    assert said(fresh(tmp_path, "discrete.loops")) == []
+    assert said(fresh(tmp_path, "asterism.discrete.loops")) == []
 
 
 def test_other_packages_are_not_ours(tmp_path: Path) -> None:
@@ -67,11 +67,11 @@ def test_nothing_is_said_after_the_block(tmp_path: Path) -> None:
     lines: list[str] = []
     with announce_compiling(lines.append):
         pass
-    assert fresh(tmp_path, "fem.loops").first(1) == 3 and lines == []
+    assert fresh(tmp_path, "asterism.fem.loops").first(1) == 3 and lines == []
 
 
 def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -> None:
-    for name in ("fem.loops", "fem.again"):  # the second finds the machine code of the first
+    for name in ("asterism.fem.loops", "asterism.fem.again"):  # the second finds the machine code of the first
         module = fresh(tmp_path, name)
         with clock_without_compiling() as clock:
             begun, by_the_clock = time.perf_counter(), clock()
@@ -95,7 +95,7 @@ def test_commands_say_it(
     word: str, engine: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def compile_and_stop(*arguments: object, **options: object) -> None:
-        fresh(tmp_path, "fem.loops").first(1)
+        fresh(tmp_path, "asterism.fem.loops").first(1)
         raise MeshError("enough")
 
     monkeypatch.setattr(engine, compile_and_stop)
@@ -112,9 +112,9 @@ def test_commands_say_it(
 def test_long_compiling_gives_signs_of_life(tmp_path: Path) -> None:
     signs: list[str] = []
     with signs_while_compiling(signs.append, 0.001):
-        assert fresh(tmp_path, "fem.loops").first(3) == 7
+        assert fresh(tmp_path, "asterism.fem.loops").first(3) == 7
     assert signs and "later runs have the code" in signs[0]
     signs.clear()
     with signs_while_compiling(signs.append, 0.001):
-        assert fresh(tmp_path, "fem.loops").first(3) == 7
+        assert fresh(tmp_path, "asterism.fem.loops").first(3) == 7
     assert signs == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from asterism.pattern.design.design import Design
 
 from asterism.exact.simulation import exact_shape
 from asterism.print.job import prepare
@@ -12,7 +13,6 @@ from asterism.print.profiles import load_plastic, load_printer
 from asterism.reports.design_report import report
 from asterism.reports.facts import design_facts
 from asterism.reports.write_results import write_results
-from pattern.design.design import Design
 from tests.asterism.print.measure import pdf_words
 
 CROSS = Design.from_dict(

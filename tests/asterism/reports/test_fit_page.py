@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.layout.build import layout
 from PIL import Image
 
 from asterism.fitting.distance import target_distance
@@ -24,7 +25,6 @@ from asterism.reports.fit_page import fit_page
 from asterism.reports.fit_plots import star_contractions
 from asterism.reports.fit_remainder import remainder
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
-from pattern.layout.build import layout
 from tests.asterism.fitting.surfaces import spherical_cap
 from tests.asterism.verification.browser import lacks_browser, opened
 

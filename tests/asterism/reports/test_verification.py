@@ -11,6 +11,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
 from PIL import Image
 
 from asterism.exact.simulation import exact_shape
@@ -24,7 +25,6 @@ from asterism.shape.vtu import write_shape_vtu
 from asterism.verification import run
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification
-from pattern.design.design import Design
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.process.test_compiling import fresh
 from tests.asterism.verification.browser import lacks_browser, opened

@@ -6,6 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -16,9 +19,6 @@ from asterism.shape.comparison import Comparison, compare_shapes, image
 from asterism.shape.diameter import diameter
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.verification.numbers import alike
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 from tests.asterism.verification.printed import design, lumpy, rolled, shape
 
 UNIFORM = design()

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.rigid_fit import rms_distance
+from asterism.pattern.layout.build import layout
 from scipy.spatial.transform import Rotation
 
 from asterism.exact.simulation import exact_shape
@@ -11,10 +15,6 @@ from asterism.results.records.exact import mesh_error_in_words
 from asterism.shape.diameter import diameter
 from asterism.shape.mesh_error import estimate, mesh_error
 from asterism.shape.shape import Shape
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.geometry.rigid_fit import rms_distance
-from pattern.layout.build import layout
 
 
 def bowl(cells: int, height: float) -> Shape:

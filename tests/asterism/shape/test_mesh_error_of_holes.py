@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.shape.mesh_error import mesh_error
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
 
 
 def test_shapes_with_a_wavy_hole_are_compared() -> None:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.shape.needle_clearance import needle_clearance
-from equilibrium.arrays import Floats
-from pattern.design.design import Design
-from pattern.layout.build import layout
 from tests.asterism import sheets
 
 

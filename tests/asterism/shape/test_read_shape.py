@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.pattern.design.errors import DesignError
 
 import asterism
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
-from pattern.design.errors import DesignError
 
 
 @pytest.fixture(scope="module")

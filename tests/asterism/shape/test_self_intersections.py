@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats, Ints
 
 from asterism.shape.self_intersections import meets_itself, self_intersections
-from equilibrium.arrays import Floats, Ints
 
 
 def strip(turns: float, lean: float) -> tuple[Floats, Floats, Ints]:

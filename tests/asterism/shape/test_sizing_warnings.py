@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.shape.sizing_warnings import sizing_warnings
-from pattern.design.design import Design
-from pattern.layout.build import layout
 
 
 def warnings(rings: int = 2, **stars: Any) -> list[str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import numpy as np
 import pytest
+from asterism.pattern import gallery
 from starlette.testclient import TestClient
 
 from asterism.studio import frames
@@ -17,7 +18,6 @@ from asterism.studio.engine_orders import Edit
 from asterism.studio.messages import Frame, Limits, ShapeSummary, ShownMesh
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
-from pattern import gallery
 
 if TYPE_CHECKING:
     from tests.asterism.studio.engine_pipe import EnginePipe

@@ -9,6 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from asterism.equilibrium.errors import Error
+from asterism.pattern import gallery
+from asterism.pattern.design.files import read_table
+from asterism.pattern.layout.load_design import load_design
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -16,10 +20,6 @@ from asterism.studio.autosave import autosave_path
 from asterism.studio.design_text import edited_text
 from asterism.studio.document import Document
 from asterism.studio.examples import design_files, free_name
-from equilibrium.errors import Error
-from pattern import gallery
-from pattern.design.files import read_table
-from pattern.layout.load_design import load_design
 
 SITES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
 SIZES = st.one_of(st.none(), st.floats(-1.0, 20.0), st.just(1e9))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.design.errors import DesignError
 from starlette.testclient import TestClient
 
 from asterism.studio.document import Document
@@ -14,7 +15,6 @@ from asterism.studio.drawing import Drawings, read_drawing
 from asterism.studio.gesture_requests import PlaceDrawing
 from asterism.studio.placed_drawing import with_drawing
 from asterism.studio.uploads import UploadError
-from pattern.design.errors import DesignError
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 from tests.asterism.studio.test_uploads import SQUARE, dxf
 

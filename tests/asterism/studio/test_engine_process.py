@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.layout.build import layout
 
 import asterism
 from asterism.studio.engine_orders import Edit, Flip, ShowForm, Stop
 from asterism.studio.engine_process import run_engine
 from asterism.studio.messages import Frame, Ready, ShapeSummary, StudioProblem
-from pattern.layout.build import layout
 from tests.asterism.studio.engine_pipe import EnginePipe
 
 START_S = 180.0

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
 
 from asterism.studio.engine_orders import Surface
 from asterism.studio.fitter import run_fit
 from asterism.studio.job_messages import Fitted, JobProgress
 from asterism.studio.messages import StudioProblem
-from pattern.design.design import Design
 from tests.asterism.fitting.surfaces import spherical_cap
 
 

@@ -7,9 +7,9 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from asterism.pattern import gallery
 
 from asterism.studio.server import PAGE
-from pattern import gallery
 
 ROOT = Path(__file__).parents[3]
 STUDIO = ROOT / "asterism" / "studio"

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.sizing.profiles.linear import LinearProfile
+from asterism.pattern.design.sizing.profiles.picture import PictureProfile
+from asterism.pattern.layout.print_layout import print_layout
 
 from asterism.studio.document import Document
 from asterism.studio.painted_field import STEP_MM, Brush, PaintedField
 from asterism.studio.request import RequestError
 from asterism.studio.requests import read_request
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.sizing.profiles.linear import LinearProfile
-from pattern.design.sizing.profiles.picture import PictureProfile
-from pattern.layout.print_layout import print_layout
 
 OUTLINE = np.array([[-20.0, -10.0], [30.0, -10.0], [30.0, 15.0], [-20.0, 15.0]])
 BRUSH = Brush("set", 8.0, 1.0, 0.9, 0.05, 5.0)

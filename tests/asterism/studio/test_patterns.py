@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
 
 from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
@@ -16,8 +18,6 @@ from asterism.studio.messages import NO_PREVIEW, Limits, ShownMesh
 from asterism.studio.page_data import document_data
 from asterism.studio.ribbon_stations import NO_SITE, ribbon_stations
 from asterism.studio.verifier import run_verification
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
 from tests.asterism.previews.motifs.nets import net, net_law
 from tests.asterism.studio.engine_pipe import EnginePipe
 from tests.asterism.studio.test_verifier import Sent

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
 from starlette.testclient import TestClient
 
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
-from pattern import gallery
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 
 EDITS = int(os.environ.get("ASTERISM_RANDOM_EDITS", "1000"))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+
 from asterism.sweeps.cost import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_cost
-from pattern import gallery
-from pattern.design.design import Design
 
 VARIED = {"profile": "radial", "from": 0.3, "to": 0.5, "over_mm": 30.0}
 

@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.homogenize.law.law_file import PAPER_LAW
+from asterism.pattern.design.design import Design
 
 import asterism
 from asterism.sweeps.run import SweepProgress, sweep_design
 from asterism.sweeps.solve_point import named_law
 from asterism.sweeps.sweep import Sweep
 from asterism.sweeps.write_sweep import sweep_csv, write_sweep
-from homogenize.law.law_file import PAPER_LAW
-from pattern.design.design import Design
 from tests.asterism.commands import command
 from tests.homogenize import same_process
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from asterism.pattern import gallery
 from PIL import Image
 
 from asterism.sweeps.parameters import SweepParameter
@@ -16,7 +17,6 @@ from asterism.sweeps.quantities import quantities
 from asterism.sweeps.small_picture import SmallPicture
 from asterism.sweeps.sweep import Sweep, SweepPoint
 from asterism.sweeps.write_sweep import SWEEP_PAGE, write_sweep
-from pattern import gallery
 
 # of a colour of the page's body, from 0 to 1
 BRIGHTNESS = """key => {

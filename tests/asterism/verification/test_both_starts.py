@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 from asterism.verification.both_starts import lower_minimum, simulate
 from asterism.verification.run import verify
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
 
 SMALL = Design.from_dict(
     {"stars": {"length_mm": 8.0, "thickness_mm": 0.4}, "border": {"rings": 1}, "mesh": {"edge_mm": 6.0}}

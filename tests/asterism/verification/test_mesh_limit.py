@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from asterism.homogenize.errors import LawError
+from asterism.pattern import gallery
+from asterism.pattern.layout.build import layout
 
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
@@ -15,9 +18,6 @@ from asterism.verification.mesh_limit import (
     mesh_limit,
     with_mesh_limit,
 )
-from homogenize.errors import LawError
-from pattern import gallery
-from pattern.layout.build import layout
 
 # of the exact tube's radius, mm, by extrapolation: benchmarks/results/convergence.md
 RADIUS_IN_THE_LIMIT = 35.06

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from asterism.equilibrium.newton.minimise import Iteration
+from asterism.pattern.design.design import Design
 
 import asterism
 from asterism.verification.progress import WHOLE, ExactProgress
 from asterism.verification.run import STAGES, verify
-from equilibrium.newton.minimise import Iteration
-from pattern.design.design import Design
 
 STEP = Iteration(0, 0.0, 0.0, 0.0, 0.0)
 

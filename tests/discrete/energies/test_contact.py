@@ -6,21 +6,21 @@ import builtins
 
 import numpy as np
 import pytest
+from asterism.discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, ContactBarrier, ipc_toolkit
+from asterism.discrete.model.contact_model import ContactModel
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State, moved_state
+from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear.extended_pattern import ExtendedPattern
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.shape.self_intersections import self_intersections
-from discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, ContactBarrier, ipc_toolkit
-from discrete.model.contact_model import ContactModel
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State, moved_state
-from discrete.release.levels import solve_on_meshes
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.arrays import Array
-from equilibrium.errors import BackendError
-from equilibrium.linear.extended_pattern import ExtendedPattern
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 
 ipctk = pytest.importorskip("ipctk")
 
@@ -235,7 +235,7 @@ def test_a_second_run_gives_the_same_digits() -> None:
 
 @pytest.mark.slow
 def test_finer_meshes_have_no_intersections() -> None:
-    from discrete.release.levels import solve_on_meshes
+    from asterism.discrete.release.levels import solve_on_meshes
 
     sheet = model(ContactModel, 2, edge=1.5)
     assert isinstance(sheet, ContactModel)

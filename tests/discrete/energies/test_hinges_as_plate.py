@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
-from discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
+from asterism.discrete.energies.bending.registry import FABRIC_BENDING
 
 EDGE, ROWS = 1.0, 8
 FABRIC = FabricPlate(0.8, 7.0, 0.3)

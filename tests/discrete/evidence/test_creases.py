@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.evidence.creases import measure_creases
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.evidence.creases import measure_creases
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(edge: float, **fabric: object) -> DiscreteModel:

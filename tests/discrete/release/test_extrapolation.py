@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.rotations import rotate_vectors
-from discrete.model.state import State
-from discrete.release.extrapolation import extrapolate, rotation_vectors
-from discrete.release.levels import solve_on_meshes
-from discrete.release.prolongation import plastic_normals
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.geometry.rigid_fit import rms_distance
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.rotations import rotate_vectors
+from asterism.discrete.model.state import State
+from asterism.discrete.release.extrapolation import extrapolate, rotation_vectors
+from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.prolongation import plastic_normals
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.rigid_fit import rms_distance
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(edge: float = 2.5, **changes: object) -> DiscreteModel:
@@ -71,8 +70,8 @@ def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatc
         starts.append((m, state, extrapolate(m, before, state, share)))
         return starts[-1][2]
 
-    monkeypatch.setattr("discrete.release.levels.extrapolate", noted)
-    monkeypatch.setattr("discrete.release.levels.COARSE_VERTICES", 250)
+    monkeypatch.setattr("asterism.discrete.release.levels.extrapolate", noted)
+    monkeypatch.setattr("asterism.discrete.release.levels.COARSE_VERTICES", 250)
     plate = gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"}
     edge = 17.3205 / 16
     found, levels = solve_on_meshes(model(edge, fabric=plate, mesh={"edge_mm": edge, "graded": True}))

@@ -6,22 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
+from asterism.discrete.release.release_start import ReleaseStart, release_starts
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.normals import vertex_normals
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetric_distance import symmetric_distances
+from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
-
-from discrete.evidence.roll_axis import roll_axis_deg
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from discrete.release.forms import ExactForm, distinct_forms, find_minima
-from discrete.release.release_start import ReleaseStart, release_starts
-from discrete.release.single_mesh import solve_on_mesh
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.geometry.normals import vertex_normals
-from pattern.layout.build import layout
-from pattern.layout.symmetric_distance import symmetric_distances
-from pattern.layout.symmetries import Symmetry, symmetries
-from pattern.mesh.meshing import mesh_layout
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.levels import solve_on_meshes
-from discrete.release.prolongation import prolong
-from discrete.release.single_mesh import solve_on_mesh
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.prolongation import prolong
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(edge: float, **changes: object) -> DiscreteModel:

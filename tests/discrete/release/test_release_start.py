@@ -6,14 +6,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.star_bumps import add_bumps, bump_heights
-from discrete.release.release_start import BRANCH_NUDGE_MM, MIN_BRANCH_BUMP_MM, ReleaseStart
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.star_bumps import add_bumps, bump_heights
+from asterism.discrete.release.release_start import BRANCH_NUDGE_MM, MIN_BRANCH_BUMP_MM, ReleaseStart
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 LEFT = (0.3, 1.0)
 

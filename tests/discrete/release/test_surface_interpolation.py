@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from discrete.release.surface_interpolation import interpolate_surface
-from equilibrium.arrays import Array
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.mesh import Mesh
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.release.surface_interpolation import interpolate_surface
+from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.meshing import mesh_layout
 
 WHOLE = [[-30, -30], [30, -30], [30, 30], [-30, 30]]
 # a cut whose lips are 0.2 mm apart at the rim, and meet in the middle

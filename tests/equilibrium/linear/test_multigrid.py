@@ -4,32 +4,32 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from asterism.exact.simulation import exact_shape
-from discrete.model.discrete_model import DiscreteModel
-from discrete.release.single_mesh import solve_on_mesh
-from equilibrium.arrays import Floats
-from equilibrium.errors import BackendError
-from equilibrium.linear import backends, multigrid
-from equilibrium.linear.backends import available, make_factor, make_solver
-from equilibrium.linear.conjugate_gradients import (
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear import backends, multigrid
+from asterism.equilibrium.linear.backends import available, make_factor, make_solver
+from asterism.equilibrium.linear.conjugate_gradients import (
     ConjugateGradients,
     NotPositiveDefiniteError,
     proves_definite,
     solve_by_conjugate_gradients,
 )
-from equilibrium.linear.factor import IterativeFactor
-from equilibrium.linear.multigrid import MultigridFactor
-from equilibrium.linear.reanalysing_factor import ReanalysingFactor
-from equilibrium.linear.sparse_pattern import SparsePattern
-from equilibrium.newton import certificate
-from equilibrium.newton.certificate import smallest_eigenvalue
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.equilibrium.linear.factor import IterativeFactor
+from asterism.equilibrium.linear.multigrid import MultigridFactor
+from asterism.equilibrium.linear.reanalysing_factor import ReanalysingFactor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.newton import certificate
+from asterism.equilibrium.newton.certificate import smallest_eigenvalue
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asterism.exact.simulation import exact_shape
 
 SIDE = 30
 

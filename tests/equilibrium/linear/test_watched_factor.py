@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.sparse_pattern import SparsePattern
-from equilibrium.linear.watched_factor import WatchedFactor
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.linear.watched_factor import WatchedFactor
 
 
 def test_watch_is_called_and_may_raise() -> None:

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-
-from equilibrium.arrays import Floats, Ints
-from equilibrium.linear.backends import make_factor
-from equilibrium.linear.factor import Factor
-from equilibrium.linear.multigrid import MultigridFactor
-from equilibrium.linear.sparse_pattern import SparsePattern
-from equilibrium.newton.minimise import Iteration, NewtonResult, minimise
-from equilibrium.newton.regularisation import MAX_FORCING_TERM
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.linear.multigrid import MultigridFactor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from asterism.equilibrium.newton.regularisation import MAX_FORCING_TERM
 
 METHODS = pytest.mark.parametrize("method", ["blended", "shifted"])
 

@@ -6,20 +6,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.deformation import affine, flat
+from asterism.fem.search.candidate_shapes import candidate_shapes
+from asterism.fem.search.guess_builder import GuessBuilder, InitialGuess
+from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, _best_direction, _Ranking, initial_guesses
+from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.relax import relax
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import of_stretch
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import EdgeSupport
 from scipy.spatial.transform import Rotation
 
-from fem.elements.argyris import Argyris
-from fem.elements.deformation import affine, flat
-from fem.search.candidate_shapes import candidate_shapes
-from fem.search.guess_builder import GuessBuilder, InitialGuess
-from fem.search.initial_guesses import MAX_ENERGY_RATIO, _best_direction, _Ranking, initial_guesses
-from fem.search.mean_fields import mean_fields
-from fem.search.relax import relax
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import of_stretch
-from fem.shell.shell import Shell
-from fem.supports.conditions import EdgeSupport
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 from tests.fem.meshes import facets_where, rectangle
 

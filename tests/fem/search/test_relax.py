@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.newton.find_minimum import find_minimum
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.deformation import affine
+from asterism.fem.search import relax as search
+from asterism.fem.search.evidence import ShellEquilibrium
+from asterism.fem.search.mixed_newton import mixed_newton
+from asterism.fem.search.relax import follow, follow_load_steps, is_collapsing, relax
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.fields import FieldError, Fields, of_stretch
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import EdgeSupport
 
-import fem.search.relax
-from equilibrium.linear.factor import Factor
-from equilibrium.newton.find_minimum import find_minimum
-from fem.elements.argyris import Argyris
-from fem.elements.deformation import affine
-from fem.search.evidence import ShellEquilibrium
-from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import follow, follow_load_steps, is_collapsing, relax
-from fem.search.simple_shapes import SimpleShape
-from fem.shell.fields import FieldError, Fields, of_stretch
-from fem.shell.shell import Shell
-from fem.supports.conditions import EdgeSupport
 from tests.fem.bell import Bell
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.meshes import facets_where, rectangle
@@ -115,16 +115,16 @@ def test_a_guess_that_falls_below_a_minimum_is_continued(monkeypatch: pytest.Mon
     shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
     guesses = [SimpleShape("cap", -2e-3), SimpleShape("flat")]  # the cap is on the wrong side, and stays there
     lowest = relax(shell).energy
-    monkeypatch.setattr(fem.search.relax, "CLOSE_GUESS", 10.0)
-    for enough in (fem.search.relax.MAX_ITERATIONS_OF_FURTHER_GUESSES, 3):
-        monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS_OF_FURTHER_GUESSES", enough)
+    monkeypatch.setattr(search, "CLOSE_GUESS", 10.0)
+    for enough in (search.MAX_ITERATIONS_OF_FURTHER_GUESSES, 3):
+        monkeypatch.setattr(search, "MAX_ITERATIONS_OF_FURTHER_GUESSES", enough)
         found = relax(shell, shapes=guesses)
         assert found.is_minimum and found.guess == "flat"
         assert found.energy == pytest.approx(lowest)
         assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
     assert [trial.is_minimum for trial in found.trials] == [True, False, True]
     # a guess above the minimum is not continued
-    monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS_OF_FURTHER_GUESSES", 0)
+    monkeypatch.setattr(search, "MAX_ITERATIONS_OF_FURTHER_GUESSES", 0)
     assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
 
 
@@ -186,15 +186,15 @@ def test_impossible_fields_are_refused_with_place_and_value() -> None:
 def test_a_sheet_that_collapses_is_not_followed_in_load_steps(
     gaussian: float, tried: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS", 3)
-    monkeypatch.setattr(fem.search.relax, "MAX_DESCENT_ITERATIONS", 30)
+    monkeypatch.setattr(search, "MAX_ITERATIONS", 3)
+    monkeypatch.setattr(search, "MAX_DESCENT_ITERATIONS", 30)
     steps: list[int] = []
 
     def counted(shell: Shell, factor: Factor, count: int, most: int) -> tuple[ShellEquilibrium | None, int]:
         steps.append(count)
         return follow_load_steps(shell, factor, count, most)
 
-    monkeypatch.setattr(fem.search.relax, "follow_load_steps", counted)
+    monkeypatch.setattr(search, "follow_load_steps", counted)
     shell = Shell(Argyris(hexagon(1)), Fields(density(), curvature=(0.004, 0.004, 0.0), gaussian=gaussian))
     found = relax(shell)
     assert steps == tried and is_collapsing(shell, found) == (not tried) == (not found.is_minimum)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from equilibrium.arrays import Floats
-from fem.search.simple_shapes import SimpleShape, similar
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.simple_shapes import SimpleShape, similar
 
 SHAPES = [
     SimpleShape("flat"),

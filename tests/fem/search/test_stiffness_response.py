@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.relax import follow, relax
+from asterism.fem.search.stiffness_response import STIFFNESSES, part_stresses, rms_of, stiffness_responses
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import Fields, of_stretch
+from asterism.fem.shell.shell import Shell
 
-from equilibrium.arrays import Floats
-from fem.elements.argyris import Argyris
-from fem.search.relax import follow, relax
-from fem.search.stiffness_response import STIFFNESSES, part_stresses, rms_of, stiffness_responses
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import Fields, of_stretch
-from fem.shell.shell import Shell
 from tests.fem.hexagons import hexagon, radius
 
 ERROR = 1e-3

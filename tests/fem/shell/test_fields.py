@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import FieldError, Fields, of_stretch
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 
 PLATE = Density(isotropic(20.0, 10.0, 0.3))
 POINTS = np.zeros((2, 3, 2))

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import BackendError
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import of_stretch
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
+from asterism.fem.supports.end_moment import EndMoment
+from asterism.fem.supports.loads import area_load
 from skfem import MeshTri
 
-from equilibrium.arrays import Floats
-from equilibrium.errors import BackendError
-from fem.elements.argyris import Argyris
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import of_stretch
-from fem.shell.shell import Shell
-from fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
-from fem.supports.end_moment import EndMoment
-from fem.supports.loads import area_load
 from tests.fem.hexagons import FIELDS, hexagon
 from tests.fem.maps import arc
 from tests.fem.meshes import facets_where, rectangle

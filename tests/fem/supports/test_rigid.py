@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.newton.find_minimum import find_minimum
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.mixed_newton import mixed_newton
+from asterism.fem.search.relax import follow
+from asterism.fem.shell.density import Density, isotropic
+from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.shell import Shell
+from asterism.fem.supports.conditions import PointSupport, vertices_at
+from asterism.fem.supports.loads import area_load
+from asterism.fem.supports.rigid import span_a_plane
 
-from equilibrium.arrays import Floats
-from equilibrium.newton.find_minimum import find_minimum
-from fem.elements.argyris import Argyris
-from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import follow
-from fem.shell.density import Density, isotropic
-from fem.shell.fields import Fields
-from fem.shell.shell import Shell
-from fem.supports.conditions import PointSupport, vertices_at
-from fem.supports.loads import area_load
-from fem.supports.rigid import span_a_plane
 from tests.fem.meshes import rectangle
 
 WEIGHT = 1e-4  # N/mm^2

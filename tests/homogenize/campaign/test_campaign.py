@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from asterism.homogenize.campaign import campaign, workers
+from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
+from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.errors import AddressError, CampaignError
+from asterism.homogenize.law.law_file import law_bytes, law_digest
+from asterism.homogenize.law.material import Material
 
-from homogenize.campaign import campaign, workers
-from homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
-from homogenize.campaign.fit_law import fit_law
-from homogenize.errors import AddressError, CampaignError
-from homogenize.law.law_file import law_bytes, law_digest
-from homogenize.law.material import Material
 from tests.event_loop import run_coroutine
 from tests.homogenize import fake, same_process
 
@@ -107,7 +107,7 @@ def test_samples_belong_to_what_solved_them(samples: Path) -> None:
 
 @pytest.mark.slow
 def test_samples_belong_to_the_code_that_made_them(samples: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("homogenize.campaign.campaign.code_version", lambda: "other code")
+    monkeypatch.setattr("asterism.homogenize.campaign.campaign.code_version", lambda: "other code")
     told: list[CampaignProgress] = []
     records = run_campaign(material(), samples, 1, report=told.append, respond=fake.solve_cell)
     assert told[0].done == 0

@@ -6,7 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from homogenize.campaign.code_version import SAMPLE_SOURCES
+from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES
+
+from tests.test_rooms import package_of
 
 PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 # of pattern: what solves a cell imports these too, and takes no number from them
@@ -45,12 +47,11 @@ ASIDE = (
 
 def test_every_module_that_decides_answers_is_in_it() -> None:
     script = (
-        "import sys, homogenize.cell.sample;"
+        "import sys, asterism.homogenize.cell.sample;"
         "print(*(name for name, module in sys.modules.items() if not hasattr(module, '__path__')))"
     )
     loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
-    ours = {path.name for path in Path(__file__).parents[3].iterdir() if (path / "__init__.py").exists()}
-    needed = {name for name in loaded if "." in name and name.split(".")[0] in ours}
+    needed = {name for name in loaded if package_of(name) in {"discrete", "equilibrium", "homogenize", "pattern"}}
     listed = {
         ".".join([package.__name__, *file.relative_to(package.__path__[0]).with_suffix("").parts]).removesuffix(
             ".__init__"
@@ -59,6 +60,6 @@ def test_every_module_that_decides_answers_is_in_it() -> None:
         for pattern in names
         for file in Path(package.__path__[0]).glob(pattern)
     }
-    aside = {f"pattern.{name}" for name in ASIDE}
+    aside = {f"asterism.pattern.{name}" for name in ASIDE}
     assert needed - aside <= listed
     assert aside <= needed and not aside & listed

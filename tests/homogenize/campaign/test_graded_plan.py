@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from homogenize.campaign.campaign import sample_name
-from homogenize.campaign.design_plan import plan_for_sizes
-from homogenize.errors import ForeignLaw
-from homogenize.law.law import Law
-from homogenize.law.law_file import load_law
-from homogenize.law.material import Material
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
+from asterism.homogenize.campaign.campaign import sample_name
+from asterism.homogenize.campaign.design_plan import plan_for_sizes
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.material import Material
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
 PLATE = {"bending": "consistent", "modulus_mpa": 7.0}
 SIZES = np.array([[8.0, 0.4, 1.2]])

@@ -6,21 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
+from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
+from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
+from asterism.homogenize.campaign.motif_sample import motif_tensors, responses_from_data, responses_to_data
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.motif_responses import motif_responses
+from asterism.homogenize.cell.natural_curvature import trace_tubes
+from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.homogenize.errors import ForeignLaw
+from asterism.homogenize.law.motif_errors import tensor_errors
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
+from asterism.pattern.design.design import Design
 
-from homogenize.campaign.fit_motif_law import fit_motif_law
-from homogenize.campaign.motif_campaign import run_motif_campaign
-from homogenize.campaign.motif_design_plan import plan_for_motif
-from homogenize.campaign.motif_sample import motif_tensors, responses_from_data, responses_to_data
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.motif_responses import motif_responses
-from homogenize.cell.natural_curvature import trace_tubes
-from homogenize.cell.tube_directions import ALL_ANGLES_RAD
-from homogenize.cell.unit_cell import UnitCell
-from homogenize.errors import ForeignLaw
-from homogenize.law.motif_errors import tensor_errors
-from homogenize.law.motif_law import MotifLaw
-from homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
-from pattern.design.design import Design
 from tests.homogenize import same_process
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.law.test_tensor_forms import turned

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from homogenize.law.material import PAPER_MATERIAL, Material, load_material
-from pattern.design.errors import DesignError
+from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
+from asterism.pattern.design.errors import DesignError
 
 
 def test_the_papers_plan_covers_its_range() -> None:

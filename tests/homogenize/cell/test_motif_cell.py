@@ -7,23 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.discrete.model.state import State
+from asterism.homogenize.cell.cell_stability import cell_stability
+from asterism.homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
+from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.image_numbering import ImageNumbering
+from asterism.homogenize.cell.motif_cell_mesh import motif_cell_mesh
+from asterism.homogenize.cell.natural_curvature import trace_tubes
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.rods.motif_graph import motif_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from discrete.model.state import State
-from homogenize.cell.cell_stability import cell_stability
-from homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
-from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from homogenize.cell.image_numbering import ImageNumbering
-from homogenize.cell.motif_cell_mesh import motif_cell_mesh
-from homogenize.cell.natural_curvature import trace_tubes
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.design import Design
-from pattern.design.errors import MeshError
-from pattern.design.lattice import Lattice
-from pattern.rods.motif_graph import motif_graph
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.cells import full, shaken
 from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, moved, parallel, stars, waves
@@ -123,7 +123,7 @@ def test_the_energy_does_not_depend_on_where_the_cell_is_cut(seed: int, tube: bo
     mesh, n = cell.mesh, cell.mesh.n_base
     points, rods = rng.integers(-2, 3, size=(n, 2)), rng.integers(-2, 3, size=(len(mesh.rods), 2))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        patch.setattr("asterism.homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
         other = UnitCell(motif_design(PATTERNS[name]), EDGE)
     if tube:
         other.set_tube(cell.curvature, cell.angle)

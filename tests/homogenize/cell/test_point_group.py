@@ -6,21 +6,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.cell.cell_mesh import cell_mesh
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.orbits import nearest_image
+from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.point_group import keeps_grid_lines, mirror_lines, point_group
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.cell.symmetric_responses import CURVE_KEYS, SCALAR_KEYS, symmetric_responses
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from scipy.spatial import cKDTree
 
-from equilibrium.arrays import Floats
-from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from homogenize.cell.aligned_lines import aligned_lines
-from homogenize.cell.cell_mesh import cell_mesh
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.orbits import nearest_image
-from homogenize.cell.periodic_mesh import PeriodicMesh
-from homogenize.cell.point_group import keeps_grid_lines, mirror_lines, point_group
-from homogenize.cell.sample import solve_cell
-from homogenize.cell.symmetric_responses import CURVE_KEYS, SCALAR_KEYS, symmetric_responses
-from homogenize.cell.unit_cell import UnitCell
-from pattern.design.lattice import Lattice
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from tests.homogenize.cells import EDGE, design
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -140,7 +140,7 @@ def test_a_cell_that_keeps_its_symmetry_keeps_its_digits(monkeypatch: pytest.Mon
     """The paper's star, three arms on a triangular lattice."""
     star = design(8.0)
     found = solve_cell(star, EDGE).to_dict()
-    monkeypatch.setattr("homogenize.cell.sample.symmetric_responses", lambda responses, *_: responses)
+    monkeypatch.setattr("asterism.homogenize.cell.sample.symmetric_responses", lambda responses, *_: responses)
     plain = solve_cell(star, EDGE).to_dict()
     for name in found.keys() - {"asymmetry", "seconds"}:
         np.testing.assert_equal(found[name], plain[name])

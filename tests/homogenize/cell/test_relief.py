@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from pattern.design.lattice import Lattice
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.pattern.design.lattice import Lattice
 
 LATTICES = {
     "triangular": Lattice(),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.homogenize.cell.effective_stiffness import effective_stiffness
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.rod_bending import GAUSSIAN, completed_by_rods, rod_bending
+from asterism.homogenize.cell.unit_cell import UnitCell
 
-from homogenize.cell.effective_stiffness import effective_stiffness
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.rod_bending import GAUSSIAN, completed_by_rods, rod_bending
-from homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cell.test_motif_cell import EDGE, PATTERNS, recut, relaxed
 from tests.homogenize.cell.test_motif_closed_forms import stiff
 from tests.homogenize.motifs import Pattern, diamonds, motif_design, parallel
@@ -34,7 +34,7 @@ def test_the_work_of_gaussian_curvature_depends_on_the_cut_and_nothing_else_does
     points = np.zeros((mesh.n_base, 2), dtype=np.int64)
     rods = np.random.default_rng(2).integers(-2, 3, size=(len(mesh.rods), 2))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        patch.setattr("asterism.homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
         other = UnitCell(motif_design(PATTERNS[name]), EDGE)
     here, there = (
         effective_stiffness(one, state).stiffness for one, state in ((cell, flat), (other, relax_flat_cell(other)[0]))

@@ -6,15 +6,15 @@ import json
 
 import numpy as np
 import pytest
+from asterism.homogenize.cell.effective_stiffness import effective_stiffness, mean_height
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
+from asterism.homogenize.cell.sample import Sample, solve_cell
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.homogenize.law.law_residuals import mesh_differences
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
-from homogenize.cell.effective_stiffness import effective_stiffness, mean_height
-from homogenize.cell.flat_cell import relax_flat_cell
-from homogenize.cell.rolling import roll_cell, unrolled_flat_cell
-from homogenize.cell.sample import Sample, solve_cell
-from homogenize.cell.unit_cell import UnitCell
-from homogenize.law.law_residuals import mesh_differences
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 from tests.homogenize.cells import EDGE, design, relaxed, sample
 
 SPACING = 10.0 * np.sqrt(3.0)
@@ -160,7 +160,7 @@ def test_slight_curvatures_continue_those_that_are_looked_for(length, monkeypatc
     """The parabola of the energy against the tube without a moment, for a star that both can treat."""
     found = {}
     for slight in (0.5, 1e-3):
-        monkeypatch.setattr("homogenize.cell.natural_curvature.MIN_NATURAL_CURL", slight)
+        monkeypatch.setattr("asterism.homogenize.cell.natural_curvature.MIN_NATURAL_CURL", slight)
         found[slight] = solve_cell(design(length, 0.6), 1.92, (0.0, np.pi / 6))
     rough, exact = found[0.5], found[1e-3]
     assert 0.01 < SPACING * exact.natural_curvature[0] < 0.1
@@ -240,7 +240,7 @@ def test_failed_samples_have_a_reason_and_no_numbers(monkeypatch):
     def fails(*args):
         raise ArithmeticError("flat cell: no equilibrium at 50 % release")
 
-    monkeypatch.setattr("homogenize.cell.sample.trace_tubes", fails)
+    monkeypatch.setattr("asterism.homogenize.cell.sample.trace_tubes", fails)
     found = solve_cell(design(), EDGE)
     assert found.failed == "flat cell: no equilibrium at 50 % release"
     assert found.lam is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import fields
 
-from homogenize.cell.sample import Sample
+from asterism.homogenize.cell.sample import Sample
 
 
 def test_every_field_has_a_line() -> None:

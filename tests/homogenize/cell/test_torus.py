@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.cell.arm_segments import arm_segments
+from asterism.homogenize.cell.cell_mesh import cell_mesh
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
-from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from homogenize.cell.aligned_lines import aligned_lines
-from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.cell_mesh import cell_mesh
-from pattern.design.errors import MeshError
-from pattern.geometry.planar import triangle_areas
-from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from tests.homogenize.cells import design
 
 VECTORS = np.asarray(design().lattice.vectors)

@@ -6,12 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from equilibrium.arrays import Floats
-from homogenize.cell.tube_directions import ALL_ANGLES_RAD
-from homogenize.law.anisotropy import (
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
@@ -25,7 +22,9 @@ from homogenize.law.anisotropy import (
     sample_anisotropy,
     voigt_matrices,
 )
-from pattern.design.lattice import Lattice
+from asterism.pattern.design.lattice import Lattice
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 FROM_X = np.array(ALL_ANGLES_RAD) + 0.5 * np.pi
 LAM = 0.75

@@ -10,21 +10,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law
+from asterism.homogenize.campaign.sample_rows import sample_quantities
+from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
+from asterism.homogenize.law.hermite_grid import HermiteGrid
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
+from asterism.homogenize.law.law_residuals import law_residuals
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.plan import CellTask
+from asterism.pattern.design.design import Design
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from homogenize.campaign.campaign import SampleRecord
-from homogenize.campaign.fit_law import fill_failed_rows, fit_law
-from homogenize.campaign.sample_rows import sample_quantities
-from homogenize.errors import CampaignError, ForeignLaw, LawError
-from homogenize.law.hermite_grid import HermiteGrid
-from homogenize.law.law import Law
-from homogenize.law.law_file import law_bytes, law_digest, load_law
-from homogenize.law.law_residuals import law_residuals
-from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.law.material import Material
-from homogenize.law.plan import CellTask
-from pattern.design.design import Design
 from tests.homogenize import fake
 
 PLAN = {
@@ -342,7 +342,7 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(LawError):
         load_law(path)
     path.write_bytes(law_bytes(LAW))
-    monkeypatch.setattr("homogenize.law.law_file.LAW_FORMAT", 99)
+    monkeypatch.setattr("asterism.homogenize.law.law_file.LAW_FORMAT", 99)
     with pytest.raises(LawError, match="has format 4, this version reads 99; make it again"):
         load_law(path)
 

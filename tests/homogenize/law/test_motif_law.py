@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
+from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
+from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
+from asterism.homogenize.campaign.motif_sample import motif_tensors
+from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
+from asterism.homogenize.law.any_law import load_any_law
+from asterism.homogenize.law.law_file import PAPER_LAW, load_law
+from asterism.homogenize.law.motif_law import MotifLaw, MotifValues
+from asterism.homogenize.law.motif_law_file import load_motif_law, motif_law_bytes, motif_law_digest
+from asterism.pattern.design.design import Design
 
-from homogenize.campaign.fit_motif_law import fit_motif_law
-from homogenize.campaign.motif_campaign import run_motif_campaign
-from homogenize.campaign.motif_design_plan import plan_for_motif
-from homogenize.campaign.motif_sample import motif_tensors
-from homogenize.errors import CampaignError, ForeignLaw, LawError
-from homogenize.law.any_law import load_any_law
-from homogenize.law.law_file import PAPER_LAW, load_law
-from homogenize.law.motif_law import MotifLaw, MotifValues
-from homogenize.law.motif_law_file import load_motif_law, motif_law_bytes, motif_law_digest
-from pattern.design.design import Design
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import made_up
 from tests.homogenize.motifs import grid

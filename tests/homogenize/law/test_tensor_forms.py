@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from homogenize.law.motif_errors import tensor_errors
-from homogenize.law.motif_table import MotifTable
-from homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors, tensors_of_stored
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.motif_errors import tensor_errors
+from asterism.homogenize.law.motif_table import MotifTable
+from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors, tensors_of_stored
 
 
 def random_tensors(count: int, seed: int = 3) -> SheetTensors:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.groups import GROUP_KEYS
-from homogenize.universal.row_names import EIGENVALUES, WAVE_NAMES
-from homogenize.universal.universal_law import bare_quantities
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.universal.groups import GROUP_KEYS
+from asterism.homogenize.universal.row_names import EIGENVALUES, WAVE_NAMES
+from asterism.homogenize.universal.universal_law import bare_quantities
 
 
 def solve(groups: list[float]) -> tuple[dict[str, Any] | None, str | None]:

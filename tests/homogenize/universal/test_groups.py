@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from equilibrium.arrays import Floats
-from homogenize.cell.sample import solve_cell
-from homogenize.universal.groups import GROUP_KEYS, GROUPS, coordinates_of_groups, reference_cell, star_groups
-from pattern.design.design import Design
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.sample import solve_cell
+from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, coordinates_of_groups, reference_cell, star_groups
+from asterism.pattern.design.design import Design
 
 PAPER: dict[str, Any] = {
     "fabric": {"stretch": 1.4},

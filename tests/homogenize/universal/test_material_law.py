@@ -7,23 +7,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from homogenize.errors import LawError
-from homogenize.law.law_table import QUANTITY_NAMES
-from homogenize.universal.groups import star_groups
-from homogenize.universal.law_errors import STATED_QUANTITIES
-from homogenize.universal.material_law import (
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.universal.groups import star_groups
+from asterism.homogenize.universal.law_errors import STATED_QUANTITIES
+from asterism.homogenize.universal.material_law import (
     law_edge,
     material_law,
     table_nodes,
     universal_law_errors,
 )
-from homogenize.universal.row_names import quantity_scales
-from homogenize.universal.solve_cells import solve_cells
-from homogenize.universal.spread_cells import spread_groups
-from homogenize.universal.universal_law import UniversalLaw, universal_law
-from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING_MM
+from asterism.homogenize.universal.row_names import quantity_scales
+from asterism.homogenize.universal.solve_cells import solve_cells
+from asterism.homogenize.universal.spread_cells import spread_groups
+from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
+
 from tests.homogenize import same_process
 from tests.homogenize.universal import answers
 
@@ -40,7 +40,7 @@ def design(**more: Any) -> Design:
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("homogenize.campaign.solve_missing.local_workers", same_process.workers)
+        monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
         cells = solve_cells(spread_groups(80), tmp_path_factory.mktemp("cells"), solve=answers.solve)
     return universal_law(cells, 80)
 

@@ -8,12 +8,11 @@ from typing import Any
 import ezdxf
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.file_lines import read_lines
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.file_lines import read_lines
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 
 INKSCAPE = 'xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
 SVG = f"""<svg {INKSCAPE} width="100mm" height="80mm" viewBox="0 0 100 80">

@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from pattern.design import user_files
-from pattern.design.design import Design, save_design
-from pattern.design.errors import DesignError
-from pattern.design.material_files import material_files, material_path, own_material_path
-from pattern.layout.load_design import load_design
+from asterism.pattern.design import user_files
+from asterism.pattern.design.design import Design, save_design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.material_files import material_files, material_path, own_material_path
+from asterism.pattern.layout.load_design import load_design
 
 MATERIAL = """
 name = "soft"

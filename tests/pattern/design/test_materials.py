@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.design.materials import Fabric, Plastic, rest_curvature
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 
 @pytest.mark.parametrize(("h1", "kappa"), [(0.3, 0.02758), (0.4, 0.01269), (0.6, 0.004388)])

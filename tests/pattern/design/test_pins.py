@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.geometry.planar import triangle_angles
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.planar import triangle_angles
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def pins(*tables, border=None):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design, save_design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
 from hypothesis import given
 from hypothesis import strategies as st
-
-from pattern.design.design import Design, save_design
-from pattern.design.errors import DesignError
-from pattern.design.rounding import Rounding
-from pattern.layout.build import layout
-from pattern.layout.load_design import load_design
 
 FINE = {"first_layer_mm": 0.2, "layer_mm": 0.1, "line_mm": 0.4}
 

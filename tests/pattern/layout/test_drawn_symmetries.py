@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
-from pattern.layout.symmetries import symmetries
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import symmetries
 
 RING = {"rods": {"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]}, "border": {"rods": "rim"}}
 LINES = [{"line_mm": [(-20, y), (20, y)]} for y in (-10, 0, 10)]

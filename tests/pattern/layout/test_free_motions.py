@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from scipy.spatial.transform import Rotation
-
-from pattern.design.design import Design
-from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.build import layout
-from pattern.layout.free_motions import FreeMotions, free_motions
 
 TWO_POINTS = {"points_mm": [[-30.0, 0.0], [30.0, 0.0]]}
 CORNERS = {"where": "corners"}

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.free_rotations import count_free_tilts, free_rotation_axes
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.free_rotations import count_free_tilts, free_rotation_axes
 
 
 def turns(*pins: dict[str, Any]) -> tuple[np.ndarray, int]:

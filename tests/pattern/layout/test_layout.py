@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.weight_support import check_weight_is_supported
 from shapely import LineString, Point, Polygon
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.layout.weight_support import check_weight_is_supported
 
 D = 10 * np.sqrt(3)
 

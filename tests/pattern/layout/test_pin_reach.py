@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
 
 U_SHAPE = [[0, 0], [150, 0], [150, 100], [110, 100], [110, 40], [40, 40], [40, 100], [0, 100]]
 

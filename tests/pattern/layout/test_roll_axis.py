@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.roll_axis import roll_axis_from_normals
-from pattern.layout.symmetric_distance import symmetric_distances
-from pattern.layout.symmetries import Symmetry
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
+from asterism.pattern.layout.symmetric_distance import symmetric_distances
+from asterism.pattern.layout.symmetries import Symmetry
 
 
 @pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])

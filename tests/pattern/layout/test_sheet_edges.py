@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 SQUARE = {"polygon_mm": [[5, 5], [12, 5], [12, 12], [5, 12]]}
 ROUND = {"circle_mm": {"centre": [-9, -9], "radius": 4}}

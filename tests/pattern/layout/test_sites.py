@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
-from pattern.layout.painted_stars import overrides_by_site, with_painted_stars
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import overrides_by_site, with_painted_stars
 
 LATTICES = [{"kind": "triangular"}, {"kind": "square"}, {"kind": "custom", "vectors_mm": [[18.0, 2.0], [-3.0, 21.0]]}]
 

@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
-from pattern.layout.build import layout
-from pattern.layout.print_layout import print_layout
-from pattern.layout.symmetries import symmetries
-from pattern.mesh.meshing import mesh_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
 
 RIM = {"name": "rim", "circle_mm": {"radius": 40.0}, "thickness_mm": 0.6}
 STARS = {"length_mm": 7.0, "thickness_mm": 0.4}

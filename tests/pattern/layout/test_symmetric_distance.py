@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.free_motions import free_motions
+from asterism.pattern.layout.symmetric_distance import symmetric_distances
+from asterism.pattern.layout.symmetries import symmetries
 from scipy.spatial.transform import Rotation
-
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.free_motions import free_motions
-from pattern.layout.symmetric_distance import symmetric_distances
-from pattern.layout.symmetries import symmetries
 
 SCALE = 0.7
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 
 HEXAGON = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.rods import Rods
+from asterism.pattern.rods.motif_graph import MotifGraph, motif_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from pattern import gallery
-from pattern.design.errors import DesignError
-from pattern.design.lattice import Lattice
-from pattern.design.rods import Rods
-from pattern.rods.motif_graph import MotifGraph, motif_graph
 
 SIDE = 10.0
 UP = SIDE * np.sqrt(0.75)

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from benchmarks.fuzz.mutations import mutated_table
-from equilibrium.errors import Error
-from pattern.design.design import Design
-from pattern.geometry.planar import triangle_areas
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
 
 RIM = {"name": "rim", "circle_mm": {"radius": 30.0}}
 EYE = {"name": "eye", "spline_mm": [[-6, 0], [0, 6], [6, 0], [0, -6]], "closed": True}

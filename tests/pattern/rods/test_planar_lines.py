@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.rods.planar_lines import Piece, cut_lines
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.rods.planar_lines import Piece, cut_lines
 
 
 def line(*points: tuple[float, float]) -> Floats:

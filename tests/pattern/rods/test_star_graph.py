@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.layout.build import layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 
 def test_stars_apart_have_no_joint() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 
-from pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profile import Profile
 
 
 def _registered() -> dict[str, type[Profile]]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Text
+from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
+from asterism.pattern.design.sizing.profile import Profile
 from pydantic import field_validator
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.design.section import Text
-from pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
-from pattern.design.sizing.profile import Profile
 
 
 class FormulaProfile(Profile):

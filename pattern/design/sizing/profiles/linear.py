@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import ClassVar, Literal, Self
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Point
+from asterism.pattern.design.sizing.profile import GradientProfile
 from pydantic import model_validator
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.design.section import Point
-from pattern.design.sizing.profile import GradientProfile
 
 MIN_GRADIENT_LENGTH_MM = 1e-6
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import numpy as np
-
-from equilibrium.arrays import Floats
-from pattern.design.section import Point
-from pattern.design.sizing.profile import DistanceMm, GradientProfile
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.section import Point
+from asterism.pattern.design.sizing.profile import DistanceMm, GradientProfile
 
 
 class RadialProfile(GradientProfile):

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import ClassVar, Literal, Self
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Flag, Number, Point
+from asterism.pattern.design.sizing.profile import Profile
 from pydantic import Field, model_validator
-
-from equilibrium.arrays import Floats
-from pattern.design.errors import DesignError
-from pattern.design.section import Flag, Number, Point
-from pattern.design.sizing.profile import Profile
 
 MIN_TABLE_STEP_MM = 1e-6
 

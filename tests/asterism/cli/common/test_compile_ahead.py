@@ -29,7 +29,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
 
 
 def test_it_ends_with_the_block(started: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("equilibrium.compiled.has_machine_code", lambda package: False)
+    monkeypatch.setattr("asterism.equilibrium.compiled.has_machine_code", lambda package: False)
     with pytest.raises(KeyboardInterrupt), compiling_ahead("fem"):
         assert started[0].poll() is None
         raise KeyboardInterrupt
@@ -39,10 +39,10 @@ def test_it_ends_with_the_block(started: list[subprocess.Popen[bytes]], monkeypa
 def test_without_need_it_does_not_start(
     started: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("equilibrium.compiled.has_machine_code", lambda package: True)
+    monkeypatch.setattr("asterism.equilibrium.compiled.has_machine_code", lambda package: True)
     with compiling_ahead("discrete"), compiling_ahead(None):
         pass
-    monkeypatch.setattr("equilibrium.compiled.has_machine_code", lambda package: False)
+    monkeypatch.setattr("asterism.equilibrium.compiled.has_machine_code", lambda package: False)
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     with compiling_ahead("discrete"):
         pass

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -13,7 +14,6 @@ from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
 from asterism.fitting.flattening.least_ratio import least_ratio_border
 from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
 from benchmarks.fit_targets import rectangle_mesh, round_mesh
-from equilibrium.arrays import Floats
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
 

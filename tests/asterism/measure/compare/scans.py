@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from asterism.equilibrium.arrays import Floats
 from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.scan import surface_samples
 from asterism.shape.shape import Shape
-from equilibrium.arrays import Floats
 from tests.asterism.sheets import sheet
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.previews.corrugation.arm_shares import CREASE_ROUNDING, DECAY_LENGTHS, ArmShares, arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.sheet import sheet_of
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.painted_stars import with_painted_stars
 
 DESIGN = Design.from_dict(
     {

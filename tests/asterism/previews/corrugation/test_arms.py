@@ -6,20 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.homogenize.cell.natural_curvature import trace_tubes
+from asterism.homogenize.cell.rolling import heights_over_mean_surface
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import distance_to_outline
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from fem.search.simple_shapes import SimpleShape
-from homogenize.cell.natural_curvature import trace_tubes
-from homogenize.cell.rolling import heights_over_mean_surface
-from homogenize.cell.unit_cell import UnitCell
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.geometry.planar import distance_to_outline
-from pattern.mesh.meshing import mesh_layout
 from tests.asterism.previews.laws import plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed

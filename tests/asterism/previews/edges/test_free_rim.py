@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.previews.corrugation.bumps import corrugation_heights
 from asterism.previews.edges.free_rim import free_normals, rim_curvature, stars_share
@@ -14,9 +17,6 @@ from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
 from asterism.previews.sheet import StarShares
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
 TUBE = gallery.load("tube")
@@ -117,7 +117,7 @@ def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.Monkey
     plan = layout(held)
     points = np.random.default_rng(2).uniform(-60.0, 60.0, (300, 2))
     whole = free_normals(plan, points), plan.distance_to_supports(points)
-    monkeypatch.setattr("pattern.geometry.planar.MAX_TABLE_ENTRIES", 100)
+    monkeypatch.setattr("asterism.pattern.geometry.planar.MAX_TABLE_ENTRIES", 100)
     np.testing.assert_array_equal(free_normals(plan, points), whole[0])
     np.testing.assert_array_equal(plan.distance_to_supports(points), whole[1])
     assert len(plan.distance_to_supports(points[:0])) == 0 and np.isinf(PLAN.distance_to_supports(points)).all()

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.exact.simulation import exact_shape
 from asterism.previews.edges.rim_arms import arm_curvature, rim_curvature_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
 NONE, ALL, AMONG = PREVIEW_MODEL.rim_arm_start, PREVIEW_MODEL.rim_arm_full, PREVIEW_MODEL.rim_arm_among

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
 from tests.asterism.previews.laws import plain_law
 
 REACH = PREVIEW_MODEL.supported_rim_width

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
 
 TUBE = gallery.load("tube")
 

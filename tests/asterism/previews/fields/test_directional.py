@@ -8,16 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from asterism.previews.fields.directional import tensors, tube_of_largest_gain
-from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
-from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.session import Preview
-from equilibrium.arrays import Floats
-from homogenize.cell.corrugation_waves import CorrugationWaves
-from homogenize.law.anisotropy import (
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
@@ -27,12 +20,19 @@ from homogenize.law.anisotropy import (
     min_bending_ratio,
     natural_curvatures,
 )
-from homogenize.law.law import Law
-from homogenize.law.law_table import MAX_SEPARATED_CURL
-from homogenize.law.material import Material
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.homogenize.law.material import Material
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asterism.previews.fields.directional import tensors, tube_of_largest_gain
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
+from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 
 PLAN = layout(gallery.load("tube"))

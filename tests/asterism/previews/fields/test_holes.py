@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 from scipy.ndimage import label
 
 from asterism.previews.fields.holes import connected_sites, hole_sites, in_holes
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
 
 TUBE = gallery.load("tube")
 SPACING = TUBE.lattice.spacing_mm

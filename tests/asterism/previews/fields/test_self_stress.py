@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern import gallery
+from asterism.pattern.layout.build import layout
 
 from asterism.previews.fields.self_stress import gaussian_moduli, pulls
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL
-from equilibrium.arrays import Floats
-from pattern import gallery
-from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 
 AREA = PREVIEW_MODEL.gaussian_area

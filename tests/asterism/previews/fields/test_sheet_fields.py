@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
-from equilibrium.arrays import Floats
-from homogenize.errors import LawError
-from homogenize.law.axes import law_coordinates
-from homogenize.law.law_table import QUANTITY_NAMES
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
 
 SIXFOLD, TURN = PREVIEW_MODEL.sixfold_factor, PREVIEW_MODEL.length_turn_rad

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.lattice import Lattice
 
 from asterism.previews.fields.star_arms import arm_metric
-from pattern.design.lattice import Lattice
 
 THREE = Lattice().arm_directions
 

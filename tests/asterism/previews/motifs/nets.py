@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from asterism.homogenize.cell.motif_responses import MotifResponses
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
+
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
-from homogenize.cell.motif_responses import MotifResponses
-from homogenize.law.motif_law import MotifLaw
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
 from tests.homogenize.motif_laws import made_up
 
 CROSS = [{"line_mm": [(5, 5), (15, 5)]}, {"line_mm": [(5, 5), (5, 15)]}]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
 
 from asterism.previews.motifs.motif_cover import holes_within_cells, small_holes
 from asterism.previews.motifs.motif_sheet import motif_sheet_of
 from asterism.previews.motifs.rim_tension import rims_of
 from asterism.previews.session import Preview
-from pattern.design.design import Design
-from pattern.layout.print_layout import print_layout
 from tests.asterism.previews.motifs.nets import net, net_law
 
 ROUND = {"circle_mm": {"centre": [0, 0], "radius": 9}}

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 
 from asterism.previews.motifs import motif_kind
 from asterism.previews.run import preview
 from asterism.previews.session import Preview
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.previews.motifs.nets import CROSS, GRADED, net, net_law
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.relax import follow, relax
+from asterism.fem.search.sides import side_of
+from asterism.fem.shell.fields import Fields, of_stretch
+from asterism.fem.shell.shell import Shell
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 
 from asterism.previews.search import find_equilibrium as search
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO, is_inverted, is_narrow
 from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
 from asterism.previews.search.near_zero_modes import is_equilibrium_near_another
 from asterism.previews.session import Preview
-from fem.elements.argyris import Argyris
-from fem.search.mean_fields import mean_fields
-from fem.search.relax import follow, relax
-from fem.search.sides import side_of
-from fem.shell.fields import Fields, of_stretch
-from fem.shell.shell import Shell
-from pattern import gallery
-from pattern.design.design import Design
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
 
 FOLDS = of_stretch(density(100.0), 0.8, lambda p: -0.06 * radius(p) ** 2)

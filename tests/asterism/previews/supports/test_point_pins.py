@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.fem.shell.density import isotropic
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 
 from asterism.exact.simulation import exact_shape
 from asterism.previews.model import PREVIEW_MODEL
@@ -11,11 +16,6 @@ from asterism.previews.session import Preview
 from asterism.previews.supports.point_pins import amounts_of, softened
 from asterism.shape.comparison import compare_shapes
 from benchmarks.point_pins import TURNED_DEG, exact_stiffness, measured, shell_stiffness
-from fem.shell.density import isotropic
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.layout.symmetries import symmetries
 
 ANGLES_DEG, LACK, GAIN = PREVIEW_MODEL.point_angles_deg, PREVIEW_MODEL.point_lack, PREVIEW_MODEL.point_gain
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from asterism.discrete.model.constraints import pin_constraints
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 from asterism.previews.session import Preview
-from discrete.model.constraints import pin_constraints
-from pattern import gallery
-from pattern.design.design import Design
-from pattern.layout.build import layout
-from pattern.mesh.meshing import mesh_layout
 from tests.asterism.previews.laws import plain_law
 
 TURN = 2.0 * np.pi * np.arange(30) / 30

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from asterism.fem.elements.argyris import Argyris
 
 from asterism.previews.surface.smooth_surface import smooth_surface
-from fem.elements.argyris import Argyris
 from tests.fem.hexagons import hexagon
 
 

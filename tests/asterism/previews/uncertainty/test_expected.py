@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asterism.equilibrium.arrays import Floats
 
 from asterism.previews.common_warnings import CAUSES, FAR_PERCENT, form_warnings
 from asterism.previews.model import PREVIEW_MODEL
@@ -17,7 +18,6 @@ from asterism.previews.uncertainty.distance_error import COVERAGE, distance_erro
 from asterism.previews.uncertainty.error_estimate import ErrorEstimate
 from asterism.previews.uncertainty.error_sources import ErrorSources
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
-from equilibrium.arrays import Floats
 
 UNSURE, MESH = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.mesh_error_percent
 STIFF = np.zeros(2)

@@ -6,6 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from asterism.fem.search.evidence import Trial
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.support_samples import SupportSamples
+from asterism.pattern.layout.symmetric_distance import symmetric_distances
+from asterism.pattern.layout.symmetries import Symmetry
 from scipy.stats import norm
 
 from asterism.previews.model import PREVIEW_MODEL
@@ -14,11 +19,6 @@ from asterism.previews.uncertainty.distance_error import COVERAGE, distance_erro
 from asterism.previews.uncertainty.error_sources import ErrorSources
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from asterism.results.records.preview import MIN_SHOWN_PROBABILITY
-from fem.search.evidence import Trial
-from pattern.design.design import Design
-from pattern.layout.support_samples import SupportSamples
-from pattern.layout.symmetric_distance import symmetric_distances
-from pattern.layout.symmetries import Symmetry
 from tests.asterism.previews.laws import plain_law
 
 UNSURE = PREVIEW_MODEL.energy_uncertainty

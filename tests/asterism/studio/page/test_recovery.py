@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from asterism.pattern import gallery
 
 from asterism.studio.autosave import autosave_path
-from pattern import gallery
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
 
 # the README's tests open the page in `test_page` only

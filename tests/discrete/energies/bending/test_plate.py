@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
+from asterism.discrete.energies.bending.plate import Plate
+from asterism.discrete.energies.bending.plate_patches import MAX_CURVATURE_GAIN, patches
+from asterism.discrete.energies.membrane import Membrane
+from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
+from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.newton.minimise import minimise
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.mesh.free.triangulate import triangulate
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
-from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
-from discrete.energies.bending.plate import Plate
-from discrete.energies.bending.plate_patches import MAX_CURVATURE_GAIN, patches
-from discrete.energies.membrane import Membrane
-from discrete.model.state import State
-from discrete.model.system import System
-from equilibrium.arrays import Array
-from equilibrium.linear.backends import make_factor
-from equilibrium.newton.minimise import minimise
-from pattern.design.errors import MeshError
-from pattern.mesh.free.triangulate import triangulate
 from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import MESHES, MODULUS, POISSON, SHAPES, SIDE, THICKNESS, area, right_triangles
 

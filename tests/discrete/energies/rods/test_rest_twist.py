@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State
-from pattern.design.design import Design
-from pattern.design.materials import Fabric, Plastic, rest_curvature, rest_twist
-from pattern.layout.print_layout import print_layout
-from pattern.mesh.meshing import mesh_layout
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature, rest_twist
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 
 RODS = ("rod_bending", "rod_twist", "rod_joints")
 STRETCH = (1.5, 1.1)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from asterism.discrete.energies.rods.section import torsion_constant
 from hypothesis import given
 from hypothesis import strategies as st
-
-from discrete.energies.rods.section import torsion_constant
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from pattern.mesh.aligned.springs import MAX_DENSE_POINTS, means_of_neighbours
+from asterism.pattern.mesh.aligned.springs import MAX_DENSE_POINTS, means_of_neighbours
 
 
 def square(side: int) -> np.ndarray:

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from pattern.design.design import Design
-from pattern.design.errors import DesignError, MeshError
-from pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas
-from pattern.layout.layout import Layout
-from pattern.layout.print_layout import print_layout
-from pattern.layout.symmetries import symmetries
-from pattern.mesh.meshing import mesh_layout
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
 
 SIDE = {"rectangle_mm": (60.0, 60.0)}
 LINES = [{"name": f"line{y}", "line_mm": [(-40, y), (40, y)]} for y in (-20, 0, 20)]
