@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = {"asterism", "discrete", "equilibrium", "fem", "homogenize", "pattern"}
+ENGINES = ("discrete", "equilibrium", "fem", "homogenize", "pattern")
 
 
 @pytest.mark.slow
@@ -48,8 +48,12 @@ def test_archive_and_wheel_install_and_run_elsewhere(tmp_path: Path) -> None:
         done = subprocess.run(command, cwd=elsewhere, env=environment, capture_output=True, text=True, check=True)
         return done.stdout
 
-    where = run("-c", "import " + ", ".join(sorted(PACKAGES)) + "; print(asterism.__file__)")
-    assert Path(where.strip()).is_relative_to(packages)
+    # one name, so that nothing of another project is overwritten
+    assert {file.name.split("-")[0] for file in packages.iterdir()} >= {"asterism", "asterism_fabric"}
+    assert not [engine for engine in ENGINES if (packages / engine).exists()]
+    for module in ("asterism", *(f"asterism.{engine}" for engine in ENGINES)):
+        where = run("-c", f"import {module}; print({module}.__file__)")
+        assert Path(where.strip()).is_relative_to(packages / "asterism")
     assert (packages / "asterism" / "py.typed").exists()
     for room in ("page", "gallery"):
         files = {
