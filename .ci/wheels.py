@@ -84,7 +84,7 @@ def build(room: Path) -> Path:
 def try_out(python: Path, wheel: Path, place: Path) -> list[str]:
     """Install the wheel, and run it in the three ways; returns what each way showed."""
     installed = environment(python, place / "venv")
-    run([installed, "-m", "pip", "install", "--quiet", str(wheel)])
+    run([installed, "-m", "pip", "install", "--quiet", f"{wheel}[mkl]"])
     shown = [f"{solve(installed, place / 'first')} as installed"]
     run([installed, "-m", "pip", "uninstall", "--quiet", "--yes", *MKL])
     without_mkl = solve(installed, place / "second")

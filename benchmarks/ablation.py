@@ -29,6 +29,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.pattern import gallery
@@ -36,7 +37,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.previews.model import PreviewModel
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.run import preview

@@ -18,12 +18,11 @@ from asterism.discrete.release.forms import ExactForm, distinct_forms, find_mini
 from asterism.discrete.release.levels import coarser_models
 from asterism.discrete.release.release_start import ReleaseStart
 from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.exact.minima import many_minima
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
-
-from asterism.exact.minima import many_minima
 from benchmarks.report import markdown, write_report
 
 SEEDS = (0, 1, 2)

@@ -15,6 +15,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.homogenize.cell.effective_stiffness import effective_stiffness
@@ -22,8 +24,6 @@ from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, unroll
 from asterism.homogenize.cell.unit_cell import UnitCell
-from scipy.interpolate import CubicSpline
-
 from asterism.previews.default_law import paper_law
 from benchmarks.cells import sheet
 from benchmarks.report import markdown, write_report

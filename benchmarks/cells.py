@@ -10,13 +10,13 @@ import time
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.cell.arm_segments import arm_segments
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
-
 from benchmarks.report import markdown, write_report
 
 SPACING = 10.0 * np.sqrt(3.0)

@@ -9,8 +9,6 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
-from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -19,6 +17,8 @@ from PIL import Image
 from asterism.draw.picture import small_png
 from asterism.draw.render import camera, render, scene
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.gallery import PICTURES

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import least_squares
+
+from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from scipy.optimize import least_squares
-
-from asterism.exact.simulation import exact_shape
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from benchmarks.convergence_tables import GROUPS, report

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from asterism.pattern.geometry.rigid_fit import rms_distance
 
+from asterism.pattern.geometry.rigid_fit import rms_distance
 from asterism.results.files import write_file
 from asterism.shape.mesh_error import MeshErrorEstimate, estimate
 from benchmarks.orders import ASYMPTOTIC, observed, rates

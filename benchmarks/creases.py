@@ -13,12 +13,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-
 from benchmarks.report import markdown, write_report
 
 SPACING = 17.3205

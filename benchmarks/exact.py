@@ -13,10 +13,10 @@ import sys
 from typing import Any
 
 import numpy as np
-from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
 from benchmarks.report import markdown, peak_memory_mb, write_report
 
 # Table 1 of the paper: seconds on one thread of a Xeon Gold 5118, and vertices

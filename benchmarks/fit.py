@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from asterism.pattern.layout.build import layout
 
 from asterism.exact.simulation import exact_shape
 from asterism.fitting.distance import target_distance
@@ -28,6 +27,7 @@ from asterism.fitting.errors import ReachError
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitPlaces
+from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.print.profiles import load_printer

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
@@ -29,7 +30,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
-
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
 from asterism.previews.run import preview
 from asterism.shape.cell_mean import CellMean

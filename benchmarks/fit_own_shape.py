@@ -5,12 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.painted_stars import with_painted_stars
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.distance import target_distance
 from asterism.fitting.flattening.boundary_first import FlatDisk
@@ -20,6 +16,10 @@ from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.previews.session import Preview

@@ -15,16 +15,16 @@ import argparse
 from typing import Any
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.design import Design
-from asterism.pattern.geometry.planar import inside
-from asterism.pattern.layout.build import layout
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.bounded_step import bounded_step
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.search import CHANGE_WEIGHT, NEIGHBOUR_WEIGHT, FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import inside
+from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.shape.cell_mean import CellMean

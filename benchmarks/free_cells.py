@@ -11,10 +11,11 @@ import sys
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import Polynomial
+
 from asterism.homogenize.cell.sample import Sample, solve_cell
 from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from asterism.pattern.design.design import Design
-from numpy.polynomial import Polynomial
 
 STARS = ((10.0, 0.4), (10.0, 0.6), (7.0, 0.3))
 EDGES = (1.92, 1.15)

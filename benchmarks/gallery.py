@@ -11,11 +11,11 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from asterism.pattern import gallery
 from PIL import Image
 
 from asterism.draw.picture import draw_shape, small_png
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
 from benchmarks.report import RESULTS, markdown, write_report

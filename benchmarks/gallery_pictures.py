@@ -13,15 +13,15 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
+
+from asterism.draw.render import OBLIQUE, camera, render, scene
 from asterism.equilibrium.arrays import Floats
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern import gallery
 from asterism.pattern.design.errors import DesignError
-from PIL import Image
-
-from asterism.draw.render import OBLIQUE, camera, render, scene
-from asterism.exact.simulation import exact_shape
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape

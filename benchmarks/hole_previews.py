@@ -10,8 +10,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from asterism.pattern.design.design import Design
 
+from asterism.pattern.design.design import Design
 from benchmarks.motif_previews import EDGE_MM, HALVES, LARGEST_RATIO, measured, printable, table
 from benchmarks.motif_shells import MOTIFS
 from benchmarks.report import write_report

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.prolongation import prolong
 from asterism.discrete.release.single_mesh import solve_on_mesh
@@ -27,7 +28,6 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from benchmarks.report import markdown, write_report
 
 SPACING = 17.3205  # mm, of the tube's stars

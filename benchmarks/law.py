@@ -9,9 +9,9 @@ import time
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
-
 from benchmarks.report import markdown, write_report
 
 STARS, TIMES = 200, 500

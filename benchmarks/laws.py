@@ -8,10 +8,9 @@ from tempfile import TemporaryDirectory
 from asterism.homogenize.campaign.workers import default_jobs
 from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.law.law import Law
-from asterism.pattern.design.design import Design
-
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
+from asterism.pattern.design.design import Design
 
 
 def law_of(design: Design, paper: Law) -> Law:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.homogenize.cell.flat_cell import cell_gradient_tolerance, relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import trace_tubes
@@ -15,7 +16,6 @@ from asterism.homogenize.cell.rolling import Tube
 from asterism.homogenize.cell.tube_membrane import tube_membrane_stiffness
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern import gallery
-
 from asterism.previews.session import Preview
 from benchmarks.cells import sheet
 from benchmarks.report import markdown, write_report

@@ -24,7 +24,6 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.previews.mesh_law import law_on_mesh
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes

@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
 from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
 from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
 from asterism.homogenize.law.motif_errors import MOTIF_QUANTITIES
 from asterism.pattern.design.design import Design
-
 from benchmarks.motif_shells import EDGE_MM, MOTIFS
 from benchmarks.report import markdown, write_report
 

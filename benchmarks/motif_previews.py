@@ -11,10 +11,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.print_layout import print_layout
-
 from asterism.verification.run import verify
 from benchmarks.motif_shells import MOTIFS
 from benchmarks.report import markdown, write_report

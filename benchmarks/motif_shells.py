@@ -9,6 +9,9 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from skfem import MeshTri
+
+from asterism.exact.simulation import exact_shape
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.relax import relax
 from asterism.fem.shell.density import Density
@@ -22,9 +25,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
-from skfem import MeshTri
-
-from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, write_report
 
 SHELL_EDGE_MM, EDGE_MM = 15.0, 2.0

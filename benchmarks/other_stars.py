@@ -21,16 +21,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.law import Law
+from asterism.laws.calibrate import calibrate
+from asterism.laws.design_law import material_for_design
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.laws.calibrate import calibrate
-from asterism.laws.design_law import material_for_design
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes

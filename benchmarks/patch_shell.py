@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from skfem import MeshTri
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.relax import relax
 from asterism.fem.search.simple_shapes import SimpleShape
@@ -13,8 +15,6 @@ from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
-from skfem import MeshTri
-
 from asterism.previews.fields.sheet_fields import sheet_fields
 from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.fields.star_values import StarValues

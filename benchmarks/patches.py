@@ -10,6 +10,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import add_bumps
 from asterism.discrete.model.state import State, moved_state
@@ -18,7 +19,6 @@ from asterism.homogenize.cell.sample import Sample, solve_cell
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from benchmarks.patch_shell import shell_stars
 from benchmarks.report import markdown, write_report
 

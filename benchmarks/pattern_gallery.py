@@ -9,9 +9,8 @@ import sys
 import time
 from typing import Any
 
-from asterism.pattern import gallery
-
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
 from asterism.results.files import write_file
 from benchmarks.gallery import PAGE, PATTERN_PICTURE, picture, whole_page
 from benchmarks.report import markdown, write_report

@@ -12,11 +12,11 @@ import time
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.material import load_material
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
-
 from benchmarks.report import markdown, write_report
 
 SPACING = 10.0 * np.sqrt(3.0)

@@ -13,15 +13,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
+from asterism.laws.calibrate import calibrate
+from asterism.laws.design_law import material_for_design
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.exact.simulation import exact_shape
-from asterism.laws.calibrate import calibrate
-from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape

@@ -19,12 +19,11 @@ from typing import Any
 
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
+from asterism.laws.calibrate import calibrate
+from asterism.laws.design_law import material_for_design
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.laws.calibrate import calibrate
-from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from asterism.verification.run import verify

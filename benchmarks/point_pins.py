@@ -13,6 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+from skfem import MeshTri
+
 from asterism.discrete.energies.membrane import Membrane
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.shell.density import Density, isotropic
@@ -23,9 +26,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from asterism.pattern.mesh.meshing import mesh_layout
-from scipy.sparse.linalg import spsolve
-from skfem import MeshTri
-
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.supports.conditions import conditions
 from asterism.previews.supports.point_pins import around, softened, spot

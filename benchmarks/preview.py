@@ -19,6 +19,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
+
+from asterism.exact.simulation import exact_shape
 from asterism.fem.search.initial_guesses import initial_guesses
 from asterism.fem.search.linear_response import linear_response
 from asterism.fem.search.mixed_newton import mixed_newton
@@ -27,9 +30,6 @@ from asterism.fem.shell.density import isotropic
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
-
-from asterism.exact.simulation import exact_shape
 from asterism.previews.default_law import paper_law
 from asterism.previews.kept_prints import forget_prints
 from asterism.previews.session import Preview

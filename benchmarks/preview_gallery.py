@@ -13,7 +13,6 @@ from typing import Any
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern import gallery
-
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from benchmarks.gallery import picture

@@ -12,9 +12,8 @@ import cProfile
 import pstats
 import sys
 
-from asterism.pattern.design.design import Design
-
 from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
 from benchmarks.large import tube
 from benchmarks.report import markdown
 

@@ -10,12 +10,11 @@ import time
 from typing import Any
 
 from asterism.equilibrium.errors import Error
+from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
-from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, write_report
 from tests.pattern.rods.drawings import random_drawing
 

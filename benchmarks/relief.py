@@ -23,12 +23,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.previews.session import Preview
 from asterism.previews.surface.surface import Lens
 from asterism.shape.comparison import compare_shapes

@@ -15,6 +15,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import LinearNDInterpolator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import MAX_WAVE_NUMBER_RATIO, WAVE_TOLERANCE
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
@@ -22,8 +24,6 @@ from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
 from asterism.homogenize.cell.rolling import Tube, roll_cell, unroll
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 from asterism.pattern.design.design import Design
-from scipy.interpolate import LinearNDInterpolator
-
 from asterism.previews.corrugation.bumps import flattening, support_factor
 from asterism.previews.edges.free_rim import beside, stars_share
 from asterism.previews.edges.supported_edge import SupportedEdge

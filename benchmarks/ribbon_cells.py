@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.homogenize.cell.ribbon_cell import RibbonCell, cylinder_coordinates, relax_ribbon
@@ -21,7 +22,6 @@ from asterism.homogenize.cell.ribbon_mesh import RibbonShape
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.default_law import paper_law
 from asterism.previews.fields.star_values import star_values
 from benchmarks.report import markdown, write_report

@@ -21,7 +21,6 @@ from typing import Any
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
-
 from benchmarks.accuracy.designs import drawn, meshed
 
 ROOT = Path(__file__).parents[1]

@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
@@ -28,7 +29,6 @@ from asterism.fem.shell.fields import Fields
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from asterism.previews.default_law import paper_law
 from asterism.previews.edges.free_rim import stars_share
 from asterism.previews.fields.self_stress import pulls

@@ -12,10 +12,10 @@ from typing import Any
 
 import pypdfium2
 import trimesh
-from asterism.pattern import gallery
 
 from asterism.draw.picture import small_png
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.rounded import without_rounding

@@ -10,12 +10,12 @@ cell, so that the last column is the e_0 of this scale. `bump_strain` of the pre
 from __future__ import annotations
 
 import numpy as np
+
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
-from asterism.exact.simulation import exact_shape
 from benchmarks.report import markdown, write_report
 
 STARS = ((8.0, 0.3), (8.0, 0.4), (7.0, 0.35))  # length and thickness of the arms, mm

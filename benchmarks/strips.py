@@ -8,11 +8,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from asterism.pattern.design.materials import Plastic
 
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.strip_fit import fit_readings
 from asterism.measure.strips.synthetic import synthetic_readings
+from asterism.pattern.design.materials import Plastic
 from benchmarks.report import markdown, write_report
 
 TABLES = 200

@@ -20,10 +20,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-
 from asterism.studio.child import ENGINE, StartedProcess
 from asterism.studio.engine import Engine
 from asterism.studio.engine_orders import Edit, Stop

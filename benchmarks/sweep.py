@@ -17,7 +17,6 @@ from pathlib import Path
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.print_layout import print_layout
-
 from asterism.sweeps.solve_point import solve_point, sweep_code_version
 from benchmarks.report import peak_memory_mb, write_report
 

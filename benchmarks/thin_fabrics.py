@@ -9,11 +9,11 @@ of the star. On a coarse mesh the cell ends on that branch; on a fine mesh it ke
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-
 from benchmarks.report import markdown, write_report
 
 EDGES_BETWEEN_STARS = (10, 15, 20, 30)

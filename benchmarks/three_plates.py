@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.exact.simulation import exact_shape
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from benchmarks.report import markdown, write_report

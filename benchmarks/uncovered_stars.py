@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.universal.groups import GROUP_KEYS, star_groups
@@ -21,7 +22,6 @@ from asterism.homogenize.universal.material_law import law_edge, material_law, t
 from asterism.homogenize.universal.universal_law import UniversalLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rms_distance
-
 from asterism.previews.run import preview
 from asterism.previews.universal_choice import packaged_universal_law, sizes_of_stars, universal_choice
 from benchmarks.report import markdown, write_report

@@ -16,6 +16,8 @@ from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import RBFInterpolator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from asterism.homogenize.universal.kriging import Kriging
@@ -23,8 +25,6 @@ from asterism.homogenize.universal.law_errors import DIMENSIONLESS_ERROR_FLOORS
 from asterism.homogenize.universal.likelihood import likely_covariance
 from asterism.homogenize.universal.universal_law import from_smooth, kernel_factors, kriging_places, to_smooth
 from asterism.homogenize.universal.universal_law_file import load_universal_law
-from scipy.interpolate import RBFInterpolator
-
 from benchmarks.report import markdown, write_report
 
 FOLDS = 5

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.campaign.campaign import run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.universal.material_law import law_edge
+from asterism.laws.design_law import material_for_design
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rms_distance
-
-from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.previews.universal_choice import packaged_universal_law, sizes_of_stars, universal_choice
 from benchmarks.report import markdown, write_report

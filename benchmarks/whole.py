@@ -15,7 +15,6 @@ import time
 from typing import Any
 
 from asterism.equilibrium.newton.minimise import Iteration
-
 from asterism.exact.simulation import exact_shape
 from benchmarks.large import DIVISIONS, built, tube
 from benchmarks.report import RESULTS, markdown, peak_memory_mb, write_report

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.shape.vtu import write_shape_vtu
 from benchmarks.fuzz.cases import Case, make_case
 from benchmarks.fuzz.judge import failures, files_in

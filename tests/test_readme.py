@@ -10,12 +10,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from asterism.pattern import gallery
-from asterism.pattern.design.design import Design, save_design
-from asterism.pattern.layout.load_design import load_design
 from PIL import Image
 
 import asterism
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design, save_design
+from asterism.pattern.layout.load_design import load_design
 from tests.pattern.design.rhino_drawing import Drawing
 
 ROOT = Path(__file__).parents[1]

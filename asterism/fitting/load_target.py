@@ -30,7 +30,7 @@ def load_target(
     """Read a target from a file.
 
     The suffix of its name decides how the file is read: as triangles (`.obj`, `.stl`, `.ply`), as a NURBS surface or a
-    mesh of Rhino (`.3dm`, needs the extra `rhino`), or as heights over a rectangle. Heights are a grey picture (`.png`
+    mesh of Rhino (`.3dm`, needs the extra `cad`), or as heights over a rectangle. Heights are a grey picture (`.png`
     and others), an array of numpy (`.npy`) or a table of numbers (`.csv`). Their first row has the largest y, as in a
     picture.
     Transparent pixels, empty cells and nan are no part of the surface.

@@ -1,4 +1,4 @@
-"""Surfaces from 3DM files of Rhino, by `rhino3dm` (the extra `rhino`)."""
+"""Surfaces from 3DM files of Rhino, by `rhino3dm` (the extra `cad`)."""
 
 from __future__ import annotations
 

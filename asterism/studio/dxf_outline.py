@@ -9,6 +9,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.errors import ScanError, check_file
+from asterism.pattern.design.file_lines import DXF_NEEDED
 
 # mm of the drawing's unit by its number in the header, $INSUNITS; drawings without a unit are in mm
 UNIT_MM = {0: 1.0, 1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 14: 100.0}
@@ -33,10 +34,12 @@ def read_dxf_outline(path: Path) -> Floats:
     ScanError
         The file is not a drawing, or its lines enclose no area.
     """
-    from ezdxf import recover
-    from ezdxf.lldxf.const import DXFError
-    from ezdxf.path import make_path
-
+    try:
+        from ezdxf import recover
+        from ezdxf.lldxf.const import DXFError
+        from ezdxf.path import make_path
+    except ImportError:
+        raise ScanError(path, DXF_NEEDED) from None
     check_file(path)
     try:
         drawing, _ = recover.readfile(path)

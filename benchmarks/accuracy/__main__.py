@@ -22,7 +22,6 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_digest, load_law
 from asterism.pattern.design.design import Design
-
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs

@@ -16,7 +16,6 @@ from typing import Any
 
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern.design.design import Design
-
 from asterism.previews.run import preview
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import EDGE_MM

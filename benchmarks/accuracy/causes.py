@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.fields.star_values import star_values
 
 # the largest on each sheet

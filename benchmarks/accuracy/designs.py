@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-
 from benchmarks.accuracy.printable import printable
 
 RANDOM = 24

@@ -21,13 +21,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.optimize import minimize
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.stiffness_response import STIFFNESSES
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern.design.design import Design
-from scipy.optimize import minimize
-
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.run import preview
 from asterism.previews.uncertainty.distance_error import distance_error_percent

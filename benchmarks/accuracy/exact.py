@@ -11,9 +11,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from asterism.pattern.design.design import Design
-
 from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
 from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape

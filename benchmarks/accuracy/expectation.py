@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern.design.design import Design
-
 from asterism.previews.run import preview
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept

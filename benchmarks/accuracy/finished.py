@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import plain
-
 from asterism.previews.run import preview
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape

@@ -13,11 +13,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.exact.simulation import exact_shape
 from asterism.previews.session import Preview
 from asterism.reports.write_results import write_results
 from asterism.shape.comparison import compare_shapes

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.model_parts import PARTS
 from asterism.previews.run import preview

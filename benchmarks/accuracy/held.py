@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from asterism.homogenize.law.law_file import load_law
 
+from asterism.homogenize.law.law_file import load_law
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.finished import row_path
 from benchmarks.accuracy.held_designs import CANOPY_THICKNESSES_MM, OTHERS, canopies, other_held

@@ -10,14 +10,14 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
+
+from asterism.draw.picture import small_png
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from PIL import Image
-
-from asterism.draw.picture import small_png
 from asterism.previews.run import preview
 from asterism.reports.html import png
 from asterism.reports.views import comparison_views

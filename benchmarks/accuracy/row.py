@@ -10,7 +10,6 @@ from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape

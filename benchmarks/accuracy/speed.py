@@ -15,11 +15,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-
-from asterism.exact.simulation import exact_shape
 from asterism.previews.session import Preview
 from benchmarks.accuracy.designs import designs
 from benchmarks.preview import changed, load, preview_of_a_new_print, timed

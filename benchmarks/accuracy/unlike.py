@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from asterism.pattern.design.design import Design
 
+from asterism.pattern.design.design import Design
 from benchmarks.accuracy.designs import EDGE_MM, STARS
 from benchmarks.accuracy.printable import printable
 

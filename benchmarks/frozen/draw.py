@@ -19,12 +19,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
-
 from benchmarks.accuracy.designs import EDGE_MM, size_field
 from benchmarks.accuracy.held_designs import OUTLINES, drawn_supports
 from benchmarks.accuracy.printable import printable

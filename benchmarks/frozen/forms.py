@@ -19,11 +19,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.relax import follow
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
-
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.search.alternatives import EQUAL_ENERGY
 from asterism.previews.session import Preview

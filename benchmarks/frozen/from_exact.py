@@ -7,14 +7,14 @@ from copy import copy
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.rigid_support import stiffen
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.relax import energies_by_part, follow
 from asterism.fem.shell.shell import Shell
-from scipy.spatial import cKDTree
-
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 

@@ -13,11 +13,11 @@ import json
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare_shapes

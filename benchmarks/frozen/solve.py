@@ -18,10 +18,9 @@ from typing import Any
 from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
-from asterism.pattern.design.design import Design
-
 from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
+from asterism.pattern.design.design import Design
 from asterism.previews.run import preview
 from asterism.shape.shape import Shape
 from benchmarks.accuracy.exact import exact, known

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from asterism.pattern.design.files import table_text
 
+from asterism.pattern.design.files import table_text
 from benchmarks.fuzz.kit import DESIGNS, MATERIAL
 from benchmarks.fuzz.mutations import Rng, json_text, mutated_archive, mutated_bytes, mutated_cells, mutated_table, pick
 
@@ -110,9 +110,8 @@ def _toml(table: dict[str, Any]) -> str:
 def _exact_is_small(name: str, folder: Path) -> bool:
     """Whether the exact model takes a second or two, or refuses the design."""
     from asterism.equilibrium.errors import Error
-    from asterism.pattern.layout.load_design import load_design
-
     from asterism.exact.cost import exact_cost
+    from asterism.pattern.layout.load_design import load_design
 
     try:
         return exact_cost(load_design(folder / name)).vertices <= MAX_VERTICES
@@ -265,11 +264,10 @@ def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
 
 def _edge_is_coarse(words: list[str], folder: Path) -> bool:
     """Whether the exact model takes a second or two with the option --edge, or refuses it."""
-    from asterism.equilibrium.errors import Error
-    from asterism.pattern.layout.load_design import load_design
-
     from asterism.cli.common.overrides import with_overrides
+    from asterism.equilibrium.errors import Error
     from asterism.exact.cost import exact_cost
+    from asterism.pattern.layout.load_design import load_design
 
     try:
         edge_mm = float(words[words.index("--edge") + 1])

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from asterism.equilibrium.errors import Error
 
+from asterism.equilibrium.errors import Error
 from benchmarks.fuzz.cases import Case
 
 # processor time that a case may take

@@ -64,9 +64,9 @@ def strips_csv() -> str:
 def make_kit(folder: Path) -> None:
     """Write all intact files, and a shape for comparisons with scans."""
     import trimesh
-    from asterism.homogenize.law.law_file import PAPER_LAW
 
     import asterism
+    from asterism.homogenize.law.law_file import PAPER_LAW
 
     shape = asterism.preview(asterism.Design.from_dict(DESIGNS["star"]))
     asterism.write_results(shape, folder / "shape")

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from asterism.homogenize.campaign.workers import SubmitAll
-
 from benchmarks.fuzz.cases import Case, make_case
 from benchmarks.fuzz.judge import MAX_SECONDS, failures, files_in
 from benchmarks.fuzz.kit import make_kit

@@ -11,10 +11,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.mesh.mesh import Mesh
-from scipy.spatial import cKDTree
 
 # 1: smallest distance of two middle surfaces over the distance at which contact begins
 MIN_DISTANCE_FRACTION = 0.5

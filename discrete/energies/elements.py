@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+
 from asterism.discrete.energies.kernel import HAVE_NUMBA
 from asterism.equilibrium.arrays import Array
 

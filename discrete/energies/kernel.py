@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.compiled import HAVE_NUMBA, formula, loop
 
 __all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "multiply", "point", "sub", "sweep"]

@@ -12,6 +12,7 @@ Both energies go to infinity as a triangle collapses (J -> 0).
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 from asterism.equilibrium.arrays import Array

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.energies.membrane import invariants, volumetric_derivatives
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State

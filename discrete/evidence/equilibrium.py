@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from asterism.discrete.evidence.effort import PathStep
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array, Ints

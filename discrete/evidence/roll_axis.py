@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from scipy.spatial import cKDTree
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import star_normals
 from asterism.discrete.model.state import State
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
-from scipy.spatial import cKDTree
 
 
 def roll_axis_deg(model: DiscreteModel, state: State) -> float | None:

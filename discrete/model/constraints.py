@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh

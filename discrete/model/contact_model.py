@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+
 from asterism.discrete.energies.contact import ContactBarrier
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+
 from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
 from asterism.discrete.energies.bending.registry import FABRIC_BENDING
 from asterism.discrete.energies.elements import Elements

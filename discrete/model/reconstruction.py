@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+
 from asterism.discrete.model.rotations import rotate_vectors, rotation_remainder
 from asterism.discrete.model.state import State, edge_tangents, moved_state, parallel_transport
 from asterism.equilibrium.arrays import Array

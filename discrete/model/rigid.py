@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.model.state import State, edge_tangents
 from asterism.equilibrium.arrays import Array
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from asterism.discrete.model.rotations import rotate_vectors
 from asterism.equilibrium.arrays import Array
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.rigid import rigid_modes, rigid_motions
 from asterism.discrete.model.state import State, moved_state

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import closing
 
 import numpy as np
+
 from asterism.discrete.evidence.effort import Effort, PathStep
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel

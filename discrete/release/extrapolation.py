@@ -6,6 +6,7 @@ Soft sheets change from mesh to mesh, mostly in the same direction. Extrapolatio
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.rotations import rotate_vectors
 from asterism.discrete.model.state import State, edge_tangents

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.evidence.roll_axis import roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
@@ -20,7 +22,6 @@ from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
-from scipy.spatial import cKDTree
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
 MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start

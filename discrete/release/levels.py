@@ -8,6 +8,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+
 from asterism.discrete.evidence.creases import measure_creases
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.contact_model import ContactModel, is_intersection_free

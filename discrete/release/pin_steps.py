@@ -6,6 +6,7 @@ import copy
 from dataclasses import replace
 
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.pattern.geometry.rigid_fit import rigid_fit

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents, orthonormal_to_tangents
 from asterism.discrete.release.surface_interpolation import interpolate_surface

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import add_bumps, bump_heights
 from asterism.discrete.model.state import State

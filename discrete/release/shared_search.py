@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+
 from asterism.discrete.evidence.effort import PathStep
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel

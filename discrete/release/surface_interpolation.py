@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Array, Ints
-from asterism.pattern.geometry.planar import distance_to_segment, triangle_areas
 from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, NearestNDInterpolator
 from scipy.spatial import ConvexHull
+
+from asterism.equilibrium.arrays import Array, Ints
+from asterism.pattern.geometry.planar import distance_to_segment, triangle_areas
 
 MAX_MISSING_HULL_FRACTION = 1e-6  # 1: area of the convex hull outside a sheet that counts as convex, over the hull
 

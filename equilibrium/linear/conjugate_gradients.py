@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 
 Operator = Callable[[Floats], Floats]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 

@@ -21,6 +21,7 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.linear.conjugate_gradients import proves_definite, solve_by_conjugate_gradients
 from asterism.equilibrium.linear.factor import Factor

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import HAVE_NUMBA, loop
 

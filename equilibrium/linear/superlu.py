@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.sparse.linalg import splu
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from scipy.sparse.linalg import splu
 
 
 class SuperLUFactor:

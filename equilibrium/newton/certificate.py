@@ -6,10 +6,11 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobpcg
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobpcg
 
 MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
 LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+
 from asterism.equilibrium.newton.problem import AnyState, Problem
 
 ARMIJO_FRACTION = 1e-4  # sufficient decrease over the decrease that the slope predicts (Nocedal and Wright 2006)

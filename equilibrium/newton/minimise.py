@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.newton.line_search import line_search, rounding_error

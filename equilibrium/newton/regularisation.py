@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError

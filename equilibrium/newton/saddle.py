@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.problem import AnyState, Problem
 

@@ -14,14 +14,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from skfem import ElementTriArgyris, MeshTri
+from skfem.assembly.dofs import Dofs
+from skfem.quadrature import get_quadrature
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.location import triangles_at
 from asterism.fem.elements.monomials import monomials, polynomials, powers
 from asterism.fem.elements.printed_mesh import checked_mesh
 from asterism.fem.elements.tabulation import Evaluation, Tabulation
-from skfem import ElementTriArgyris, MeshTri
-from skfem.assembly.dofs import Dofs
-from skfem.quadrature import get_quadrature
 
 JetMap = Callable[[Floats], Floats]
 

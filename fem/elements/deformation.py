@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
 from numpy.typing import ArrayLike
+
+from asterism.equilibrium.arrays import Floats
 
 PlaneMap = Callable[[Floats], Floats]
 

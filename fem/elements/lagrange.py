@@ -8,11 +8,12 @@ nodes are those of scikit-fem, whose elements of this kind have first derivative
 from __future__ import annotations
 
 import numpy as np
+from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
+from skfem.quadrature import get_quadrature
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.monomials import monomials, powers
 from asterism.fem.elements.printed_mesh import checked_mesh
-from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
-from skfem.quadrature import get_quadrature
 
 ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
 

@@ -19,12 +19,13 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.lagrange import Lagrange
 from asterism.fem.elements.location import triangles_at
 from asterism.fem.elements.monomials import monomials, powers
 from asterism.fem.elements.tabulation import Evaluation, Tabulation
-from skfem import MeshTri
 
 
 class Lifted:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
-from skfem import MeshTri
 
 MAX_OUTSIDE = 0.3  # heights of a triangle, largest distance of a point outside the mesh
 MIN_DEPTH = 1e-6  # heights of a triangle, depth from which on a point is in this triangle only

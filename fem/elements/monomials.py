@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
 

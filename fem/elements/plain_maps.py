@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.elements.space import Space

@@ -6,9 +6,10 @@ from collections.abc import Callable
 from typing import Protocol
 
 import scipy.sparse as sp
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.tabulation import Evaluation, Tabulation
-from skfem import MeshTri
 
 Jets = Callable[[Floats], Floats]
 """Map from printed points (n, 2) mm to (n, 6, 3): position and its derivatives 1, 2, 11, 22, 12."""

@@ -8,8 +8,9 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from asterism.equilibrium.arrays import Floats, Ints
 from jaxtyping import Float, Int
+
+from asterism.equilibrium.arrays import Floats, Ints
 
 Functions = Callable[[], tuple[Ints, Floats]]
 

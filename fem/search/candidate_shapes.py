@@ -16,6 +16,7 @@ gives the side.
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.fem.search.mean_fields import MeanFields
 from asterism.fem.search.sides import Side, check_side
 from asterism.fem.search.simple_shapes import SimpleShape

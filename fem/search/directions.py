@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell

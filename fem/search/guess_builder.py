@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial.transform import Rotation
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.rigid_support import stiffen
@@ -18,7 +20,6 @@ from asterism.fem.search.rigid_body_settling import settle_rigid_body
 from asterism.fem.search.simple_shapes import Plane, SimpleShape, similar
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.rigid import span_a_plane
-from scipy.spatial.transform import Rotation
 
 MAX_RELAXATION_STEPS = 3  # in-plane relaxations of a guess
 MIN_RELATIVE_GAIN = 0.1  # 1: gain of a step over the energy, below which it is the last step

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.candidate_shapes import candidate_shapes

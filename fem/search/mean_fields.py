@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.sides import Side
 from asterism.fem.shell.shell import Shell

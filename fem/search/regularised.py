@@ -16,6 +16,7 @@ well and the matrix itself is definite, both are zero.
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor

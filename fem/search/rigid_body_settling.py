@@ -6,10 +6,11 @@ Newton's method moves points along straight lines, so a large rotation would str
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.rigid import span_a_plane
-from scipy.spatial.transform import Rotation
 
 RANK_TOLERANCE = 1e-9  # 1: singular value over the largest, below which it is zero (points on a line, parallel loads)
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.compiled import formula, loop
 from asterism.fem.elements.space import Space

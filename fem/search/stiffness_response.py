@@ -10,6 +10,7 @@ If one part is larger by the share e, its forces f are larger by e f, and the re
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.linear_response import newton_step

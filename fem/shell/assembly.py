@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.fem.elements.tabulation import Tabulation

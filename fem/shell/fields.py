@@ -11,9 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.density import Density
-from numpy.typing import ArrayLike
 
 MAX_ASYMMETRY = 1e-9  # 1: asymmetry of a stiffness over its largest entry
 

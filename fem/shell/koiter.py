@@ -20,6 +20,7 @@ Arrays: a table (T, Q, 5, m) has the derivatives 1, 2, 11, 22, 12 of the basis f
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.compiled import formula, loop, sum_formula
 
 

@@ -6,6 +6,7 @@ Element matrices are added to the pattern of `fem.shell.assembly`. The notation 
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.compiled import formula, loop
 from asterism.fem.shell.koiter import dot_3d, frame_of, gather_dofs, jet_of
 

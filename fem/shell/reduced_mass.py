@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.supports.conditions import Reduction
 

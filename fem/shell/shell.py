@@ -20,6 +20,7 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.errors import BackendError
 from asterism.equilibrium.linear.backends import make_factor

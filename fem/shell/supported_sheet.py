@@ -11,12 +11,13 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.plain_maps import constant, flat_positions
 from asterism.fem.elements.space import Space
 from asterism.fem.supports.conditions import Condition, Reduction, impose_conditions
 from asterism.fem.supports.rigid import admissible_motions, span_a_plane
-from numpy.typing import NDArray
 
 
 class SupportedSheet:

@@ -17,12 +17,13 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.deformation import Deformation, flat
 from asterism.fem.elements.space import Space
 from asterism.fem.supports.edge_equations import EdgeShift, Rows, edge_equations
 from asterism.fem.supports.elimination import Contradiction, eliminate
-from skfem import MeshTri
 
 VERTEX_TOLERANCE_MM = 1e-6  # mm, largest distance of a mesh vertex from the point that it stands for
 # 1: residual of redundant equations over the extent of the sheet, beyond which supports contradict each other

@@ -12,8 +12,9 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats, Ints
 from skfem import MeshTri
+
+from asterism.equilibrium.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

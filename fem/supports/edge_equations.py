@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.deformation import Deformation, flat
 from asterism.fem.elements.space import Space

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from asterism.equilibrium.arrays import Floats, Ints
 from scipy.linalg import qr
 from scipy.sparse.csgraph import connected_components
+
+from asterism.equilibrium.arrays import Floats, Ints
 
 COEFFICIENT_DIGITS = 10  # decimals of coefficients scaled to a maximum of 1; equal blocks are then solved once
 MIN_PIVOT = 1e-9  # over the largest pivot; a smaller one belongs to a redundant equation

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.space import Space
 from asterism.fem.supports.edge_curve import left
 from asterism.fem.supports.loads import edge_points
-from numpy.typing import ArrayLike
 
 
 class EndMoment:

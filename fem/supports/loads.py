@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.elements.space import Space
-from numpy.typing import ArrayLike
 
 Force = ArrayLike | Callable[[Floats], Floats]
 

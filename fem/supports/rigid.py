@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats, Ints
 
 MIN_WORK = 1e-6  # 1: work along a unit motion over the norm of the loads, below which it counts as zero

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_lines import aligned_lines
 from asterism.homogenize.law.axes import AXES, Axis

@@ -7,6 +7,9 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator, RBFInterpolator
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.sample_rows import record_data, sample_problem, sample_row
@@ -18,8 +21,6 @@ from asterism.homogenize.law.law_residuals import broken_symmetry, law_residuals
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, quantity_units, to_stored
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import Sizes
-from scipy.interpolate import PchipInterpolator, RBFInterpolator
-from scipy.spatial import cKDTree
 
 _Q = len(QUANTITY_NAMES)
 _SCATTERED_SHAPE = tuple(axis.scattered_nodes for axis in AXES)

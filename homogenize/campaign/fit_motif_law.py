@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.motif_campaign import MotifRecord
 from asterism.homogenize.campaign.motif_sample import motif_tensors, responses_from_data

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from asterism import homogenize, pattern
 from asterism.homogenize.campaign.campaign import CampaignProgress
 from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES, sources_hash
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
@@ -19,8 +21,6 @@ from asterism.homogenize.cell.motif_responses import MotifResponses, motif_respo
 from asterism.homogenize.law.motif_plan import MotifPlan, MotifTask
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
-
-from asterism import homogenize, pattern
 
 SolveMotif = Callable[[Design, float], MotifResponses]
 # what shapes the answer of a motif's cell, beside what shapes that of a star's

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.design_plan import HELD_OUT_CELLS, geometric_nodes
 from asterism.homogenize.law.motif_plan import (

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
 from asterism.homogenize.cell.larger_cell import CellComparison
 from asterism.homogenize.cell.motif_responses import MotifResponses, RolledDirection

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.cell.isotropy import isotropic_constants

@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import spsolve
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.mesh.grading import Grading
-from numpy.typing import NDArray
-from scipy.sparse.linalg import spsolve
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ at the corners of the single cells. Their arms run along A1, A2 or A2 - A1, in e
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.aligned_cell_grid import (
     cell_grading,

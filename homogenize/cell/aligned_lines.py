@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Ints
 from asterism.homogenize.cell.point_group import keeps_grid_lines
 from asterism.pattern.design.lattice import Lattice

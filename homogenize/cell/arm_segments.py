@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from asterism.homogenize.cell.aligned_cell_mesh import edges_per_spacing
 from asterism.homogenize.cell.aligned_lines import aligned_lines
 from asterism.homogenize.cell.cell_mesh import star_size

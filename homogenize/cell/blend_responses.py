@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Array
 
 EIGENVALUE_KEYS = ("eigenvalue", "supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue")

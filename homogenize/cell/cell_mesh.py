@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.bending.registry import FABRIC_BENDING
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh

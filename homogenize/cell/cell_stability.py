@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.discrete.model.state import State
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern

@@ -12,12 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.homogenize.cell.orbits import Orbits, home, in_one_domain, is_symmetric
 from asterism.homogenize.cell.periodic_delaunay import CELLS_AROUND, PeriodicTriangles, periodic_delaunay
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
-from scipy.spatial import cKDTree
 
 MAX_SMOOTHING_SWEEPS = 40
 # sweeps after which points are dropped and added

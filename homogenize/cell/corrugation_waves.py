@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.point_group import point_group
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.planar import cross_2d
-from numpy.typing import NDArray
 
 # length of the longest reciprocal vector, over the shortest
 MAX_WAVE_NUMBER_RATIO = 3.0

@@ -27,12 +27,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import FlatCell
 from asterism.homogenize.cell.periodic_images import PeriodicImages
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
-from scipy.sparse.linalg import splu
 
 # Voigt: 11, 22 and 2 x 12 as symmetric matrices
 VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])

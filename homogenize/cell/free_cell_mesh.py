@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
 from asterism.homogenize.cell.graded_steps import MAX_EDGE_TO_GAP_RATIO, graded_steps

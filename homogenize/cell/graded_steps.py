@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 
 # length of an edge, over the distance to the arms of other stars

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 
 # Kelvin notation (11, 22, sqrt 2 x 12): rotations keep the norm of a stiffness

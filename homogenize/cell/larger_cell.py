@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.model.state import State, moved_state
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell, released_from

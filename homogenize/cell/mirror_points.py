@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.conforming_triangulation import MeshConstraints
 from asterism.homogenize.cell.graded_steps import graded_steps

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
 from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG

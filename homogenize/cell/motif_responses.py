@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness
 from asterism.homogenize.cell.flat_cell import relax_flat_cell

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import FlatCell
 from asterism.homogenize.cell.rolling import (

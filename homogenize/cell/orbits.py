@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.homogenize.cell.periodic_delaunay import CELLS_AROUND
-from scipy.spatial import cKDTree
 
 # of an edge: images of one point, and places that a symmetric mesh maps onto each other
 ORBIT_TOLERANCE = 1e-6

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import Delaunay
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import mean_circumcentres, triangle_angles, triangle_areas
-from scipy.spatial import Delaunay
 
 # of the edge: points move by so much, to choose one of several Delaunay triangulations
 TIE_BREAK_RATIO = 1e-6

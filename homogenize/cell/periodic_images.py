@@ -15,6 +15,7 @@ import functools
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.equilibrium.arrays import Array
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS

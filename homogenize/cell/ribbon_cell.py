@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.model.rotations import rotate_vectors
 from asterism.discrete.model.state import State, edge_tangents, moved_state
 from asterism.discrete.model.system import System

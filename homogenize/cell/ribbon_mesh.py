@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Ints
 from asterism.homogenize.cell.aligned_lines import aligned_lines
 from asterism.homogenize.cell.image_numbering import ImageNumbering

@@ -10,6 +10,7 @@ entries.
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.rods.section import torsion_constant
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.anisotropy import mean_q12

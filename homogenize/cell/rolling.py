@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.model.star_bumps import bump_heights
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.clock import Clock
 from asterism.homogenize.cell.arm_segments import arm_segments

@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.equilibrium.arrays import Array
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Array, Floats, Ints
 
 # rad, and of the stretches

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Ints
 from asterism.homogenize.cell.image_numbering import ImageNumbering, new_triangles
 from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.motif_responses import MotifResponses
 from asterism.homogenize.cell.rod_bending import completed_by_rods

@@ -14,10 +14,11 @@ bending energy of that, `D k^2` beside A, is part of the result and small.
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse.linalg import splu
+
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.rolling import Tube
 from asterism.homogenize.cell.unit_cell import UnitCell
-from scipy.sparse.linalg import splu
 
 
 def tube_membrane_stiffness(cell: UnitCell, tube: Tube) -> Array:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from asterism.discrete.energies.bending.fabric_bending import BendingMesh
 from asterism.discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
 from asterism.discrete.model.discrete_model import DiscreteModel

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.discrete.energies.bending.plate_patches import patches
 from asterism.discrete.energies.bending.registry import FABRIC_BENDING
 from asterism.discrete.energies.elements import Elements

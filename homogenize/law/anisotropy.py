@@ -18,6 +18,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.tube_directions import is_threefold
 from asterism.pattern.design.lattice import Lattice

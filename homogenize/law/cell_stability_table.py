@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.axes import AXES, coordinates
 

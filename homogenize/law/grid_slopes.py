@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 
 SlopeRule = Literal["monotone", "smooth", "spline"]

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.law.grid_slopes import SlopeRule, node_slopes
 

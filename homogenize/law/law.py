@@ -12,6 +12,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.errors import ForeignLaw, LawError
@@ -30,7 +32,6 @@ from asterism.homogenize.law.same_material import (
 )
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice
-from numpy.typing import ArrayLike
 
 # without bending, bare fabric has no stiffness or no equilibrium, and the natural curvature of the paper's star jumps
 # between 0.027 and 0.079 per mm for mesh edges from 3.5 to 0.8 mm

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import anisotropy_size

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.law.axes import AXES, named_sizes
 from asterism.homogenize.law.hermite_grid import HermiteGrid

@@ -14,11 +14,12 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.law.axes import AXES, coordinates, named_sizes
 from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule
 from asterism.homogenize.law.law_range import min_length
-from numpy.typing import ArrayLike
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from pydantic import Field, ValidationError, ValidationInfo, model_validator
+
 from asterism.homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
 from asterism.homogenize.law.axes import AXES, LENGTH, named_sizes
 from asterism.homogenize.law.plan import CampaignPlan, CellTask
@@ -17,7 +19,6 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.material_files import MeasurementNote
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.section import Line, Section
-from pydantic import Field, ValidationError, ValidationInfo, model_validator
 
 PAPER_MATERIAL = Path(__file__).parents[1] / "data" / "paper.toml"
 

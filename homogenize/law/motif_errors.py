@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.motif_table import MotifTable
 from asterism.homogenize.law.tensor_forms import SheetTensors

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_plan import ROD_SIZE_KEYS, MotifPlan
@@ -16,7 +18,6 @@ from asterism.homogenize.law.tensor_forms import SheetTensors
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.leading_field import leading_field
 from asterism.pattern.design.sizing.profile import Profile
-from numpy.typing import ArrayLike
 
 
 @dataclass(frozen=True)

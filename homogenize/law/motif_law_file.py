@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import KIND, PackedRows
 from asterism.homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS, law_file_errors

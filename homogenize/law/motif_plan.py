@@ -8,6 +8,7 @@ from itertools import product
 from typing import Any, Literal
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law import WITHOUT_BENDING

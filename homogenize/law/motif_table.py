@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.law.hermite_grid import HermiteGrid
 from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored

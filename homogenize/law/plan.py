@@ -9,13 +9,14 @@ from itertools import pairwise, product
 from typing import Literal, Self
 
 import numpy as np
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.axes import AXES, LENGTH, Axis
 from asterism.homogenize.law.law_range import min_length
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Point, Section, Whole
 from asterism.pattern.design.stars import MIN_ARM_MM
-from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 # cells of one grid or one set of scattered cells
 MAX_SAMPLES = 100_000

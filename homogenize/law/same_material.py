@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.errors import ForeignLaw
 from asterism.pattern.design.lattice import Lattice
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.sample_rows import sample_quantities
 from asterism.homogenize.universal.groups import GROUP_KEYS, REFERENCE_MODULUS_MPA, REFERENCE_SPACING_MM

@@ -11,8 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
 from scipy.linalg import cho_factor, cho_solve
+
+from asterism.equilibrium.arrays import Floats
 
 # of every cell, beside its scatter; keeps equal cells apart from singular matrices
 MIN_NOISE = 1e-8

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from asterism.homogenize.universal.universal_law import UniversalLaw

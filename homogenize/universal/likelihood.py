@@ -7,10 +7,11 @@ kernel, and with a scatter whose logarithm is linear in the coordinates.
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.universal.kriging import Covariance, matern
 from scipy.linalg import lapack
 from scipy.optimize import minimize
+
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.universal.kriging import Covariance, matern
 
 # bounds of the lengths, in coordinates from 0 to 1, of the noise over the variance, and of the slopes of its logarithm
 LENGTH_BOUNDS = (0.1, 30.0)

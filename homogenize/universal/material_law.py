@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import binary_dilation, distance_transform_edt
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.axes import AXES
@@ -22,7 +24,6 @@ from asterism.homogenize.universal.universal_law import UniversalLaw, bare_quant
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.stars import MIN_ARM_MM
-from scipy.ndimage import binary_dilation, distance_transform_edt
 
 # what the cells of the universal law have in common
 COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending": "paper", "plastic.poisson": 0.3}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from asterism.homogenize.universal.law_errors import left_out_errors
 from asterism.homogenize.universal.spread_cells import spread_groups
 from asterism.homogenize.universal.universal_law import UniversalLaw, kriging_places
-from scipy.spatial import cKDTree
 
 # of the sequence that candidates come from; the law's own cells have another one
 CANDIDATE_SEED = 1

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.campaign import CampaignProgress
 from asterism.homogenize.campaign.code_version import code_version

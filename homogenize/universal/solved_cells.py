@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.universal.groups import GROUPS
 from asterism.homogenize.universal.row_names import ROW_NAMES

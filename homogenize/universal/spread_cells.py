@@ -7,6 +7,7 @@ its finished cells stay in the plan.
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, MAX_ARM_CURL, MIN_FABRIC_TO_EDGE, arm_curl
 

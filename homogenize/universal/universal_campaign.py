@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.campaign.campaign import CampaignProgress
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.errors import CampaignError

@@ -8,6 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
@@ -24,7 +26,6 @@ from asterism.homogenize.universal.kriging import Kriging
 from asterism.homogenize.universal.likelihood import likely_covariance
 from asterism.homogenize.universal.row_names import WAVE_NAMES
 from asterism.homogenize.universal.solved_cells import SolvedCells
-from scipy.spatial import cKDTree
 
 _POISSON = 0.3
 # on equilateral triangles the paper's hinges are three times as stiff as the plate

@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS
 from asterism.homogenize.law.law_table import QUANTITY_NAMES

@@ -8,13 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 import shapely
+from pydantic import Field, ValidationInfo, model_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.holes import MAX_HOLES, Hole
 from asterism.pattern.design.outline_file import with_outline
 from asterism.pattern.design.section import Line, Number, Point, Section, Text, Whole
 from asterism.pattern.geometry.planar import distance_to_segment
-from pydantic import Field, ValidationInfo, model_validator
 
 MAX_SHEET_MM = 5000.0
 MIN_CORNER_DISTANCE_MM = 1e-3

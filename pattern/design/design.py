@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
+from pydantic import Field, ValidationError, field_validator, model_validator
+
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.border import Border
 from asterism.pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
@@ -19,7 +21,6 @@ from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
 from asterism.pattern.design.stars import Stars
-from pydantic import Field, ValidationError, field_validator, model_validator
 
 # on the ground
 GRAVITY_M_S2 = 9.81

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from asterism.equilibrium.errors import Error
 from pydantic import ValidationError
+
+from asterism.equilibrium.errors import Error
 
 _NOTHING: Any = object()
 _MAX_VALUE_CHARACTERS = 60

@@ -11,6 +11,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError, NoUnitError
 from asterism.pattern.design.rhino_lines import rhino_lines
@@ -33,6 +34,7 @@ MAX_PLACE_MM = 1e5
 SAME_PLACE_IN_FILE_MM = 1e-4
 # programs round coordinates: a line whose ends are this close is closed
 CLOSED_GAP_MM = 1e-3
+DXF_NEEDED = 'needs ezdxf: pip install "asterism-fabric[cad]"'
 _SVG = "{http://www.w3.org/2000/svg}"
 _LAYER_NAME = "{http://www.inkscape.org/namespaces/inkscape}label"
 _LAYER = "data-asterism-layer"
@@ -191,10 +193,12 @@ def _places(piece: Any, at: Floats) -> Floats:
 
 
 def _dxf_lines(path: Path, curve_mm: float, units: str | None) -> list[FileLine]:
-    from ezdxf import recover
-    from ezdxf.lldxf.const import DXFError
-    from ezdxf.path import make_path
-
+    try:
+        from ezdxf import recover
+        from ezdxf.lldxf.const import DXFError
+        from ezdxf.path import make_path
+    except ImportError:
+        raise _error(DXF_NEEDED, path) from None
     try:
         drawing, _ = recover.readfile(path)
     except (DXFError, OSError, ValueError, IndexError, KeyError) as error:

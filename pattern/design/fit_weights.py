@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Self
 
+from pydantic import Field, model_validator
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Section
 from asterism.pattern.design.stars import Site
-from pydantic import Field, model_validator
 
 # least and largest weight of a place; places without one have the weight 1
 WEIGHT_RANGE = (0.01, 100.0)

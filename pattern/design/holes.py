@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
+from pydantic import Field, ValidationInfo, model_validator
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
 from asterism.pattern.design.rods import IMPORT_CURVE_MM, DrawnCircle
 from asterism.pattern.design.section import Line, Point, Section, Text
-from pydantic import Field, ValidationInfo, model_validator
 
 MAX_HOLES = 1000
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+from pydantic import Field, model_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Point, Section, Whole
 from asterism.pattern.geometry.plane_lattice import PlaneLattice, shortest_basis
-from pydantic import Field, model_validator
 
 DEFAULT_SPACING_MM = 10 * np.sqrt(3.0)
 

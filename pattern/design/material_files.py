@@ -7,12 +7,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field, ValidationError
+
 from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.files import read_table
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.section import Line, Section, Text
 from asterism.pattern.design.user_files import own_folders
-from pydantic import Field, ValidationError
 
 # folder of the materials within a folder of own files
 MATERIALS_FOLDER = "materials"

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Literal, Self
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, field_validator, model_validator
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.residual_curvature import KappaBar, residual_curvature
 from asterism.pattern.design.section import MassDensity, Number, NumberOrPair, Section
-from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, field_validator, model_validator
 
 MESH_DEPENDENT_BENDING = ("paper",)  # bending energies whose stiffness depends on the mesh
 

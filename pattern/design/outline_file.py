@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from pydantic import Field, field_validator, model_validator
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Place, Point, Section, Whole
-from pydantic import Field, field_validator, model_validator
 
 MAX_PIN_PLACE_MM = 1e4
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Discriminator, Field, Tag, model_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Section
-from numpy.typing import ArrayLike
-from pydantic import Discriminator, Field, Tag, model_validator
 
 CurvaturePerMm = Annotated[Number, Field(ge=-1, le=1)]
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.rhino_model import RhinoModel
 from asterism.pattern.geometry.flattening import flattened

@@ -1,4 +1,4 @@
-"""3DM files of Rhino, opened by `rhino3dm` (the extra `rhino`): for lines of a design, and for targets of a fit."""
+"""3DM files of Rhino, opened by `rhino3dm` (the extra `cad`): for lines of a design, and for targets of a fit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 RHINO_FORMAT = ".3dm"
-RHINO_NEEDED = 'needs rhino3dm: pip install "asterism-fabric[rhino]"'
+RHINO_NEEDED = 'needs rhino3dm: pip install "asterism-fabric[cad]"'
 # larger files are refused
 MAX_RHINO_BYTES = 200_000_000
 # mm, by the names of `rhino3dm.UnitSystem`

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
+from pydantic import Field, ValidationInfo, model_validator
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.file_lines import MM_OF_UNITS, read_lines
 from asterism.pattern.design.residual_curvature import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Line, Number, Point, Section, Text
 from asterism.pattern.design.sizing.field import SizingField
-from pydantic import Field, ValidationInfo, model_validator
 
 MIN_RADIUS_MM = 0.5
 # mm, largest distance of an imported curve from the straight pieces that are stored

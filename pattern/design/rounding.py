@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from pydantic import Field
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.section import Number, Section
-from pydantic import Field
 
 
 class Rounding(Section):

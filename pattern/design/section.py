@@ -6,7 +6,6 @@ import difflib
 from typing import Annotated, Any
 
 import numpy as np
-from asterism.pattern.design.errors import DesignError
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -19,6 +18,8 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import PydanticCustomError, PydanticKnownError
+
+from asterism.pattern.design.errors import DesignError
 
 # range of densities; numbers from 0 to the lower bound are most likely in g/cm3
 MIN_DENSITY_KG_M3 = 25.0

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from pydantic import Field, model_validator
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Number, Point, Section, Whole
 from asterism.pattern.design.sizing.field import SizingField
-from pydantic import Field, model_validator
 
 THICKNESS_RANGE_MM = (0.05, 5.0)
 WIDTH_RANGE_MM = (0.1, 10.0)

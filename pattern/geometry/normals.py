@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
 from jaxtyping import Float, Int
+
+from asterism.equilibrium.arrays import Floats
 
 
 def triangle_normals(

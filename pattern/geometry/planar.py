@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from asterism.equilibrium.arrays import Floats
 from jaxtyping import Bool, Float, Int
+
+from asterism.equilibrium.arrays import Floats
 
 # entries of a table of distances
 MAX_TABLE_ENTRIES = 2_000_000

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
 from jaxtyping import Float, Int
+
+from asterism.equilibrium.arrays import Floats
 
 # The six directions to the nearest sites, in multiples of the lattice vectors, counterclockwise.
 GRID_DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats, Ints
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
+
+from asterism.equilibrium.arrays import Floats, Ints
 
 # Triangles with the nearest centroids, of which one holds a point.
 CANDIDATE_TRIANGLES = 12

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.border import Border

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.graph import Rod, RodGraph

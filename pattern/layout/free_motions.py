@@ -17,11 +17,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.support_samples import SupportSamples
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 RIGID_MOTION_TOLERANCE = 1e-6  # of the supports' size: smaller motions leave them in place
 MAX_FIT_STEPS = 60  # Newton steps of a fit

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float, Int
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import distance_to_segment, inside, split_for_table
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
@@ -14,7 +16,6 @@ from asterism.pattern.layout.support_samples import SupportSamples, sample_suppo
 from asterism.pattern.layout.supports import PinSet, all_points
 from asterism.pattern.rods.graph import Rod, RodGraph
 from asterism.pattern.rods.star_graph import star_graph
-from jaxtyping import Float, Int
 
 # points of a drawn rod at which shapes are compared, and most rods that are compared
 COMPARED_POINTS_A_ROD = 9

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.border import MAX_SHEET_MM, Border
 from asterism.pattern.design.errors import DesignError

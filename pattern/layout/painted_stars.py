@@ -6,12 +6,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.stars import Override, Site
 from asterism.pattern.layout.outline import outline
 from asterism.pattern.layout.star_cells import star_cells
-from numpy.typing import ArrayLike
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
 NO_SIZES = (None, None, None)

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.support_curve import SupportCurve
 from asterism.pattern.layout.supports import FIXED_BY_SLIDE, PinSet
-from numpy.typing import NDArray
 
 # Pins closer than this to a corner, the outline, an arm or another pin are there: a needle is thicker.
 PIN_TOLERANCE_MM = 0.25

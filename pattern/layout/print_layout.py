@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.holes import Hole

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, polygon_area, turning_angles
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.border import Border
 from asterism.pattern.design.errors import DesignError

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice

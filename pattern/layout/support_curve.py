@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import nearest_segment
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD
 from asterism.pattern.layout.sheet_edges import SheetEdges

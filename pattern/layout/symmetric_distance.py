@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.free_motions import FreeMotions
 from asterism.pattern.layout.symmetries import Symmetry

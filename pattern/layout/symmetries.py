@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.rods import IMPORT_CURVE_MM
@@ -13,7 +15,6 @@ from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 from asterism.pattern.layout.drawn_motions import DrawingImages, candidate_turns, maps_holes
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.support_samples import SupportSamples
-from scipy.spatial import cKDTree
 
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6

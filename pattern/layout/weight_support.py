@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import is_in_sorted, polygon_area, triangle_angles, triangle_areas
 from asterism.pattern.layout.layout import Layout

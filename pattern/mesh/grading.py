@@ -10,10 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned.lattice_grid import GridPatch
-from scipy.spatial import cKDTree
 
 GRADED_EDGE_FACTOR = 0.15  # edge at an arm or a tip over the edge far from both
 GRADING_REACH_SPACINGS = 1 / 6  # distance from the arms, in spacings, at which edges have their full length

@@ -5,9 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import distance_to_segment
-from scipy.spatial import cKDTree
 
 # shortest edge beside vertices close to the outline, over the requested edge
 MIN_OUTLINE_EDGE_FACTOR = 0.3

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
 from asterism.pattern.layout.layout import Layout
-from scipy.spatial import cKDTree
 
 # a vertex this close to a pin is at the pin
 PIN_VERTEX_TOLERANCE_MM = 1e-5

@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.stars import MIN_ARM_MM

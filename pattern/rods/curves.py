@@ -5,11 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import DrawnArc, DrawnCircle, DrawnLine
 from asterism.pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
-from scipy.interpolate import CubicSpline
 
 # points of a spline between two given ones, at which its turn is measured
 SPLINE_SAMPLES = 32

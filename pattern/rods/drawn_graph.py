@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.border import Border
 from asterism.pattern.design.errors import DesignError

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.border import MIN_SHEET_AREA_MM2, Border
 from asterism.pattern.design.errors import DesignError

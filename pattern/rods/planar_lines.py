@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import turning_angles
 from asterism.pattern.rods.graph import CORNER_DEG
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 # mm: places closer than this are one, but for rounding
 SAME_PLACE_MM = 1e-6

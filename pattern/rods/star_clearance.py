@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.rods.graph import RodGraph
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats, Ints
 from scipy.spatial import Delaunay
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from asterism.pattern import gallery
 
 import asterism
+from asterism.pattern import gallery
 
 TAKE_A_DESIGN = ["preview", "simulate", "verify", "Preview"]
 

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout
 
 import asterism
 import asterism.exact.simulation
 import asterism.verification.run
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 
 DESIGN = Design.from_dict(
     {"border": {"rings": 0}, "stars": {"length_mm": 8.0, "thickness_mm": 0.35}, "mesh": {"edge_mm": 4.0}}

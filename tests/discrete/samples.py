@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.energies.bending.hinges import Hinges
 from asterism.discrete.energies.bending.plate import Plate
 from asterism.discrete.energies.elements import Elements

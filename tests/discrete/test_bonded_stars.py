@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern.design.design import Design

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import force_scale
@@ -13,8 +16,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 PINS: list[list[dict]] = [
     [],

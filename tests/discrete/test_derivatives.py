@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.state import edge_tangents
 from asterism.equilibrium.arrays import Array
-
 from tests.discrete.samples import COUNT, SAMPLES, Sample
 
 STEP = 1e-30

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
+
 from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.model.discrete_model import DiscreteModel
@@ -15,7 +17,6 @@ from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from scipy.spatial import Delaunay
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 SIDE = 20.0

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.law.law_file import load_law

@@ -9,6 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.rigid import rigid_modes
 from asterism.discrete.model.state import State, moved_state
@@ -17,8 +20,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.meshing import mesh_layout
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 TOLERANCE = 1e-11
 DESIGN = Design.from_dict(

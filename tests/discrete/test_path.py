@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.pin_steps import model_with_pins_until
 from asterism.discrete.release.release_start import ReleaseStart

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.release_start import ReleaseStart

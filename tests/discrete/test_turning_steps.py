@@ -6,6 +6,7 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.single_mesh import solve_on_mesh

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop, sum_formula
 
 LOOPS = """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 
 import pytest
+
 from asterism.equilibrium.threads import _openblas, one_blas_thread
 
 

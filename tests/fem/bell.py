@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
-from skfem import MeshTri
 
 
 class Bell(Argyris):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields, of_stretch
-from skfem import MeshTri
 
 RADIUS, THICKNESS, MODULUS, POISSON = 130.0, 2.6, 7.0, 0.3  # mm, mm, MPa
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+
 from asterism.fem.elements.deformation import flat
 from asterism.fem.supports.conditions import Condition, impose_conditions
-from scipy.sparse.linalg import spsolve
 
 STIFF = 1e7
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
-from asterism.fem.elements.argyris import Argyris
-from asterism.fem.elements.lifted import Lifted
 from skfem import MeshTri
 
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.lifted import Lifted
 from tests.fem.bell import Bell
 
 SPACES: dict[str, Callable[[MeshTri], Any]] = {"argyris": Argyris, "bell": Bell, "lifted": Lifted}

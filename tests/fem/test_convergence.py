@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.supports.conditions import EdgeSupport
 from asterism.fem.supports.loads import area_load
-
 from tests.fem.meshes import rectangle
 from tests.fem.plates import deflection
 from tests.fem.spaces import SPACES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.compliance import compliance
@@ -14,7 +15,6 @@ from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport
 from asterism.fem.supports.loads import point_load
-
 from tests.fem.hexagons import density, hexagon, radius
 
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.lifted import Lifted
 from asterism.fem.elements.plain_maps import constant, flat_positions
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.density import Density, isotropic, on_metric
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from skfem import MeshTri
-
 from tests.fem.bell import Bell
 from tests.fem.maps import arc
 from tests.fem.meshes import rectangle

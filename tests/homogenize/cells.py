@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.cell.tube_directions import tube_angles
 from asterism.pattern.design.design import Design
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice
 

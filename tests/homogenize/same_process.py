@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
+
 from asterism.homogenize.campaign.workers import SubmitAll
 
 

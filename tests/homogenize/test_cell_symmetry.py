@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
+
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
-from scipy.spatial import cKDTree
-
 from tests.homogenize.cells import EDGE, design, relaxed, shaken
 
 THIRD = np.array([[-0.5, -np.sqrt(0.75)], [np.sqrt(0.75), -0.5]])

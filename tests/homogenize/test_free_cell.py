@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
+
 from asterism.discrete.energies.bending.hinges import paper_coefficients
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.cell_stability import cell_stability
@@ -15,8 +17,6 @@ from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
-from scipy.linalg import block_diag
-
 from tests.homogenize.cells import EDGE, design, full, shaken
 from tests.homogenize.test_cell_symmetry import _moved
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL

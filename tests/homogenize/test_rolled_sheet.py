@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
 from asterism.homogenize.cell.arm_segments import arm_segments
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.effective_stiffness import effective_stiffness
@@ -14,10 +18,6 @@ from asterism.homogenize.cell.sample import Sample, solve_cell
 from asterism.homogenize.cell.tube_membrane import tube_membrane_stiffness
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.lattice import Lattice
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
-
 from tests.homogenize.cells import EDGE, design, relaxed
 from tests.homogenize.motifs import Pattern, diamonds, grid, motif_design, waves
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design

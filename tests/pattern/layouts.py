@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import PinSet
-from numpy.typing import ArrayLike
 
 D = 10 * np.sqrt(3)
 THREE = (-90.0, 30.0, 150.0)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import (
     distance_to_outline,
@@ -13,7 +15,6 @@ from asterism.pattern.geometry.planar import (
 )
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
-from scipy.spatial import cKDTree
 
 
 def smallest_angle(mesh: Mesh) -> float:

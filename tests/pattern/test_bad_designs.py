@@ -4,6 +4,7 @@ import copy
 import json
 
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout

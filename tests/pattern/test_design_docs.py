@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from pydantic import BaseModel
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.sizing.profiles import PROFILES
 from asterism.pattern.design.stars import Override
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.print_layout import print_layout
-from pydantic import BaseModel
 
 TEXT = (Path(__file__).parents[2] / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
 WHOLE, OVERRIDE, RODS, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)

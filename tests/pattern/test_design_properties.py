@@ -4,12 +4,13 @@ import copy
 import json
 
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design
-from hypothesis import HealthCheck, example, given, settings
-from hypothesis import strategies as st
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.build import layout

@@ -5,18 +5,18 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.law import Law
+from asterism.laws.design_law import material_for_design
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.exact.simulation import exact_shape
-from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from asterism.discrete.energies.bending.hinges import Hinges, interior_edges, paper_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
+
 from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.network import (
     RodNetwork,
@@ -25,7 +27,6 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue
 from asterism.equilibrium.newton.minimise import NewtonResult, minimise
 from asterism.equilibrium.newton.regularisation import Method
-from scipy.optimize import brentq
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.find_minimum import is_definite_on_support
 from asterism.fem.elements.deformation import Deformation

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from hypothesis import given
 from hypothesis import strategies as st
+
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 
 def strip_curvature(h1: float, h2: float, ratio: float, mismatch: float) -> float:

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
+from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import rest_curvature
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from scipy.optimize import minimize_scalar
-
-from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 from tests.validation.rods import Material, solve
 

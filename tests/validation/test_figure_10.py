@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
 
+from asterism.equilibrium.arrays import Floats
 from asterism.shape.comparison import Comparison
 from tests.validation.figures import both, middles
 

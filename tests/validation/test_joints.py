@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
+
 from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.joint_network import fitted_frames, joint_inputs, joint_network, joint_params
@@ -25,7 +26,6 @@ from asterism.discrete.model.rotations import rotate_vectors
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
-
 from tests.validation.rods import Material
 
 LENGTH_MM = 20.0

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.energies.rods.network import RodNetwork, rod_network
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
-
 from tests.validation.rods import Material, cantilever, flat, lowest, rod_system, solve
 
 ARM = Material(width=1.2, thickness=0.3)

@@ -12,6 +12,7 @@ import json
 
 import numpy as np
 import pytest
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
@@ -21,7 +22,6 @@ from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern.design.materials import rest_curvature
-
 from tests.validation import reference
 
 DERIVATIVES = pytest.mark.parametrize("name", ["derivatives_A", "derivatives_B"])

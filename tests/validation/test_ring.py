@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
+from scipy.optimize import brentq
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from scipy.optimize import brentq
-
 from tests.validation.rods import Material
 
 RADIUS_MM, EDGE_MM = 40.0, 1.5

@@ -4,13 +4,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+
 from asterism.fem.elements.deformation import flat
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
-
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.spaces import SPACES
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from skfem import MeshTri
+
 from asterism.fem.elements.deformation import Deformation
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.search.simple_shapes import SimpleShape
@@ -10,8 +12,6 @@ from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
 from asterism.fem.supports.loads import edge_load
-from skfem import MeshTri
-
 from tests.fem.meshes import annulus, facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, of_metric, parts, rate, stepped

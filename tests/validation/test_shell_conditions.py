@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.special import ellipe, ellipk
+
 from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.density import Density, isotropic
@@ -9,8 +11,6 @@ from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load, point_load
-from scipy.special import ellipe, ellipk
-
 from tests.fem.meshes import disc, facets_where, rectangle, turned
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, guess, material, stepped

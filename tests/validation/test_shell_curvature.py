@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+
 from asterism.fem.search.relax import follow
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
-
 from tests.fem.meshes import graded
 from tests.fem.spaces import SPACES
 from tests.validation.rolled import turn

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from asterism.fem.search.relax import relax
 from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields
@@ -9,7 +10,6 @@ from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
 from asterism.fem.supports.end_moment import EndMoment
 from asterism.fem.supports.loads import edge_load
-
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, rate, stable, stepped

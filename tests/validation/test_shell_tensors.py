@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import sqrtm
+from scipy.optimize import minimize
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.deformation import affine
 from asterism.fem.search.relax import relax
@@ -10,9 +13,6 @@ from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
 from asterism.fem.supports.loads import edge_load
-from scipy.linalg import sqrtm
-from scipy.optimize import minimize
-
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, stepped

@@ -59,17 +59,39 @@ def export_format(
 def export_formats(kind: FormatKind) -> list[ExportFormat]:
     """The registered formats of a kind, in the order of their suffixes.
 
+    Formats whose package is missing are left out, but for those that are written on demand.
+
     Examples
     --------
     >>> from asterism.print.formats.registry import export_formats
     >>> [each.suffix for each in export_formats("shape")]
     ['.glb', '.obj', '.stl']
     """
+    known = sorted((each for each in _all_formats() if each.kind == kind), key=lambda each: each.suffix)
+    return known if kind == "model" else [each for each in known if _problem(each) is None]
+
+
+def formats_left_out() -> list[str]:
+    """What is missing for a format that every export writes, one line for each."""
+    problems = ((each, _problem(each)) for each in _all_formats() if each.kind != "model")
+    return [f"no {each.name} is written: {problem}" for each, problem in problems if problem]
+
+
+def _all_formats() -> list[ExportFormat]:
     import asterism.print.formats as package
 
     for module in pkgutil.iter_modules(package.__path__):
         import_module(f"{package.__name__}.{module.name}")
-    return sorted((each for each in _FORMATS if each.kind == kind), key=lambda each: each.suffix)
+    return _FORMATS
+
+
+def _problem(each: ExportFormat) -> str | None:
+    """Why a format cannot be written here; None if it can."""
+    try:
+        each.check()
+    except DesignError as error:
+        return error.allowed
+    return None
 
 
 def write_all(kind: FormatKind, folder: Path, stem: str, *content: Any) -> None:

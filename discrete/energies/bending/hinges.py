@@ -15,6 +15,7 @@ rotation of the edge's frame, cancels between the two triangles.
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
 from asterism.equilibrium.arrays import Array

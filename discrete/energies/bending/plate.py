@@ -22,6 +22,7 @@ variations are `dW = m : eta` and `d2W = 2 c [(1 - nu) eta : eta + nu (tr eta)^2
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.bending.plate_patches import patches
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+
 from asterism.discrete.energies.bending.hinges import interior_edges
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import MeshError

@@ -14,6 +14,7 @@ in one line, R settles in the middle, and the sum is the energy of one stencil o
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, formula, point, sweep
 from asterism.discrete.energies.rods.bend import bend_energy, bend_gradient, bend_hessian

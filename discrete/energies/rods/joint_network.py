@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.energies.rods.network import RodNetwork
 from asterism.discrete.energies.rods.section import torsion_constant
 from asterism.discrete.model.state import edge_tangents

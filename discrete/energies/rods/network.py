@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from asterism.discrete.energies.rods.section import torsion_constant
 from asterism.discrete.model.state import edge_tangents
 from asterism.equilibrium.arrays import Array

@@ -15,6 +15,7 @@ In the formulas, te, tf are the tangents of the first and second edge, le, lf th
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.kernel import dot, formula, multiply, point, sub
 
 

@@ -6,6 +6,7 @@ Each edge counts once, also where the stencils of a junction share it (Bergou et
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import dot, formula, multiply, point, sub, sweep
 

@@ -7,6 +7,7 @@ See `discrete.energies.rods.stencil` for the frame and the symbols.
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 from asterism.discrete.energies.rods.stencil import stencil_edges

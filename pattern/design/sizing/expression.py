@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 
 MAX_FORMULA_CHARACTERS = 500

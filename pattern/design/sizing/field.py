@@ -7,13 +7,14 @@ from operator import or_
 from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BeforeValidator, Discriminator, GetCoreSchemaHandler, Tag
+from pydantic_core import CoreSchema
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number
 from asterism.pattern.design.sizing.profile import Profile
 from asterism.pattern.design.sizing.profiles import PROFILES
-from pydantic import BeforeValidator, Discriminator, GetCoreSchemaHandler, Tag
-from pydantic_core import CoreSchema
 
 
 def _branch(value: Any) -> str:

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
 from numpy.typing import NDArray
+
+from asterism.equilibrium.arrays import Floats
 
 MAX_PIXELS_A_SIDE = 256
 MAX_IMAGE_BYTES = 50_000_000

@@ -6,9 +6,10 @@ from abc import abstractmethod
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from pydantic import Field
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.section import Number, Section
-from pydantic import Field
 
 DistanceMm = Annotated[Number, Field(gt=0, le=1e4)]
 Power = Annotated[Number, Field(gt=0, le=100)]

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
@@ -14,8 +17,6 @@ from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.outline_points import outline_points
 from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 # free grid points keep this distance from the outline, in grid edges
 GRID_MARGIN_EDGES = 0.7

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.aligned.arm_stations import Stations
 from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch
 from asterism.pattern.mesh.grading import Grading
 from asterism.pattern.mesh.pin_vertices import PIN_VERTEX_TOLERANCE_MM
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 # shift of grid points by which diagonals of squares are chosen, in grid edges: far above rounding, and invisible
 OFF_SQUARE_SHIFT = 1e-6

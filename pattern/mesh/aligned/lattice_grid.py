@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import cross_2d
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned.springs import means_of_neighbours
-from numpy.typing import NDArray
 
 # points this close to a grid line are on it, in spacings
 ON_LINE_TOLERANCE = 1e-6

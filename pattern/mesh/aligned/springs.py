@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats, Ints
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
+
+from asterism.equilibrium.arrays import Floats, Ints
 
 # small weight that keeps points in place if no path connects them to a known point
 HOLDING_WEIGHT = 1e-9

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import polygon_area, turning_angles
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import (
@@ -22,7 +24,6 @@ from asterism.pattern.mesh.coarse.coarse_outline import coarse_outline
 from asterism.pattern.mesh.free.line_points import place_within
 from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.outline_points import outline_points
-from scipy.spatial import cKDTree
 
 # inner points keep this distance from the outline and from supported points, in mesh edges
 CLEARANCE_EDGES = 0.6

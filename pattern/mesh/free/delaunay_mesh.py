@@ -6,6 +6,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
@@ -16,10 +21,6 @@ from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.outline_points import outline_points
 from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle

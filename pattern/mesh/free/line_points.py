@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import turning_angles
 from asterism.pattern.rods.graph import CORNER_DEG, Rod

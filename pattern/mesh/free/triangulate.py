@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import shapely
 import triangle
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment, is_in_sorted, triangle_areas
-from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 COINCIDENCE_TOLERANCE = 1e-8

@@ -14,10 +14,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from asterism.pattern import gallery
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
+from asterism.pattern import gallery
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from tests.asterism.commands import command
 

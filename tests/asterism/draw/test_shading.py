@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
 
 from asterism.draw.shading import (
     ARMS,
@@ -18,6 +17,7 @@ from asterism.draw.shading import (
     PLASTIC_SIDE,
     shade,
 )
+from asterism.equilibrium.arrays import Floats
 
 TOWARDS_VIEWER = np.array([0.0, 0.0, 1.0])
 

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+
+import asterism
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
-
-import asterism
 
 CORNERS = np.array([[-30.0, -28.0], [33.0, -30.0], [30.0, 26.0], [5.0, 34.0], [-28.0, 25.0]])
 HELD = np.array([[-28.0, -26.0], [30.0, -27.0], [27.0, 23.0]])

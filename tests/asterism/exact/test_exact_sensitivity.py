@@ -6,19 +6,19 @@ from typing import Literal
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Floats
+from asterism.exact.exact_sensitivity import ExactSensitivity, mesh_along_arms
+from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.mesh.meshing import mesh_layout
-
-from asterism.exact.exact_sensitivity import ExactSensitivity, mesh_along_arms
-from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 
 SIZES = {"length_mm": 7.0, "thickness_mm": 0.45, "width_mm": 1.2}

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release import forms
 from asterism.discrete.release.release_start import ReleaseStart
+from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-
-from asterism.exact.simulation import exact_shape
 from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape

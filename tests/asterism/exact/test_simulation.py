@@ -7,12 +7,12 @@ import json
 import meshio
 import numpy as np
 import pytest
-from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
 
 import asterism
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.reports.write_results import write_results
 
 KEYS = [

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
 
 from asterism.exact.warnings import exact_warnings
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 SUMMARY = {
     "converged": True, "is_minimum": True, "smallest_eigenvalue": 1e-3, "gradient_norm": 1e-9,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats, Ints
 
+from asterism.equilibrium.arrays import Floats, Ints
 from benchmarks.fit_targets import rectangle_mesh, round_mesh
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.errors import Error
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.fitting.load_target import load_target
 from tests.asterism.commands import command
 from tests.asterism.fitting.broken_targets import BROKEN_FILES, BrokenTarget, dome, meshed, png_bytes

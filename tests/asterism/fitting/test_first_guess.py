@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.homogenize.errors import ForeignLaw, LawError
-from asterism.pattern.layout.build import layout
 
 from asterism.fitting.errors import ReachError, TargetError
 from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from benchmarks.fit_targets import rectangle_mesh
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap

@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from asterism.equilibrium.arrays import Floats
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
 
 import asterism
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.load_design import load_design
 from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.print.profiles import load_printer

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
 from PIL import Image
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from tests.asterism.fitting.broken_targets import dome

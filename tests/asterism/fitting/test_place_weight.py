@@ -7,12 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.build import layout
 from PIL import Image
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.distance import FitDistance
 from asterism.fitting.errors import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
@@ -20,6 +17,9 @@ from asterism.fitting.fit import fit
 from asterism.fitting.place_weight import weighted_target, with_weights
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
 
 import asterism
 from asterism.fitting.errors import ReachError
 from asterism.fitting.solve_needle import POINT_TOLERANCE_MM, solve_for_point
+from asterism.pattern.design.design import Design
 
 CORNERS = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]
 PLACES = [[31.0, 18.0, 0.0], [-31.0, 18.0, 0.0], [-31.0, -18.0, 0.0], [31.0, -18.0, 0.0]]

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.errors import Error
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from asterism.fitting.target import TargetSurface

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from asterism.equilibrium.arrays import Floats, Ints
 
+from asterism.equilibrium.arrays import Floats, Ints
 from benchmarks.fit_targets import rectangle_mesh
 from tests.asterism.fitting.surfaces import spherical_cap
 

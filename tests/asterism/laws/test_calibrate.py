@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import CellTask
-from PIL import Image
-
 from asterism.laws import calibrate as calibrate_command
 from asterism.laws.calibrate import ProgressLine
 from tests.asterism.commands import command

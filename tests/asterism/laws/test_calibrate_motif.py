@@ -13,15 +13,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.motif_responses import MotifResponses
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law_file import load_motif_law, motif_law_bytes
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.load_design import load_design
-
 from asterism.laws import calibrate_motif as module
 from asterism.laws import motif_design_law
 from asterism.laws.motif_design_law import motif_law_for_design
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.load_design import load_design
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from tests.asterism.commands import Outcome, command
 from tests.homogenize import same_process

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_bytes, load_law
 from asterism.pattern.design.design import Design
-
 from asterism.previews.directions_warning import directions_warning
 from asterism.previews.session import Preview
 from tests.asterism.laws.test_calibrate import PLAN, run

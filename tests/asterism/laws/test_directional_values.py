@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
-
 from asterism.laws.directional_values import stretch_axes, values_along
 
 

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.lines import Line2D
+
 from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
 from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
 from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.pattern.design.design import Design
-from matplotlib.lines import Line2D
-
 from asterism.laws.motif_law_picture import CHARTS, motif_law_figure
+from asterism.pattern.design.design import Design
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import LEAST_THICKNESS, made_up
 from tests.homogenize.motifs import grid

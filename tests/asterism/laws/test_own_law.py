@@ -8,8 +8,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from asterism.homogenize.law.law_file import law_bytes, load_law
 
+from asterism.homogenize.law.law_file import law_bytes, load_law
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law
 

@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from asterism.discrete.energies.membrane import Membrane
-from asterism.pattern.design.design import GRAVITY_M_S2
-from asterism.pattern.design.errors import DesignError
 from scipy.optimize import minimize_scalar
 
+from asterism.discrete.energies.membrane import Membrane
 from asterism.measure.fabric_modulus import fabric_modulus_mpa, nominal_stress
+from asterism.pattern.design.design import GRAVITY_M_S2
+from asterism.pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
 

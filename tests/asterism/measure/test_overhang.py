@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import GRAVITY_M_S2
-from asterism.pattern.design.errors import DesignError
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from asterism.measure.overhang import LENGTH_AT_SLOPE, SLOPE_DEG, bending_stiffness
+from asterism.pattern.design.design import GRAVITY_M_S2
+from asterism.pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
 
 import asterism
 from asterism.notebook import live_sheet
 from asterism.notebook.live_sheet import LiveSheet, shape_traits
+from asterism.pattern.design.design import Design
 from asterism.studio import frames
 from asterism.studio.ribbon_stations import RIBBON_MM, STATIONS
 from tests.asterism.sheets import dome, sheet

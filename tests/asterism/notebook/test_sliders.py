@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
 
 import asterism
 from asterism.notebook.sliders import SliderBoard
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 
 CANOPY: dict[str, Any] = {
     "stars": {"length_mm": 7.0},

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from asterism.homogenize.errors import LawError, UnreadableLaw
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
-
 from asterism.previews.default_law import law_of
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import inside, triangle_areas
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from asterism.previews.edges.free_rim import free_normals
 from asterism.previews.edges.rim_arms import rim_curvature_share
 from asterism.previews.fields.cell_grid import CellGrid

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.homogenize.law.law_file import load_law
-from asterism.pattern.design.design import Design
 
 import asterism
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern.design.design import Design
 from asterism.previews.inverted_stars import stars_that_may_be_inverted
 from asterism.previews.session import Preview
 

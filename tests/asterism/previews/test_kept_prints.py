@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.previews import kept_prints
 from asterism.previews.kept_prints import KEPT_PRINTS, forget_prints, kept_print
 from asterism.previews.model import PREVIEW_MODEL

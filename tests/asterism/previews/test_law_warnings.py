@@ -5,11 +5,10 @@ from __future__ import annotations
 import copy
 from dataclasses import replace
 
+import asterism
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.law_residuals import broken_symmetry, unstable_tubes
-
-import asterism
 from asterism.laws.law_text import law_lines
 from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
 

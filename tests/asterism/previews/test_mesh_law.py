@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
+
 from asterism.homogenize.errors import LawError
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.default_law import paper_law
 from asterism.previews.mesh_law import LIMIT, law_of_exact_mesh, law_on_mesh
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from asterism.previews.overstretched_stars import (
     mean_square_limit,
     mean_square_stretch,

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-
 from asterism.previews.session import Preview
 
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-
 from asterism.previews.session import Preview
 
 

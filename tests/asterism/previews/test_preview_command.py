@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from asterism.homogenize.law.law_file import law_bytes
 
+from asterism.homogenize.law.law_file import law_bytes
 from asterism.results.records.preview import PreviewRecord
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law

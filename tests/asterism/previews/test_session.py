@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.spatial.transform import Rotation
+
+import asterism
+import asterism.previews.solve as solve_module
 from asterism.equilibrium.clock import Clock
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.pattern import gallery
@@ -19,11 +24,6 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from scipy.spatial.transform import Rotation
-
-import asterism
-import asterism.previews.solve as solve_module
-from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.painted_stars import with_painted_stars
-
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import SizeName, star_sensitivity
 

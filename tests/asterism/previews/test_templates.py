@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.layout.load_design import load_design
-
 from asterism.previews.run import preview
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.print.known_printers import size_warning

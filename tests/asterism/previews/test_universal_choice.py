@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.universal.solve_cells import solve_cells
 from asterism.homogenize.universal.spread_cells import spread_groups
 from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
 from asterism.pattern.design.design import Design
-
 from asterism.previews import universal_choice as module
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import matplotlib
 import pytest
-from asterism.pattern.design.design import save_design
 
+from asterism.pattern.design.design import save_design
 from tests.asterism.commands import command
 from tests.asterism.print.exported import Run
 from tests.asterism.print.jobs import design

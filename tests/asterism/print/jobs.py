@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from asterism.pattern.design.design import Design
-
 from asterism.print.job import Job, prepare
 from asterism.print.profiles import load_plastic, load_printer
 

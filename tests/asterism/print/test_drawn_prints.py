@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.load_design import load_design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.rods.graph import RodGraph
-
 from asterism.print.export import export
 from asterism.print.formats.openscad import write_openscad
 from asterism.print.job import Job

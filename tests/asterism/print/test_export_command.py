@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
+
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.load_design import load_design
-
 from tests.asterism.commands import command
 from tests.asterism.print.exported import ALWAYS, PINNED, Run, mistake
 from tests.asterism.print.jobs import design
@@ -149,3 +150,14 @@ def test_another_plastic_than_the_designs_is_named(
     (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 20000.0\n")
     measured = command([*words, "pla", "--material", str(tmp_path / "m.toml")], capsys, monkeypatch)
     assert measured.status == 0 and "is printed" not in measured.err
+
+
+def test_without_the_package_for_dxf_all_else_is_written(
+    file: Path, tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    result = run("export", "d.toml", "-o", "out")
+    assert result.status == 0
+    assert 'no DXF is written: needs ezdxf: pip install "asterism-fabric[cad]"' in result.err
+    drawings = {name for name in ALWAYS | PINNED if name.endswith(".dxf")}
+    assert drawings and {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS | PINNED) - drawings

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+
 from asterism.pattern import gallery
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
-
 from asterism.print.arm_pieces import height_steps
 from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.print_cost import print_cost

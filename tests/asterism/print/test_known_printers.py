@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design import user_files
 from asterism.pattern.design.design import Design, save_design
-
 from asterism.print import profiles
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.known_printers import frame_warning, size_warning

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
+from asterism.draw.pin_marks import pin_marks
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
-from asterism.draw.pin_marks import pin_marks
 from asterism.print.needles import needles
 from asterism.shape.shape import Shape
 

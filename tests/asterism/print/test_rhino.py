@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+import asterism
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
-
-import asterism
 from asterism.print.formats.registry import demanded_formats
 from asterism.print.formats.rhino import write_rhino
 from tests.asterism.print.jobs import job

@@ -11,9 +11,9 @@ import meshio
 import numpy as np
 import pytest
 import trimesh
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.print.formats.obj import write_shape_obj
 from asterism.print.write import write_shape_files
 from asterism.shape.shape import Shape

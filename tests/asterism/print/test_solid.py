@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.layout.build import layout
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.build import layout
 from asterism.print.arm_pieces import arm_pieces
 from asterism.print.formats.stl import write_stl
 from asterism.print.plastic_regions import border_terrace, plastic_terraces

@@ -8,9 +8,9 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.errors import MeshError
-
 from asterism.process.compiling import announce_compiling, clock_without_compiling, signs_while_compiling
 from tests.asterism.commands import command
 

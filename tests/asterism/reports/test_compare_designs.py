@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design, save_design
-from asterism.pattern.design.errors import DesignError
 from PIL import Image
 
 import asterism
+from asterism.pattern.design.design import Design, save_design
+from asterism.pattern.design.errors import DesignError
 from asterism.reports.compare_designs import DesignsComparison, compare_designs
 from asterism.results.compared import COMPARED_KEYS
 from tests.asterism.commands import command

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from asterism.pattern.design.design import Design
 
 from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.reports.design_report import report

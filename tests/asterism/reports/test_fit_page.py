@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.layout.build import layout
 from PIL import Image
 
 from asterism.fitting.distance import target_distance
@@ -19,6 +18,7 @@ from asterism.fitting.first_guess import guess_design
 from asterism.fitting.residual import FitPlaces
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.reports.fit_page import fit_page

@@ -11,10 +11,10 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
 from PIL import Image
 
 from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
 from asterism.previews.run import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_files import write_verification

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.symmetries import symmetries
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes, image
 from asterism.shape.diameter import diameter

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from asterism.shape.mesh_error import mesh_error
 from asterism.shape.shape import Shape
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.shape.needle_clearance import needle_clearance
 from tests.asterism import sheets
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.shape.pin_warnings import held_wide, pin_warnings
 
 CORNERS = [[-30.0, 0.0], [30.0, 0.0]]

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from asterism.pattern.design.errors import DesignError
 
 import asterism
+from asterism.pattern.design.errors import DesignError
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats, Ints
 
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.shape.self_intersections import meets_itself, self_intersections
 
 

@@ -7,12 +7,12 @@ from typing import get_type_hints
 
 import numpy as np
 import pytest
-from asterism.pattern.geometry.normals import vertex_normals
 from hypothesis import given
 from hypothesis import strategies as st
 from jaxtyping import jaxtyped
 from scipy.spatial.transform import Rotation
 
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.shape.shape import Shape
 from tests.asterism import sheets
 

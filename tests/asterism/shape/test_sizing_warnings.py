@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.shape.sizing_warnings import sizing_warnings
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.geometry.normals import vertex_normals
 
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.shape import surface_fields as fields
 from tests.asterism import sheets
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import numpy as np
 import pytest
-from asterism.pattern import gallery
 from starlette.testclient import TestClient
 
+from asterism.pattern import gallery
 from asterism.studio import frames
 from asterism.studio.engine_orders import Edit
 from asterism.studio.messages import Frame, Limits, ShapeSummary, ShownMesh

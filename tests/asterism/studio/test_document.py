@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
 from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.files import read_table
 from asterism.pattern.layout.load_design import load_design
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
 from asterism.studio.autosave import autosave_path
 from asterism.studio.design_text import edited_text
 from asterism.studio.document import Document

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.design.errors import DesignError
 from starlette.testclient import TestClient
 
+from asterism.pattern.design.errors import DesignError
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, read_drawing
 from asterism.studio.gesture_requests import PlaceDrawing

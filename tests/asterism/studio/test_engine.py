@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.layout.build import layout
 
 import asterism
+from asterism.pattern.layout.build import layout
 from asterism.studio.engine_orders import Edit
 from asterism.studio.messages import Busy, Frame, Limits, ShownMesh
 from tests.asterism.studio.engine_pipe import EnginePipe, table

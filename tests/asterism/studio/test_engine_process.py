@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.layout.build import layout
 
 import asterism
+from asterism.pattern.layout.build import layout
 from asterism.studio.engine_orders import Edit, Flip, ShowForm, Stop
 from asterism.studio.engine_process import run_engine
 from asterism.studio.messages import Frame, Ready, ShapeSummary, StudioProblem

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
 
+from asterism.pattern.design.design import Design
 from asterism.studio.engine_orders import Surface
 from asterism.studio.fitter import run_fit
 from asterism.studio.job_messages import Fitted, JobProgress

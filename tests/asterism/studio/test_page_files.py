@@ -7,8 +7,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from asterism.pattern import gallery
 
+from asterism.pattern import gallery
 from asterism.studio.server import PAGE
 
 ROOT = Path(__file__).parents[3]

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
-
 from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
 from asterism.studio.engine_orders import Edit

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern import gallery
 from starlette.testclient import TestClient
 
+from asterism.pattern import gallery
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.painted_stars import with_painted_stars
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
 from asterism.previews.surface.surface import Lens
 from asterism.studio.sheet_view import SheetView

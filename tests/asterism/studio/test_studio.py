@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.layout.load_design import load_design
-
 from asterism.studio.examples import MAX_FILES
 from asterism.studio.local_files import shown_path
 from asterism.studio.studio import Studio

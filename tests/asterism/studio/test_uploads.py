@@ -8,10 +8,10 @@ from typing import Any
 import ezdxf
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
 from PIL import Image
 from starlette.testclient import TestClient
 
+from asterism.pattern.design.design import Design
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 
 ORIGIN = {"origin": f"http://{HOST}"}

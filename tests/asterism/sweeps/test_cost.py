@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-
 from asterism.sweeps.cost import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_cost
 
 VARIED = {"profile": "radial", "from": 0.3, "to": 0.5, "over_mm": 30.0}

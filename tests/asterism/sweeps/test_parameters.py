@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.pattern import gallery
 
+from asterism.pattern import gallery
 from asterism.sweeps.errors import SweepError
 from asterism.sweeps.parameters import SweepParameter, check_parameters, varied
 from asterism.sweeps.run import check_model, sweep_design, sweep_parameters

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from asterism.homogenize.law.law_file import PAPER_LAW
-from asterism.pattern.design.design import Design
 
 import asterism
+from asterism.homogenize.law.law_file import PAPER_LAW
+from asterism.pattern.design.design import Design
 from asterism.sweeps.run import SweepProgress, sweep_design
 from asterism.sweeps.solve_point import named_law
 from asterism.sweeps.sweep import Sweep

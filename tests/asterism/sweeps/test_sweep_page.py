@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from asterism.pattern import gallery
 from PIL import Image
 
+from asterism.pattern import gallery
 from asterism.sweeps.parameters import SweepParameter
 from asterism.sweeps.quantities import quantities
 from asterism.sweeps.small_picture import SmallPicture

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
-from asterism.exact.simulation import exact_shape
 from asterism.shape.shape import Shape
 from asterism.verification.both_starts import lower_minimum, simulate
 from asterism.verification.run import verify

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from asterism.equilibrium.newton.minimise import Iteration
-from asterism.pattern.design.design import Design
 
 import asterism
+from asterism.equilibrium.newton.minimise import Iteration
+from asterism.pattern.design.design import Design
 from asterism.verification.progress import WHOLE, ExactProgress
 from asterism.verification.run import STAGES, verify
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.reports.plots import profile_cut
 from asterism.verification.right_shape import right_shape, same_energy
 from asterism.verification.same_minimum import _same_stars_down

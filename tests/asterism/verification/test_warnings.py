@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
 from asterism.shape.comparison import compare_shapes
 from asterism.verification.verification import Verification
 from asterism.verification.warnings import verification_warnings

@@ -6,6 +6,7 @@ import builtins
 
 import numpy as np
 import pytest
+
 from asterism.discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, ContactBarrier, ipc_toolkit
 from asterism.discrete.model.contact_model import ContactModel
 from asterism.discrete.model.discrete_model import DiscreteModel
@@ -19,7 +20,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from asterism.shape.self_intersections import self_intersections
 
 ipctk = pytest.importorskip("ipctk")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
 from asterism.discrete.energies.bending.registry import FABRIC_BENDING
 

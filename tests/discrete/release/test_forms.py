@@ -6,6 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
 from asterism.discrete.evidence.roll_axis import roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
@@ -19,8 +22,6 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetric_distance import symmetric_distances
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
-from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.levels import solve_on_meshes
 from asterism.discrete.release.prolongation import prolong

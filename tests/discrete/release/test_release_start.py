@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import add_bumps, bump_heights
 from asterism.discrete.release.release_start import BRANCH_NUDGE_MM, MIN_BRANCH_BUMP_MM, ReleaseStart

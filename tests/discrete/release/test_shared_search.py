@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.state import State
 from asterism.discrete.release.levels import solve_on_meshes
 from asterism.discrete.release.shared_search import SharedSearch, is_same_state
 from asterism.discrete.release.single_mesh import solve_on_mesh
-
 from tests.discrete.release.test_levels import model
 
 

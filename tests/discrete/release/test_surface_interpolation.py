@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.release.surface_interpolation import interpolate_surface
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.linear.extended_pattern import sorted_union
 from hypothesis import given
 from hypothesis import strategies as st
+
+from asterism.equilibrium.linear.extended_pattern import sorted_union
 
 NUMBERS = st.lists(st.integers(-(2**62), 2**62)).map(lambda numbers: np.array(numbers, dtype=np.int64))
 

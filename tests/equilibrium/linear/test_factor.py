@@ -7,13 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import available, make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.pardiso import PardisoFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 SIDE = 12
 

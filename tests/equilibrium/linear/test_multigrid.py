@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Floats
@@ -22,14 +25,11 @@ from asterism.equilibrium.linear.reanalysing_factor import ReanalysingFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton import certificate
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue
+from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from asterism.exact.simulation import exact_shape
 
 SIDE = 30
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.linear.watched_factor import WatchedFactor

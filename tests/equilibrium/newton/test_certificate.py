@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import available, make_factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 def symmetric(pattern: SparsePattern, data: Floats) -> Floats:

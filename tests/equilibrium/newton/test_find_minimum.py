@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.find_minimum import StationaryPoint, find_minimum, is_definite_on_support
 from asterism.equilibrium.newton.minimise import NewtonResult
 from asterism.equilibrium.newton.saddle import leave_saddle
-
 from tests.equilibrium.newton.test_minimise import Analytic
 
 TOLERANCE = 1e-10

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.linalg import eigh
+
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.rigid_support import SUPPORT_STIFFNESS_FACTOR
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton.soft_modes import softest_modes
-from scipy.linalg import eigh
 
 
 @pytest.mark.parametrize("count", [1, 3, 30])

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.monomials import monomials, powers
-from skfem import MeshTri
-
 from tests.fem.bell import Bell
 
 ORDERS = np.array([0, 1, 1, 2, 2, 2])

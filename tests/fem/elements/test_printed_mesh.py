@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from skfem import MeshTri, MeshTri2
+
 from asterism.fem.elements.printed_mesh import checked_mesh
 from asterism.fem.search.relax import relax
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.shell import Shell
-from skfem import MeshTri, MeshTri2
-
 from tests.fem.meshes import rectangle
 from tests.fem.spaces import SPACES
 

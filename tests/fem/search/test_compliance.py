@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.compliance import compliance
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport
 from asterism.fem.supports.loads import point_load
-
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 
 UP = np.array([0.0, 0.0, 1.0])

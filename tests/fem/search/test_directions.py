@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.directions import SYMMETRY_BREAKING_ANGLE, distinct_shapes, energy_minima
 from asterism.fem.search.relax import relax
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.fields import of_stretch
 from asterism.fem.shell.shell import Shell
-
 from tests.fem.hexagons import RADIUS, density, hexagon
 
 FAMILY = [SimpleShape("arc", 0.015, np.pi * number / 12) for number in range(12)]

@@ -6,6 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.search.candidate_shapes import candidate_shapes
@@ -18,8 +20,6 @@ from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
-from scipy.spatial.transform import Rotation
-
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 from tests.fem.meshes import facets_where, rectangle
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.newton.find_minimum import find_minimum
 from asterism.fem.elements.argyris import Argyris
@@ -16,7 +17,6 @@ from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
-
 from tests.fem.bell import Bell
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.meshes import facets_where, rectangle

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.relax import relax
 from asterism.fem.search.rigid_body_settling import settle_rigid_body
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load, point_load
-from scipy.spatial.transform import Rotation
-
 from tests.fem.hexagons import FIELDS
 from tests.fem.maps import arc
 from tests.fem.meshes import facets_where, rectangle

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.simple_shapes import SimpleShape, similar
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.relax import follow, relax
@@ -13,7 +14,6 @@ from asterism.fem.search.stiffness_response import STIFFNESSES, part_stresses, r
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
-
 from tests.fem.hexagons import hexagon, radius
 
 ERROR = 1e-3

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.lifted import Lifted
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.matrix_reduction import MatrixReduction
-
 from tests.fem.meshes import rectangle
 
 

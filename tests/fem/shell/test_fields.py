@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
-
 from tests.fem.hexagons import FIELDS, hexagon
 
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from skfem import MeshTri
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
 from asterism.fem.elements.argyris import Argyris
@@ -15,8 +17,6 @@ from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
 from asterism.fem.supports.end_moment import EndMoment
 from asterism.fem.supports.loads import area_load
-from skfem import MeshTri
-
 from tests.fem.hexagons import FIELDS, hexagon
 from tests.fem.maps import arc
 from tests.fem.meshes import facets_where, rectangle

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from asterism.fem.elements.deformation import Deformation, affine, flat
-from asterism.fem.supports.conditions import ConditionError, EdgeSupport, PointSupport, impose_conditions, vertices_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from asterism.fem.elements.deformation import Deformation, affine, flat
+from asterism.fem.supports.conditions import ConditionError, EdgeSupport, PointSupport, impose_conditions, vertices_at
 from tests.fem.meshes import annulus, disc, facets_where, rectangle, turned
 from tests.fem.plates import deflection, height, uniform_load
 from tests.fem.spaces import SPACES

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from asterism.fem.supports.edge_curve import edge_curve
 from skfem import MeshTri
 
+from asterism.fem.supports.edge_curve import edge_curve
 from tests.fem.meshes import annulus, rectangle, turned
 
 

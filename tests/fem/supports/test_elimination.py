@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from asterism.fem.supports.elimination import Contradiction, eliminate
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from asterism.fem.supports.elimination import Contradiction, eliminate
 
 
 @settings(max_examples=40, deadline=None)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+
 from asterism.fem.elements.deformation import affine
 from asterism.fem.supports.end_moment import EndMoment
 from asterism.fem.supports.loads import area_load, edge_load, point_load
-
 from tests.fem.meshes import facets_where, rectangle, turned
 from tests.fem.spaces import SPACES
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.find_minimum import find_minimum
 from asterism.fem.elements.argyris import Argyris
@@ -15,7 +16,6 @@ from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load
 from asterism.fem.supports.rigid import span_a_plane
-
 from tests.fem.meshes import rectangle
 
 WEIGHT = 1e-4  # N/mm^2

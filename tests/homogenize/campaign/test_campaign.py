@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from asterism.homogenize.campaign import campaign, workers
 from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.errors import AddressError, CampaignError
 from asterism.homogenize.law.law_file import law_bytes, law_digest
 from asterism.homogenize.law.material import Material
-
 from tests.event_loop import run_coroutine
 from tests.homogenize import fake, same_process
 

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES
-
 from tests.test_rooms import package_of
 
 PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.campaign import edge_campaign
 from asterism.homogenize.campaign.campaign import run_campaign
 from asterism.homogenize.campaign.edge_campaign import edge_materials, with_edges
@@ -14,7 +15,6 @@ from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.material import Material
-
 from tests.homogenize import fake, same_process
 from tests.homogenize.law.test_law import answers
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.campaign.campaign import sample_name
 from asterism.homogenize.campaign.design_plan import plan_for_sizes
 from asterism.homogenize.errors import ForeignLaw

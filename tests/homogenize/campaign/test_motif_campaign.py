@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
 from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
 from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
@@ -20,7 +21,6 @@ from asterism.homogenize.law.motif_errors import tensor_errors
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 from asterism.pattern.design.design import Design
-
 from tests.homogenize import same_process
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.law.test_tensor_forms import turned

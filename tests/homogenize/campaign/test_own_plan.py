@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.homogenize.campaign.design_plan import plan_for_sizes
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from tests.homogenize import fake
 from tests.homogenize.law.test_law import answers, design
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
 from asterism.pattern.design.errors import DesignError
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.blend_responses import blend_responses
 
 

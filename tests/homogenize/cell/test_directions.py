@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.campaign.sample_rows import sample_quantities
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.tube_directions import (
@@ -19,7 +20,6 @@ from asterism.homogenize.cell.tube_directions import (
 from asterism.homogenize.law.anisotropy import predicted_curvatures
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.pattern.design.lattice import Lattice
-
 from tests.homogenize.cells import EDGE, design
 
 TURNED = [[17.0 * np.cos(a), 17.0 * np.sin(a)] for a in np.radians((10.0, 70.0))]

@@ -7,6 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.cell_stability import cell_stability
 from asterism.homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
@@ -21,9 +24,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.rods.motif_graph import motif_graph
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.cells import full, shaken
 from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, moved, parallel, stars, waves

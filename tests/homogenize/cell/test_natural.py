@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, ROOT_TOLERANCE, TubeBranch, trace_tubes
 from asterism.homogenize.cell.rolling import Tube, roll_cell, unroll, unrolled_flat_cell, unrolled_in_direction
-
 from tests.homogenize.cells import relaxed
 
 # length, thickness: from hardly to strongly curling, and tight

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from asterism.homogenize.cell.aligned_lines import aligned_lines
@@ -19,8 +21,6 @@ from asterism.homogenize.cell.symmetric_responses import CURVE_KEYS, SCALAR_KEYS
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
-from scipy.spatial import cKDTree
-
 from tests.homogenize.cells import EDGE, design
 
 KINDS: dict[str, dict[str, Any]] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.pattern.design.lattice import Lattice
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.model.state import State
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.cell.ribbon_cell import RibbonCell, cylinder_coordinates, relax_ribbon
 from asterism.homogenize.cell.ribbon_mesh import RibbonShape, ribbon_mesh
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.geometry.planar import triangle_areas
-
-from asterism.exact.simulation import exact_shape
 
 STEPS, FINE = 6, 10
 SHAPES = [RibbonShape(False, 1, 5, STEPS, 3), RibbonShape(True, 2, 8, STEPS, 3)]

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.effective_stiffness import effective_stiffness, mean_height
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
@@ -14,7 +15,6 @@ from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.homogenize.law.law_residuals import mesh_differences
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-
 from tests.homogenize.cells import EDGE, design, relaxed, sample
 
 SPACING = 10.0 * np.sqrt(3.0)

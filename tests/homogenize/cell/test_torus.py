@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from asterism.homogenize.cell.aligned_lines import aligned_lines
 from asterism.homogenize.cell.arm_segments import arm_segments
@@ -11,7 +12,6 @@ from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
-
 from tests.homogenize.cells import design
 
 VECTORS = np.asarray(design().lattice.vectors)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.aligned_lines import aligned_lines
 from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
@@ -13,7 +14,6 @@ from asterism.homogenize.cell.periodic_delaunay import periodic_delaunay
 from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
-
 from tests.homogenize.cells import design
 
 SKEW = {"kind": "custom", "vectors_mm": [[14.0, 0.0], [4.0, 21.0]]}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from tests.homogenize.cells import design
 
 GRADED = {"fabric": {"bending": "consistent"}, "mesh": {"graded": True}}

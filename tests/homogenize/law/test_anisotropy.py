@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from asterism.homogenize.law.anisotropy import (
@@ -23,8 +26,6 @@ from asterism.homogenize.law.anisotropy import (
     voigt_matrices,
 )
 from asterism.pattern.design.lattice import Lattice
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 FROM_X = np.array(ALL_ANGLES_RAD) + 0.5 * np.pi
 LAM = 0.75

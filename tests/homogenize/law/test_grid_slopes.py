@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.grid_slopes import SlopeRule, node_slopes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator
+
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.law.grid_slopes import SlopeRule, node_slopes
 
 STEPS = hnp.arrays(float, st.integers(3, 8), elements=st.floats(0.1, 10.0))
 # whole numbers give equal secants and secants of zero

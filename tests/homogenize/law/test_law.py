@@ -10,6 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law
 from asterism.homogenize.campaign.sample_rows import sample_quantities
@@ -22,9 +25,6 @@ from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import CellTask
 from asterism.pattern.design.design import Design
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from tests.homogenize import fake
 
 PLAN = {

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.law.mesh_edges import EdgeTables, whole_edge
-
 from tests.asterism.previews.laws import SPACING, plain_law
 
 KAPPA = QUANTITY_NAMES.index("kappa")

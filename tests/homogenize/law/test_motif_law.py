@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
 from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
 from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
@@ -18,7 +19,6 @@ from asterism.homogenize.law.law_file import PAPER_LAW, load_law
 from asterism.homogenize.law.motif_law import MotifLaw, MotifValues
 from asterism.homogenize.law.motif_law_file import load_motif_law, motif_law_bytes, motif_law_digest
 from asterism.pattern.design.design import Design
-
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import made_up
 from tests.homogenize.motifs import grid

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.motif_errors import tensor_errors
 from asterism.homogenize.law.motif_table import MotifTable

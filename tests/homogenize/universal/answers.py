@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.universal.groups import GROUP_KEYS
 from asterism.homogenize.universal.row_names import EIGENVALUES, WAVE_NAMES

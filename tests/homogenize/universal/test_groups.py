@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, coordinates_of_groups, reference_cell, star_groups

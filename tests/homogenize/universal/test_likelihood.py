@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.universal.kriging import Covariance
 from asterism.homogenize.universal.likelihood import likely_covariance, negative_log_likelihood
 

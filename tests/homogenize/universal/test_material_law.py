@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.universal.groups import star_groups
@@ -23,7 +24,6 @@ from asterism.homogenize.universal.spread_cells import spread_groups
 from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-
 from tests.homogenize import same_process
 from tests.homogenize.universal import answers
 

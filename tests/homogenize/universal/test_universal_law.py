@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.campaign.campaign import CampaignProgress
 from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
@@ -16,7 +17,6 @@ from asterism.homogenize.universal.spread_cells import spread_groups
 from asterism.homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
 from asterism.homogenize.universal.universal_law import UniversalLaw, bare_quantities, from_smooth, to_smooth
 from asterism.homogenize.universal.universal_law_file import load_universal_law, universal_law_bytes
-
 from tests.homogenize import same_process
 from tests.homogenize.universal import answers
 

@@ -10,9 +10,10 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
-from asterism.pattern.design.file_lines import FileLine, read_lines
 from ezdxf.layouts import Modelspace
 from scipy.interpolate import BSpline
+
+from asterism.pattern.design.file_lines import FileLine, read_lines
 
 CURVE_MM, WITHIN_MM = 0.005, 0.01
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import ezdxf
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.file_lines import read_lines
@@ -125,3 +127,10 @@ def test_dxf_without_a_unit_is_refused_until_one_is_given(tmp_path: Path) -> Non
     with pytest.raises(DesignError, match=r"has no unit \(\$INSUNITS = 0\)"):
         sheet(tmp_path, file=name)
     assert len(sheet(tmp_path, file=name, units="mm").rim) == 3
+
+
+def test_without_the_package_for_dxf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = dxf(tmp_path)
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    with pytest.raises(DesignError, match=r"leaf.dxf: needs ezdxf: pip install"):
+        read_lines(file, 0.005, None)

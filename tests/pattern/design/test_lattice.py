@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.lattice import Lattice
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.lattice import Lattice
 
 steps = st.floats(-40.0, 40.0)
 

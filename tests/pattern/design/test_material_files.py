@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from asterism.pattern.design import user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.print_layout import print_layout
-
 from tests.pattern.design.rhino_drawing import Drawing
 
 rhino3dm: Any = pytest.importorskip("rhino3dm")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.geometry.planar import distance_along, distance_to_segment, mean_circumcentres, triangle_gradients
 from hypothesis import given
 from hypothesis import strategies as st
+
+from asterism.pattern.geometry.planar import distance_along, distance_to_segment, mean_circumcentres, triangle_gradients
 
 BOX = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
 

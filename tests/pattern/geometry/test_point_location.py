@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 from scipy.spatial import Delaunay
+
+from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 
 PRINTED = np.random.default_rng(1).uniform(-10.0, 10.0, (300, 2))
 TRIANGLES = Delaunay(PRINTED).simplices.astype(np.int64)

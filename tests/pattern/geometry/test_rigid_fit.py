@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.geometry.rigid_fit import rigid_fit, rms_distance
 from scipy.spatial.transform import Rotation
+
+from asterism.pattern.geometry.rigid_fit import rigid_fit, rms_distance
 
 
 def test_rigid_fit() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import symmetries

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
-from scipy.spatial.transform import Rotation
 
 TWO_POINTS = {"points_mm": [[-30.0, 0.0], [30.0, 0.0]]}
 CORNERS = {"where": "corners"}

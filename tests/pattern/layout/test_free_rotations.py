@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_rotations import count_free_tilts, free_rotation_axes

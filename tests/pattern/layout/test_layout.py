@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from shapely import LineString, Point, Polygon
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.weight_support import check_weight_is_supported
-from shapely import LineString, Point, Polygon
 
 D = 10 * np.sqrt(3)
 

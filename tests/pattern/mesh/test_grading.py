@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.aligned.aligned_mesh import MIN_GRADED_ANGLE_DEG, aligned_mesh
 from asterism.pattern.mesh.free.delaunay_mesh import delaunay_mesh
 from asterism.pattern.mesh.grading import GRADED_EDGE_FACTOR, Grading
-
 from tests.pattern.layouts import L_SHAPE, D, rings, stars_on, unit
 from tests.pattern.mesh_rules import obey, same_after, smallest_angle
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from tests.pattern.layouts import D, layout, rings
 from tests.pattern.mesh_rules import obey
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas, turning_angles
@@ -13,7 +14,6 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from tests.pattern.rods.drawings import random_drawing
 
 SQUARE = {"rectangle_mm": [60.0, 60.0]}

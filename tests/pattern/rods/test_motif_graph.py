@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.pattern import gallery
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.rods.motif_graph import MotifGraph, motif_graph
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 SIDE = 10.0
 UP = SIDE * np.sqrt(0.75)

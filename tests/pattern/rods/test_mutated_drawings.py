@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from benchmarks.fuzz.mutations import mutated_table
 
 RIM = {"name": "rim", "circle_mm": {"radius": 30.0}}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.section import Point
 from asterism.pattern.design.sizing.profile import DistanceMm, GradientProfile

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from pydantic import field_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Text
 from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
 from asterism.pattern.design.sizing.profile import Profile
-from pydantic import field_validator
 
 
 class FormulaProfile(Profile):

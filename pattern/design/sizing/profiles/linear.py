@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import ClassVar, Literal, Self
 
 import numpy as np
+from pydantic import model_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Point
 from asterism.pattern.design.sizing.profile import GradientProfile
-from pydantic import model_validator
 
 MIN_GRADIENT_LENGTH_MM = 1e-6
 

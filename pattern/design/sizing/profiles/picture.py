@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+from pydantic import Field, ValidationInfo, model_validator
+from pydantic_core import PydanticCustomError
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.section import Number, Point, Text, Whole
 from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
 from asterism.pattern.design.sizing.profile import Profile
-from pydantic import Field, ValidationInfo, model_validator
-from pydantic_core import PydanticCustomError
 
 
 class PictureProfile(Profile):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import ClassVar, Literal, Self
 
 import numpy as np
+from pydantic import Field, model_validator
+
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Flag, Number, Point
 from asterism.pattern.design.sizing.profile import Profile
-from pydantic import Field, model_validator
 
 MIN_TABLE_STEP_MM = 1e-6
 

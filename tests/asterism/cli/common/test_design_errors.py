@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
+from asterism.cli.common.design_errors import with_design_file
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.design.errors import DesignError
-
-from asterism.cli.common.design_errors import with_design_file
 from tests.asterism.commands import command
 
 FILE = Path("leaf.toml")

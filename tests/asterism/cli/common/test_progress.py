@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 
 import pytest
-from asterism.equilibrium.newton.minimise import Iteration
 
 from asterism.cli.common.progress import Progress
+from asterism.equilibrium.newton.minimise import Iteration
 
 
 class Terminal(io.StringIO):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
 from asterism.fitting.flattening.least_ratio import least_ratio_border

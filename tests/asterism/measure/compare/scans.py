@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from asterism.equilibrium.arrays import Floats
 from scipy.spatial.transform import Rotation
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.scan import surface_samples
 from asterism.shape.shape import Shape
 from tests.asterism.sheets import sheet

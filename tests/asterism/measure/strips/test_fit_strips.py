@@ -8,17 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from asterism.homogenize.law.material import load_material
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
 from PIL import Image
 
+from asterism.homogenize.law.material import load_material
 from asterism.laws.replace_material import with_material
 from asterism.measure.strips import arc
 from asterism.measure.strips.material_file import material_text
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.strip_fit import fit_readings
 from asterism.measure.strips.synthetic import synthetic_readings
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
 

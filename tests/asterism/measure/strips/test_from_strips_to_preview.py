@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from asterism.pattern.design.materials import Plastic
 
 from asterism.measure.strips.synthetic import synthetic_readings
+from asterism.pattern.design.materials import Plastic
 from tests.asterism.commands import command
 from tests.asterism.measure.strips.test_fit_strips import table
 

@@ -9,7 +9,6 @@ import numpy as np
 import pypdfium2
 import pytest
 import trimesh
-from asterism.pattern.design.errors import DesignError
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,6 +20,7 @@ from asterism.measure.strips.specimen import (
     layer_heights,
 )
 from asterism.measure.strips.strip_table import read_strips
+from asterism.pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
 BED = (223.0, 223.0)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
@@ -20,6 +19,7 @@ from asterism.measure.strips.statement import fit_warnings
 from asterism.measure.strips.strip_fit import StripFit, fit_readings
 from asterism.measure.strips.synthetic import synthetic_readings
 from asterism.measure.strips.systematic import shared_errors
+from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 PAPER = 3200.0
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import with_painted_stars
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.corrugation.arm_shares import CREASE_ROUNDING, DECAY_LENGTHS, ArmShares, arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.sheet import sheet_of

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
+from asterism.exact.simulation import exact_shape
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import heights_over_mean_surface
@@ -14,8 +16,6 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.pattern.mesh.meshing import mesh_layout
-
-from asterism.exact.simulation import exact_shape
 from asterism.previews.corrugation.arm_shares import arm_shares
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.model import PREVIEW_MODEL

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.corrugation.bumps import flattening
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL

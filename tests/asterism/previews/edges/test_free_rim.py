@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.corrugation.bumps import corrugation_heights
 from asterism.previews.edges.free_rim import free_normals, rim_curvature, stars_share
 from asterism.previews.fields.star_values import star_values

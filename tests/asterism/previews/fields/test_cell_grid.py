@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
 
 TUBE = gallery.load("tube")

@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.law.anisotropy import (
@@ -26,9 +29,6 @@ from asterism.homogenize.law.material import Material
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from asterism.previews.fields.directional import tensors, tube_of_largest_gain
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
 from asterism.previews.fields.star_values import StarValues, star_values

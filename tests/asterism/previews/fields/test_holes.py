@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import label
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from scipy.ndimage import label
-
 from asterism.previews.fields.holes import connected_sites, hole_sites, in_holes
 from asterism.previews.session import Preview
 

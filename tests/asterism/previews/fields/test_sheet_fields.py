@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.axes import law_coordinates
@@ -14,7 +15,6 @@ from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL

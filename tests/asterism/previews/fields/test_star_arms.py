@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.design.lattice import Lattice
 
+from asterism.pattern.design.lattice import Lattice
 from asterism.previews.fields.star_arms import arm_metric
 
 THREE = Lattice().arm_directions

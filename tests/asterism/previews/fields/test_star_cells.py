@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-
 from asterism.previews.fields.star_cells import HALF_WAY, MIN_WIDTH, StarCells
 from asterism.previews.model import PREVIEW_MODEL
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.discrete.energies.membrane import Membrane
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
-
 from asterism.previews.fields.stretched_fabric import MIN_DET_C, stretched_fabric
 
 THICKNESS, MODULUS, POISSON, LAM = 0.8, 7.0, 0.3, 0.74

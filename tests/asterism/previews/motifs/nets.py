@@ -9,7 +9,6 @@ from asterism.homogenize.cell.motif_responses import MotifResponses
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
-
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from tests.homogenize.motif_laws import made_up
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
-
 from asterism.previews.motifs.motif_cover import holes_within_cells, small_holes
 from asterism.previews.motifs.motif_sheet import motif_sheet_of
 from asterism.previews.motifs.rim_tension import rims_of

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.print_layout import print_layout
-
 from asterism.previews.motifs.bare_fabric import fabric_tension, neo_hookean
 from asterism.previews.motifs.motif_cover import reach_mm
 from asterism.previews.motifs.motif_sheet import motif_sheet_of

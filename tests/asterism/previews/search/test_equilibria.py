@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.mean_fields import mean_fields
 from asterism.fem.search.relax import follow, relax
@@ -12,7 +13,6 @@ from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-
 from asterism.previews.search import find_equilibrium as search
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO, is_inverted, is_narrow
 from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
+from asterism.exact.simulation import exact_shape
 from asterism.fem.shell.density import isotropic
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-
-from asterism.exact.simulation import exact_shape
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.supports.point_pins import amounts_of, softened

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
 from asterism.discrete.model.constraints import pin_constraints
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from asterism.fem.elements.argyris import Argyris
 
+from asterism.fem.elements.argyris import Argyris
 from asterism.previews.surface.smooth_surface import smooth_surface
 from tests.fem.hexagons import hexagon
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from asterism.equilibrium.arrays import Floats
 
+from asterism.equilibrium.arrays import Floats
 from asterism.previews.common_warnings import CAUSES, FAR_PERCENT, form_warnings
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
+
 from asterism.fem.search.evidence import Trial
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.support_samples import SupportSamples
 from asterism.pattern.layout.symmetric_distance import symmetric_distances
 from asterism.pattern.layout.symmetries import Symmetry
-from scipy.stats import norm
-
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.uncertainty.distance_error import COVERAGE, distance_error_percent

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from asterism.pattern import gallery
 
+from asterism.pattern import gallery
 from asterism.studio.autosave import autosave_path
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
 

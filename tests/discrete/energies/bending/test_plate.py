@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.linalg import spsolve
+
 from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
 from asterism.discrete.energies.bending.plate import Plate
 from asterism.discrete.energies.bending.plate_patches import MAX_CURVATURE_GAIN, patches
@@ -15,9 +18,6 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.free.triangulate import triangulate
-from scipy.sparse import coo_array
-from scipy.sparse.linalg import spsolve
-
 from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import MESHES, MODULUS, POISSON, SHAPES, SIDE, THICKNESS, area, right_triangles
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.discrete.energies.rods.section import torsion_constant
 from hypothesis import given
 from hypothesis import strategies as st
+
+from asterism.discrete.energies.rods.section import torsion_constant
 
 
 @pytest.mark.parametrize(

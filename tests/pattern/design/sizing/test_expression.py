@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
 
 AT = {
     "x": np.array([3.0, -1.0]),

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from PIL import Image, ImageOps
+from pydantic import TypeAdapter
+
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.sizing.field import SizingField, sample
 from asterism.pattern.layout.load_design import load_design
-from PIL import Image, ImageOps
-from pydantic import TypeAdapter
 
 POINTS = np.array([[0.0, 0.0], [5.0, 0.0], [0.0, -10.0], [30.0, 40.0]])
 

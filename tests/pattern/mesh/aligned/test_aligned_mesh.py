@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.pattern import gallery
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.layout import build
 from asterism.pattern.mesh.aligned.aligned_mesh import MIN_ALIGNED_ANGLE_DEG, aligned_mesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from tests.pattern.layouts import (
     L_SHAPE,
     RECTANGLE,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from asterism.pattern.mesh.aligned.springs import MAX_DENSE_POINTS, means_of_neighbours
 
 

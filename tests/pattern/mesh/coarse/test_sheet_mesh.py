@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from asterism.pattern.geometry.planar import distance_to_segment, polygon_area, triangle_angles, triangle_areas
 from asterism.pattern.mesh.coarse.coarse_outline import coarse_outline
 from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 HEXAGON = 67.0 * np.column_stack(
     [np.cos(np.radians(30 + 60 * np.arange(6))), np.sin(np.radians(30 + 60 * np.arange(6)))]

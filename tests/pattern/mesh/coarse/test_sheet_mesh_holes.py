@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.geometry.planar import cross_2d, polygon_area, triangle_angles, triangle_areas
-from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from asterism.pattern.geometry.planar import cross_2d, polygon_area, triangle_angles, triangle_areas
+from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 
 RECTANGLE = np.array([[-60.0, -40.0], [60.0, -40.0], [60.0, 40.0], [-60.0, 40.0]])
 

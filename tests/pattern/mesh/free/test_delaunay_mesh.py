@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.mesh.free.delaunay_mesh import delaunay_mesh
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.mesh.free.delaunay_mesh import delaunay_mesh
 from tests.pattern.layouts import (
     L_SHAPE,
     RECTANGLE,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas
