@@ -17,9 +17,9 @@ from asterism.draw.picture import small_png
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.print.job import prepare
+from asterism.print.printed_shape import shape_change
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.rounded import without_rounding
-from asterism.print.shape_change import shape_change
 from asterism.print.write import write_export
 from asterism.results.files import write_file
 from benchmarks.report import markdown, write_report

@@ -49,8 +49,7 @@ def sweep(
     from asterism.results.output_check import check_folder
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
-    from asterism.sweeps.progress_line import SweepProgressLine
-    from asterism.sweeps.run import check_model, sampled, sweep_design, sweep_parameters
+    from asterism.sweeps.run import SweepProgressLine, check_model, sampled, sweep_design, sweep_parameters
     from asterism.sweeps.write_sweep import write_sweep
 
     if jobs is not None and dask is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,13 +10,13 @@ from typing import Any
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import Plastic
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.formats.registry import demanded_formats
 from asterism.print.job import Job, prepare
 from asterism.print.known_printers import frame_warning
 from asterism.print.needles import NEEDLE_SPACING_MM
 from asterism.print.plastic_profile import PlasticProfile
-from asterism.print.plastic_warning import plastic_warning
 from asterism.print.printed_shape import printed_shape
 from asterism.print.printer import Printer
 from asterism.print.profiles import load_plastic, load_printer
@@ -25,6 +25,19 @@ from asterism.results.files import holds_result
 from asterism.results.records.export import ExportRecord
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
+
+# the plastic of the paper, whose stiffness is the default of designs
+PAPER_PLASTIC = "tpu95a"
+
+
+def plastic_warning(design: Design, plastic: PlasticProfile) -> Iterator[str]:
+    """Yield a line if another plastic than the paper's is printed with the stiffness of the paper's."""
+    ratio, paper = Plastic().modulus_ratio, load_plastic(PAPER_PLASTIC)
+    if design.plastic.modulus_ratio == ratio and plastic.name != paper.name:
+        yield (
+            f"{plastic.name} is printed, but plastic.modulus_ratio = {ratio:g} of the design is that of {paper.name}: "
+            "measure strips (asterism strips new), and give their --material"
+        )
 
 
 @dataclass(frozen=True)

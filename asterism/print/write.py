@@ -6,11 +6,14 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from asterism.pattern.design.design import save_design
 from asterism.print import instructions, sheets
+from asterism.print.drawing import Drawing, DrawingLayer, Polyline
 from asterism.print.formats.registry import ExportFormat, FormatKind, export_formats, write_all
 from asterism.print.job import Job
-from asterism.print.middle_lines import middle_lines
+from asterism.print.layers import RODS
 from asterism.print.rounded import better_layers, tiny_pieces
 from asterism.results.files import EXPORT_COMPANIONS, EXPORT_SUMMARY_FILE, holds_result, staged
 from asterism.results.records.export import (
@@ -25,6 +28,34 @@ from asterism.results.records.export import (
 )
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
+
+# characters that names of layers cannot have in DXF
+_NOT_IN_DXF = re.compile(r'[<>/\\":;?*=`|,\x00-\x1f]')
+
+
+def middle_lines(job: Job) -> Drawing:
+    """The rods of the printed design in printed coordinates: a layer for each name and width, lines as wide as rods.
+
+    A rod whose width varies has its mean width. The page is the box around the cut lines.
+    """
+    rods = job.plan.drawn_rods
+    widths: dict[str, set[float]] = {}
+    keys = [(_NOT_IN_DXF.sub("_", rod.name), round(float(rod.width.mean()), 3)) for rod in rods]
+    for name, width in keys:
+        widths.setdefault(name, set()).add(width)
+    layers = {
+        (name, width): DrawingLayer(
+            name if len(widths[name]) == 1 else f"{name} {width:g}", RODS.colour, width, is_printed_width=True
+        )
+        for name, width in dict.fromkeys(keys)
+    }
+    items = []
+    for rod, key in zip(rods, keys, strict=True):
+        closed = rod.start == rod.end
+        items.append(Polyline(layers[key], rod.points[:-1] if closed else rod.points, closed=closed))
+    everything = np.concatenate(job.cut)
+    return Drawing(f"{job.design.name}: middle lines", everything.min(axis=0), everything.max(axis=0), tuple(items))
+
 
 # name of the rounded design
 ROUNDED = "rounded.toml"

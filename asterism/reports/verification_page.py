@@ -12,10 +12,25 @@ from asterism.reports.plots import distance_map, profiles
 from asterism.reports.views import comparison_views
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
 from asterism.results.words import direction, height_error, small_percent, times
-from asterism.verification.origins import origins
 from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
+
+
+def origins(summary: Mapping[str, Any]) -> list[list[str]]:
+    """Rows of a table, from the summary of a verification. The law is missing if another shape replaced the preview."""
+    preview, exact = summary["preview"], summary["exact"]
+    rows = [["command", summary["command"]]] if summary["command"] else []
+    if law := preview.get("law"):
+        made = f", made by {law['made_by']}" if law["made_by"] else ""
+        what = f"{law['material']}, fabric stretched {law['stretch']:g}, edges of {law['edge_mm']:g} mm{made}"
+        rows.append(["law", what])
+    if "shell_triangles" in preview:
+        rows.append(["preview", f"{preview['shell_triangles']} triangles, side {preview['side']}"])
+    mesh = f"edges of {exact['edge_mm']:g} mm, {exact['triangles']} triangles ({exact['mesh']} mesh)"
+    rows.append(["exact model", f"{mesh}, fabric bending {exact['fabric_bending']}, solver {exact['backend']}"])
+    return [*rows, ["asterism", summary["version"]]]
+
 
 MINIMA_HEADER = ["exact model", "energy, N mm", "stars up", "certified", "distance of the preview", "iterations"]
 # how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free

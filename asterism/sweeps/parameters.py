@@ -11,9 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MUST_BE_WHOLE, DesignError
-from asterism.sweeps.errors import SweepError
+
+
+class SweepError(Error, ValueError):
+    """A parameter of a sweep is wrong; the message is one line with the parameter and what is allowed."""
+
 
 # digits of equally spaced values: 0.2:0.6:9 gives 0.25, not 0.25000000000000006
 VALUE_DIGITS = 12

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
@@ -18,12 +18,11 @@ from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.motif_plan import without_motif_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.process.count_line import CountLine
 from asterism.results.files import OutputError
-from asterism.sweeps.errors import SweepError
-from asterism.sweeps.parameters import SweepParameter, check_parameters, varied, with_whole_ranges
+from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, varied, with_whole_ranges
 from asterism.sweeps.sampling import grid, latin_hypercube
-from asterism.sweeps.small_picture import SmallPicture
-from asterism.sweeps.solve_point import named_law, packed_law, solve_point, sweep_code_version
+from asterism.sweeps.solve_point import SmallPicture, named_law, packed_law, solve_point, sweep_code_version
 from asterism.sweeps.sweep import Sweep, SweepPoint
 
 # values by path, or parameters
@@ -46,6 +45,21 @@ class SweepProgress:
     failed: int
     seconds_left: float | None
     last: SweepPoint | None
+
+
+class SweepProgressLine(CountLine):
+    """Progress of a sweep on a stream."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        super().__init__("designs", stream)
+
+    def report(self, progress: SweepProgress) -> None:
+        """Show the progress, at the beginning and after each design."""
+        point = progress.last
+        if point is not None and point.problem is not None:
+            which = ", ".join(f"{path} = {value}" for path, value in point.parameters.items())
+            self.failed(f"design {point.number}, {which}", point.problem)
+        self.show(progress.done, progress.total, progress.failed, progress.seconds_left)
 
 
 def sweep_design(

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.sweeps.errors import SweepError
-from asterism.sweeps.parameters import SweepParameter
+from asterism.sweeps.parameters import SweepError, SweepParameter
 
 # designs of one sweep: the page with their pictures stays below 200 MB
 MAX_POINTS = 10_000

@@ -12,10 +12,9 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.process.version import __version__
 from asterism.results.records.sweep import SweepColumnRecord, SweepParameterRecord, SweepRecord, SweepRowRecord
-from asterism.sweeps.errors import SweepError
-from asterism.sweeps.parameters import SweepParameter, varied
+from asterism.sweeps.parameters import SweepError, SweepParameter, varied
 from asterism.sweeps.quantities import quantities
-from asterism.sweeps.small_picture import SmallPicture
+from asterism.sweeps.solve_point import SmallPicture
 
 
 @dataclass(frozen=True)

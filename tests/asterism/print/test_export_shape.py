@@ -12,7 +12,7 @@ from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design
-from asterism.print.shape_change import shape_change
+from asterism.print.printed_shape import shape_change
 from tests.asterism.print.exported import ALWAYS, PINNED, SHAPE, Run, mistake
 from tests.asterism.print.jobs import design
 

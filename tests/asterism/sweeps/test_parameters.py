@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern import gallery
-from asterism.sweeps.errors import SweepError
-from asterism.sweeps.parameters import SweepParameter, check_parameters, varied
+from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, varied
 from asterism.sweeps.run import check_model, sweep_design, sweep_parameters
 from asterism.sweeps.sampling import grid, latin_hypercube
 

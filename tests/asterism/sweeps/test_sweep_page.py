@@ -14,7 +14,7 @@ from PIL import Image
 from asterism.pattern import gallery
 from asterism.sweeps.parameters import SweepParameter
 from asterism.sweeps.quantities import quantities
-from asterism.sweeps.small_picture import SmallPicture
+from asterism.sweeps.solve_point import SmallPicture
 from asterism.sweeps.sweep import Sweep, SweepPoint
 from asterism.sweeps.write_sweep import SWEEP_PAGE, write_sweep
 
