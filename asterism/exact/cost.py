@@ -22,7 +22,7 @@ SECONDS_AT_LARGE = 25.0
 LARGE_EXPONENT = 2.0
 # graded meshes take more iterations on the finest mesh
 GRADED_FACTOR = 4.0
-# of sheets that meet themselves (python -m benchmarks.contact); other sheets take twice as long with contact
+# of sheets that meet themselves; other sheets take twice as long with contact
 CONTACT_FACTOR = 8.0
 # a further start explores the coarse mesh, and the lowest minima are carried to the fine mesh
 FURTHER_START_FACTOR = 0.5

@@ -26,8 +26,9 @@ from typing import Any, Literal
 Origin = Literal["derived", "computed from cells", "computed from sheets", "fitted to sheets", "unknown"]
 
 STUDY = "python -m benchmarks.fit_constants FOLDER"
-ERRORS = "python -m benchmarks.accuracy.error_model"
-ERROR_DESIGNS = "the designs of accuracy.expectation and accuracy.held"
+ERRORS = "one fit of the three constants of the estimated error"
+ERROR_DESIGNS = "the study, designs beside it, and sheets on few supports"
+POINT_PINS = "pytest tests/asterism/previews/supports/test_point_pins.py"
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Constant:
     meaning : one sentence.
     origin : `derived` from mechanics or geometry; `computed from cells`; `computed from sheets` of the exact model, one
         effect at a time; `fitted to sheets`, so that previews come close to exact shapes; or `unknown`.
-    command : that produced the value, or how far one repeats it; empty for what is derived.
+    command : that produced the value, or how it was found; empty for what is derived.
     designs : that were used.
     """
 
@@ -78,8 +79,8 @@ class PreviewModel:
     # stars that are not the same in all directions: fields/directional.py
     anisotropy_share: float = _fitted(
         0.7, "-", "share of the cells' difference between directions that acts in sheets",
-        "18 free sheets that follow those of benchmarks.other_stars",
-        "python -m benchmarks.other_stars FOLDER --choose",
+        "18 free sheets of four to six arms or on a square lattice",
+        "a choice among shares",
     )  # fmt: skip
     # roll axis, the sixfold term: fields/sheet_fields.py, fields/star_values.py
     sixfold_factor: float = _fitted(
@@ -122,19 +123,19 @@ class PreviewModel:
     has_neo_hookean_fabric: bool = _derived(True, "-", "switch: bare fabric of sheets on points is neo-Hookean")
     point_spot_radius: float = _of(
         0.35, "shell edge", "radius of the softer spot at a pin", "computed from sheets",
-        "python -m benchmarks.point_pins", "wedges of bare fabric",
+        POINT_PINS, "wedges of bare fabric",
     )  # fmt: skip
     point_angles_deg: tuple[float, ...] = _of(
         (45.0, 60.0, 90.0, 120.0, 150.0, 180.0, 270.0, 360.0), "deg", "angles of the sheet at a pin, for both tables",
-        "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
+        "computed from sheets", POINT_PINS, "wedges of bare fabric",
     )  # fmt: skip
     point_lack: tuple[float, ...] = _of(
         (2.90, 2.81, 2.53, 1.71, 1.48, 1.38, 0.97, 0.86), "-", "d - c: what the shell's vertex lacks in compliance",
-        "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
+        "computed from sheets", POINT_PINS, "wedges of bare fabric",
     )  # fmt: skip
     point_gain: tuple[float, ...] = _of(
         (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74), "-", "g: compliance that a softness of one adds",
-        "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
+        "computed from sheets", POINT_PINS, "wedges of bare fabric",
     )  # fmt: skip
     # free rims: edges/free_rim.py
     has_rim_turn: bool = _derived(True, "-", "switch: a free rim goes on with the slope of the arms' tips")
@@ -156,7 +157,7 @@ class PreviewModel:
     )  # fmt: skip
     bump_strain: float = _of(
         0.045, "-", "strain over the flat cell at which half of a bump is left", "computed from sheets",
-        "python -m benchmarks.stretched_bumps", "seven equal stars on held borders",
+        "a fit to their bumps", "seven equal stars on held borders",
     )  # fmt: skip
     # arms as rods: corrugation/arms.py
     has_arm_lengths: bool = _derived(True, "-", "switch: arms keep their printed length")

@@ -20,7 +20,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 
 # Share of the stars outside the law, above which it does not serve; fewer are named by the preview, as of every law. Up
-# to this share, nine in ten previews move by at most 1 % of the width (`python -m benchmarks.uncovered_stars`).
+# to this share, nine in ten previews move by at most 1 % of the width.
 MAX_UNCOVERED_SHARE = 0.2
 _IN_WORDS = {"lam_n": "contraction", "kappa": "natural curvature", "bending": "bending stiffness"}
 _OTHERWISE = "; asterism simulate needs no law"

@@ -12,15 +12,15 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.sweeps.parameters import SweepParameter, varied
 
-# processor time of a preview with its picture, and memory of its process: python -m benchmarks.sweep, and all stars of
-# the gallery with three thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
+# processor time of a preview with its picture, and memory of its process: all stars of the gallery with three
+# thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
 PREVIEW_S = 0.05
 PREVIEW_S_A_STAR = 0.004
 # sheets on supports may buckle, and are searched for further forms
 SUPPORTED_FACTOR = 2.0
 PREVIEW_MB = 350.0
-# processor time of a preview of a motif without its cells (0.26 s to 1.1 s: python -m benchmarks.motif_previews, key
-# preview_s), and of one cell with edges of 2 mm (the four motifs of asterism new: 0.5 s to 1.6 s in motif_responses)
+# processor time of a preview of a motif without its cells (0.26 s to 1.1 s), and of one cell with edges of 2 mm (the
+# four motifs of asterism new: 0.5 s to 1.6 s in motif_responses)
 MOTIF_PREVIEW_S = 0.6
 MOTIF_CELL_S = 0.9
 # a process imports its libraries

@@ -120,7 +120,7 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
 def make_solver(pattern: SparsePattern, backend: str = "auto") -> Factor:
     """As `make_factor`, but `auto` chooses multigrid if a factorisation needs too much memory.
 
-    PARDISO is faster wherever it fits in memory (measured up to 300 000 vertices, benchmarks/results/large.md). Only
+    PARDISO is faster wherever it fits in memory (measured up to 300 000 vertices, `python -m benchmarks.large`). Only
     PARDISO reports its memory beforehand. Without PARDISO, ask for `amg` on large sheets.
     """
     factor = make_factor(pattern, backend)

@@ -15,7 +15,7 @@ which is linear for stars of small natural curvature. In a sheet that is bent to
 
 **Supports that stretch the sheet** flatten the bumps: the tension grows with the strain, and a bump is inversely
 proportional to its stiffness. If lengths exceed those of the flat cell by the strain e, the height is divided by
-`1 + e / e_0`, with e_0 = `bump_strain` (`python -m benchmarks.stretched_bumps`).
+`1 + e / e_0`, with e_0 = `bump_strain`.
 
 **At supports** the corrugation is zero, and it grows over the distance in which fabric follows a tip,
 `fabric_beyond_tip`.

@@ -3,7 +3,7 @@
 In a periodic cell, the fabric rises again between a star and its neighbour. Beyond the last stars it stays as low as
 the tips of their arms, and goes nearly straight on. A bump of height B over arms of length l is a cap whose slope is
 `2 B / l` at the tips. By this angle times lam, the rim turns out of the mean surface of the stars. The rims of endless
-ribbons turn more (`python -m benchmarks.ribbon_cells`): by 1.4 to 2.1 times `2 B / l` for stars of 0.3 mm, and by 0.23
+ribbons turn more: by 1.4 to 2.1 times `2 B / l` for stars of 0.3 mm, and by 0.23
 to 0.34 for stars of 0.43 mm, where `2 B / l` is 0.05. The turn is at the border of the stars' share s. Therefore bare
 fabric has the rest curvature
 

@@ -12,8 +12,8 @@ with the spacing d and the membrane stiffness A of bare fabric. Periodic cells o
 that they cannot show g. Ribbons can, since all of their area is near a border. Without g, previews of ribbons roll up
 to a quarter too little, and sheets supported at their corners rise a tenth too little.
 
-**Planar sheets.** The area a d^2 is the difference of two integrals of phi, for the exact model and for the shell
-(`python -m benchmarks.self_stress`). For stars whose membrane is as stiff as bare fabric, it is 3 to 5 mm^2
+**Planar sheets.** The area a d^2 is the difference of two integrals of phi, for the exact model and for the shell.
+For stars whose membrane is as stiff as bare fabric, it is 3 to 5 mm^2
 at arms of 4.5 to 8 mm and the paper's spacing. Stars with bumps are softer, but cannot buckle in a planar sheet of the
 exact model, which says nothing about them. a was fitted to ribbons and free caps, and is at the upper end of what flat
 sheets give.

@@ -4,7 +4,7 @@ As for stars (`asterism.previews.uncertainty.distance_error`), with a floor of t
 
 The floor is that of the shell: it has no rods that end at the rim, where the exact sheet bends more or less than its
 cell. The error of the height has a further part in % of the height, for the same reason, and one in mm, which counts on
-low sheets. `python -m benchmarks.motif_previews` states how many sheets and heights the estimates cover.
+low sheets.
 """
 
 from __future__ import annotations
@@ -25,15 +25,14 @@ MAX_OUTSIDE_SHARE = 0.1
 
 @dataclass(frozen=True)
 class MotifErrorModel:
-    """Constants of the estimate for motifs. The percentages are judged from a few sheets of `benchmarks.motif_shells`,
-    and not fitted.
+    """Constants of the estimate for motifs. The percentages are judged from a few sheets, and not fitted.
 
     Attributes
     ----------
     floor_percent : of the distance, in % of the diameter.
     height_percent : of the height, in % of it.
-    height_mm : of the height. The median of the absolute errors of the working sheets of `benchmarks.motif_previews`
-        whose form is the exact one: 0.2, 0.4, 1.2, 1.9, 2.9 and 3.8 mm.
+    height_mm : of the height. The median of the absolute errors of six sheets whose form is the exact one: 0.2, 0.4,
+        1.2, 1.9, 2.9 and 3.8 mm.
     """
 
     floor_percent: float = 0.8

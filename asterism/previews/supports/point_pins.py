@@ -11,8 +11,7 @@ E t is Young's modulus times thickness). Its tip moves by u:
     exact     u K / F = ln(R/h) + c(alpha),                      K = E t (alpha + sin alpha)/2
     shell     u K / F = ln(R/L) + d(alpha) + A g(alpha)
 
-Both models give the same u for `A = (ln(L/h) - (d - c))/g`. `python -m benchmarks.point_pins` computes d - c and g from
-wedges in both models.
+Both models give the same u for `A = (ln(L/h) - (d - c))/g`. d - c and g are computed from wedges in both models.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ With the error m = `mesh_error_percent` of the exact shape itself, and z = `COVE
 
     error^2 = m^2 + z^2 (u^2/4 sum a_i^2 + s^2 sum r_p^2 + n^2 (1 - q)^2 + max P_j d_j^2).
 
-So nine of ten exact shapes are nearer than estimated. `python -m benchmarks.accuracy.error_model` fits u, s and n.
+So nine of ten exact shapes are nearer than estimated. u, s and n are fitted together.
 """
 
 from __future__ import annotations
