@@ -13,6 +13,7 @@ from asterism.print.job import Job
 from asterism.print.layers import TEXT
 from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
+from asterism.print.slicing import WALLS, wider_mm
 from asterism.results.records.export import PrintCostRecord, TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
@@ -22,6 +23,8 @@ _INSTRUCTION_MARGIN_MM = 18.0
 _INSTRUCTION_LETTERS = 98
 # largest number of tiny stars, and of heights of needles, in the instructions
 _MAX_LISTED_PLACES = 12
+# largest number of widths of arms in the instructions
+_MAX_LISTED_WIDTHS = 4
 
 
 @dataclass(frozen=True)
@@ -100,9 +103,17 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
         f"It belongs with the middle of its box at x = {middle[0]:.2f}, y = {middle[1]:.2f} mm and is "
         f"{high[0] - low[0]:.2f} x {high[1] - low[1]:.2f} x {high[2]:.2f} mm large. If the slicer moved it, type "
         "that in.",
-        f"First layer {r.first_layer_mm:g} mm, other layers {r.layer_mm:g} mm, lines {r.line_mm:g} mm wide, filled "
-        "with walls only. Skirt, brim, raft and supports off. First layer slow "
-        f"({job.printer.speed.first_layer_mm_s:g} mm/s).",
+        f"First layer {r.first_layer_mm:g} mm, other layers {r.layer_mm:g} mm, all lines {r.line_mm:g} mm wide. Skirt, "
+        f"brim, raft and supports off. First layer slow ({job.printer.speed.first_layer_mm_s:g} mm/s).",
+        f"Cura 5 or newer: Wall Line Count {WALLS}, Infill Density 100 %, Print Thin Walls on, Horizontal Expansion 0, "
+        "Initial Layer Horizontal Expansion 0.",
+        "PrusaSlicer 2.5 or newer: the objects of print.3mf bring these settings; after STL files set them. Perimeter "
+        f"generator Arachne, Perimeters {WALLS}, Fill density 100 %, Elephant foot compensation 0, XY Size "
+        f"Compensation {wider_mm(r):g} mm, single perimeters on the first and top layers off.",
+        f"Bambu Studio, OrcaSlicer: the same by other names. Wall generator Arachne, Wall loops {WALLS}, Sparse infill "
+        f"density 100 %, Elephant foot compensation 0, X-Y contour compensation {wider_mm(r):g} mm, Only one wall off.",
+        f"Look at each layer in the preview, the first one too: {_lines_across(job)}, without a gap in the middle, and "
+        "nothing missing. Otherwise the print is weaker than the design.",
     ]
     if job.plastic.nozzle_c is not None:
         bed = "" if job.plastic.bed_c is None else f", bed {job.plastic.bed_c:g} C"
@@ -116,6 +127,15 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
             "origin), or lengthen or remove them."
         )
     return Chapter("4. Slice", tuple(lines))
+
+
+def _lines_across(job: Job) -> str:
+    """How many lines lie side by side in arms and rods, by their widths."""
+    widths = {w for arm in job.arms for w in (arm.begin_width_mm, arm.end_width_mm)}
+    widths |= {w for rod in job.rods for w in rod.width.tolist()}
+    at = {max(round(width / job.rounding.line_mm), 1): width for width in sorted(widths)}
+    each = [f"{lines} line{'s' * (lines > 1)} across {width:.3g} mm" for lines, width in sorted(at.items())]
+    return ", ".join(each) if len(each) <= _MAX_LISTED_WIDTHS else f"{each[0]} to {each[-1]}"
 
 
 def _print(job: Job, cost: PrintCostRecord) -> Chapter:

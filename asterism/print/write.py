@@ -95,7 +95,7 @@ def write_export(
     with staged(directory, stale=stale_files(directory)) as folder:
         for solid in job.solids:
             write_all("solid", folder, solid.name, solid)
-        write_all("print", folder, "print", job.solids, job.design.name)
+        write_all("print", folder, "print", job.solids, job.design.name, job.rounding)
         write_all("script", folder, job.pattern_file, job)
         _write_sheets(job, folder)
         parts = instructions.chapters(job, job.cost, tiny)

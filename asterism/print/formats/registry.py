@@ -45,8 +45,8 @@ def export_format(
 ) -> Callable[[Writer], Writer]:
     """Register the decorated function as the writer of a format.
 
-    The function takes the path, and by its kind: a `Solid`; solids and a title (print); a `Drawing`; drawings (pages);
-    needles (table); a `Job` (script, model); or a `Shape` and the design's name.
+    The function takes the path, and by its kind: a `Solid`; solids, a title and a `Rounding` (print); a `Drawing`;
+    drawings (pages); needles (table); a `Job` (script, model); or a `Shape` and the design's name.
     """
 
     def register(write: Writer) -> Writer:

@@ -13,25 +13,34 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
+from asterism.pattern.design.rounding import Rounding
 from asterism.print.formats.registry import export_format
+from asterism.print.slicing import prusa_settings
 from asterism.print.solid import Solid
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _RELATIONS = "http://schemas.openxmlformats.org/package/2006/relationships"
 _TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
 _MODEL = "3D/3dmodel.model"
+# settings of single objects, as PrusaSlicer reads them; other programs pass over this file
+_SETTINGS = "Metadata/Slic3r_PE_model.config"
 # a fixed date: equal solids give equal files
 _FILE_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @export_format("3MF", ".3mf", "print")
-def write_3mf(path: Path, solids: Sequence[Solid], title: str) -> None:
-    """Write solids as objects of one print; coordinates to a tenth of a micrometre."""
+def write_3mf(path: Path, solids: Sequence[Solid], title: str, rounding: Rounding | None = None) -> None:
+    """Write solids as objects of one print; coordinates to a tenth of a micrometre.
+
+    With the layers and lines of a `rounding`, each object carries settings for PrusaSlicer.
+    """
     files = {
         "[Content_Types].xml": _content_types(),
         "_rels/.rels": _relations(),
         _MODEL: _model(solids, title),
     }
+    if rounding is not None:
+        files[_SETTINGS] = _settings(solids, rounding)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
         for name, root in files.items():
             content = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
@@ -55,11 +64,22 @@ def _model(solids: Sequence[Solid], title: str) -> xml.Element:
     return model
 
 
+def _settings(solids: Sequence[Solid], rounding: Rounding) -> xml.Element:
+    config = xml.Element("config")
+    for number, solid in enumerate(solids, 1):
+        thing = xml.SubElement(config, "object", id=str(number))
+        for key, value in ({"name": solid.name} | prusa_settings(rounding)).items():
+            xml.SubElement(thing, "metadata", type="object", key=key, value=value)
+        xml.SubElement(thing, "volume", firstid="0", lastid=str(len(solid.triangles) - 1))
+    return config
+
+
 def _content_types() -> xml.Element:
     types = xml.Element("Types", xmlns=_TYPES)
     for extension, kind in (
         ("rels", "application/vnd.openxmlformats-package.relationships+xml"),
         ("model", "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"),
+        ("config", "text/xml"),
     ):
         xml.SubElement(types, "Default", Extension=extension, ContentType=kind)
     return types

@@ -60,6 +60,17 @@ def test_numbers_of_the_design() -> None:
     assert "G1 Z14.50" in text and "Skirt" in text and f"{len(one.needles)} needles" in text
 
 
+def test_how_many_lines_lie_side_by_side() -> None:
+    """Which is to be seen in the slicer's preview."""
+    assert "the first one too: 3 lines across 1.2 mm, without a gap" in said(job())
+    narrow = {"at_mm": [0.0, 0.0], "length_mm": 6.0, "width_mm": 0.4}
+    two = job(design(stars={"length_mm": 8.0, "override": [narrow]}))
+    assert "1 line across 0.4 mm, 3 lines across 1.2 mm, without" in said(two)
+    widths = {"profile": "radial", "from": 0.4, "to": 2.4, "over_mm": 30.0}
+    tapered = job(design(stars={"length_mm": 8.0, "width_mm": widths, "vary_along_arms": True}))
+    assert "1 line across 0.4 mm to 6 lines across 2.4 mm, without" in said(tapered)
+
+
 def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
     for one, told in ((job(), True), (job(fabric_mm=0.5), False)):
         remark, *_ = one.start_code.splitlines()
@@ -97,7 +108,7 @@ def test_texts_stay_on_their_pages(name: str) -> None:
     template = sheets.needle_sheet(one)
     assert template is not None
     pages = instructions.as_pages(one, chapters(one))
-    assert len(pages) == 1
+    assert len(pages) == 2
     for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
         check_texts(page)
     assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)

@@ -30,7 +30,7 @@ def test_stl_is_watertight_and_in_place(tmp_path: Path) -> None:
 def test_3mf_passes_the_strict_reader_of_its_makers(tmp_path: Path) -> None:
     lib3mf = pytest.importorskip("lib3mf")
     one = job(design(name='<small> & "ä" 名'))
-    write_3mf(tmp_path / "a.3mf", one.solids, one.design.name)
+    write_3mf(tmp_path / "a.3mf", one.solids, one.design.name, one.rounding)
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
