@@ -133,7 +133,7 @@ def test_other_names_and_a_missing_package_are_refused(monkeypatch: pytest.Monke
         asterism.export(dome(), tmp_path / "out", formats=["stp"])
     monkeypatch.setitem(sys.modules, "rhino3dm", None)
     with pytest.raises(
-        DesignError, match=r'''--format = '3dm': needs rhino3dm: pip install "asterism-fabric\[rhino\]"'''
+        DesignError, match=r'''--format = '3dm': needs rhino3dm: pip install "asterism-fabric\[cad\]"'''
     ):
         demanded_formats(["3DM"])
     assert not (tmp_path / "out").exists()
