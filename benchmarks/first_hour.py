@@ -17,7 +17,6 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 from urllib.request import urlopen
 
 from benchmarks.report import markdown, write_report
@@ -27,6 +26,7 @@ SCRIPTS = "Scripts" if sys.platform == "win32" else "bin"
 # the line of the studio with the address of its page
 ADDRESS = "studio: "
 WAIT_S = 30.0
+Row = tuple[str, float, list[tuple[float, str]]]
 HEADER = ["step", "seconds", "first line after", "longest silence", "lines"]
 
 
@@ -41,6 +41,8 @@ def steps(design: str) -> list[tuple[str, list[str]]]:
         (f"`asterism verify {design}.toml`, the first time", [*verify, design]),
         ("the second time", [*verify, f"{design}-again"]),
         (f"`asterism preview {design}.toml`", [str(tools / "asterism"), "preview", f"{design}.toml", "-o", "preview"]),
+        # the page does not wait for compiled loops, so the steps before do not make it faster
+        ("`asterism studio`, until its page answers", [str(tools / "asterism"), "studio", "--no-browser"]),
     ]
 
 
@@ -52,89 +54,56 @@ def copied(folder: Path) -> None:
     subprocess.run(["tar", "xf", str(archive), "-C", str(folder)], check=True)
 
 
-def step(name: str, command: list[str], folder: Path) -> dict[str, Any]:
-    """Run one, and see when it says what."""
-    start = time.perf_counter()
-    said: list[tuple[float, str]] = []
-    running = begun(name, command, folder)
+def step(name: str, command: list[str], folder: Path) -> Row:
+    """Run one, and see when it says what; the studio ends when its page has answered."""
+    print(f"{name} ...", flush=True)
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    # nothing that an earlier installation has kept for later
+    environment |= {"XDG_CACHE_HOME": str(folder / "cache"), "MPLCONFIGDIR": str(folder / "cache" / "matplotlib")}
+    start, said, is_open = time.perf_counter(), list[tuple[float, str]](), False
+    running = subprocess.Popen(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
     assert running.stdout is not None
     for line in running.stdout:
         said.append((time.perf_counter() - start, line.rstrip()))
-    status = running.wait()
+        if line.startswith(ADDRESS):
+            with urlopen(line.removeprefix(ADDRESS).strip(), timeout=WAIT_S) as answer:
+                answer.read()
+            is_open = True
+            running.terminate()
+            break
     seconds = time.perf_counter() - start
-    if status != 0:
-        raise SystemExit("\n".join([f"{name}: exit status {status}", *(text for _, text in said[-20:])]))
-    return record(name, seconds, said)
+    if running.wait() != 0 and not is_open:
+        raise SystemExit("\n".join([f"{name}: exit status {running.returncode}", *(text for _, text in said[-20:])]))
+    return name, time.perf_counter() - start if not is_open else seconds, said
 
 
-def page(folder: Path) -> dict[str, Any]:
-    """Start the studio without a browser, and end it when its page has answered."""
-    name = "`asterism studio`, until its page answers"
-    start = time.perf_counter()
-    said: list[tuple[float, str]] = []
-    running = begun(name, [str(Path(".venv") / SCRIPTS / "asterism"), "studio", "--no-browser"], folder)
-    assert running.stdout is not None
-    try:
-        for line in running.stdout:
-            said.append((time.perf_counter() - start, line.rstrip()))
-            if line.startswith(ADDRESS):
-                with urlopen(line.removeprefix(ADDRESS).strip(), timeout=WAIT_S) as answer:
-                    answer.read()
-                return record(name, time.perf_counter() - start, said)
-    finally:
-        running.terminate()
-        running.wait()
-    raise SystemExit("\n".join([f"{name}: no address", *(text for _, text in said[-20:])]))
-
-
-def begun(name: str, command: list[str], folder: Path) -> subprocess.Popen[str]:
-    """The process of a step, which has nothing that an earlier installation has kept for later."""
-    print(f"{name} ...", flush=True)
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))}
-    environment |= {"XDG_CACHE_HOME": str(folder / "cache"), "MPLCONFIGDIR": str(folder / "cache" / "matplotlib")}
-    return subprocess.Popen(
-        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
-
-
-def record(name: str, seconds: float, said: list[tuple[float, str]]) -> dict[str, Any]:
-    """What is kept of a step."""
+def row(name: str, seconds: float, said: list[tuple[float, str]]) -> list[str]:
+    """One line of the table."""
     times = [0.0, *(when for when, _ in said), seconds]
     silence = max(after - before for before, after in itertools.pairwise(times))
-    return {"step": name, "seconds": seconds, "silence_s": silence, "lines": len(said), "said": said}
-
-
-def row(r: dict[str, Any]) -> list[str]:
-    """One line of the table."""
-    first = f"{r['said'][0][0]:.1f}" if r["said"] else "-"
-    return [r["step"], f"{r['seconds']:.1f}", first, f"{r['silence_s']:.1f}", str(r["lines"])]
+    return [name, f"{seconds:.1f}", f"{said[0][0]:.1f}" if said else "-", f"{silence:.1f}", str(len(said))]
 
 
 def main(design: str = "dome") -> None:
-    rows: list[dict[str, Any]] = []
-    busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
+    busy = os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "checkout"
         copied(folder)
-        for name, command in steps(design):
-            rows.append(step(name, command, folder))
-        # the page does not wait for compiled loops, so the steps before do not make it faster
-        rows.append(page(folder))
-    whole = sum(r["seconds"] for r in rows[:4])
-    opened = sum(r["seconds"] for r in [*rows[:2], rows[-1]])
-    seen = "\n".join(f"{when:6.1f} s  {text}" for when, text in rows[3]["said"])
+        rows = [step(name, command, folder) for name, command in steps(design)]
+    seconds = [row[1] for row in rows]
+    seen = "\n".join(f"{when:6.1f} s  {text}" for when, text in rows[3][2])
     text = "\n\n".join(
         [
-            f"From nothing to the first report: {whole:.0f} s, to the studio's page: {opened:.0f} s. "
-            f"{busy:.1f} programs wanted the cores at the beginning.",
-            markdown(HEADER, [row(r) for r in rows]),
+            f"From nothing to the first report: {sum(seconds[:4]):.0f} s, to the studio's page: "
+            f"{sum(seconds[:2]) + seconds[-1]:.0f} s. {busy:.1f} programs wanted the cores at the beginning.",
+            markdown(HEADER, [row(*each) for each in rows]),
             f"What the first verification says, and when:\n\n```\n{seen}\n```",
         ]
     )
     print(text)
-    # what pip says is about its packages and this machine's folders
-    rows[1]["said"] = []
-    write_report("first_hour", rows, text)
+    write_report("first_hour", text)
 
 
 if __name__ == "__main__":

@@ -16,36 +16,23 @@ do not decide it.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.law import Law
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
-from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
-from asterism.previews.run import preview
-from asterism.shape.cell_mean import CellMean
-from asterism.shape.comparison import compare_shapes
-from asterism.shape.shape import Shape
+from benchmarks.accuracy.comparisons import Reference, is_solved
 from benchmarks.accuracy.error_model import CONSTANTS
-from benchmarks.accuracy.exact import lowest
 from benchmarks.frozen.draw import SEALED, WORKING, frozen
-from benchmarks.frozen.solve import frozen_law, is_solved
 from benchmarks.report import markdown, write_report
 
 FACTORS = (0.67, 1.5)
 MIN_GAIN_ERRORS = 2.0
 FLOOR_PERCENT = 0.15
-# these constants decide the estimate of the preview's error, not its shape
-ESTIMATES = CONSTANTS
 HEADER = [
     "constant", "factor", "value", "gain %, working half", "its standard error", "gain %, other half",
     "its standard error",
@@ -54,62 +41,37 @@ HEADER = [
 Row = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Judged:
-    """A design with everything that its previews are compared with."""
-
-    design: Design
-    law: Law
-    exact: Shape
-    layout: Layout
-    symmetries: Sequence[Symmetry]
-    mean: CellMean
-
-    def distance(self, model: PreviewModel) -> float:
-        """% of the diameter; infinite if the law or the search refuses the sheet."""
-        try:
-            shape = preview(self.design, self.law, model=model)
-        except LawError:
-            return np.inf
-        pull = self.design.gravity.pull
-        comparison = compare_shapes(self.exact, shape, self.layout, self.symmetries, pull, mean=self.mean)
-        return float(comparison.rms_percent)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fit_constants")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
-    halves = {half: list(judged(half, options.folder)) for half in (WORKING, SEALED)}
+    halves = {
+        half: [Reference(design, options.folder) for _, design in frozen(half) if is_solved(design, options.folder)]
+        for half in (WORKING, SEALED)
+    }
+    if min(map(len, halves.values())) < 2:
+        parser.error(f"FOLDER: {options.folder} has fewer than two solved designs of a half: benchmarks.frozen.solve")
     model, rows = chosen(halves)
     text = section(rows, model, {half: len(designs) for half, designs in halves.items()})
     print(text)
     if options.write:
-        write_report("fit_constants", rows, text, command="python -m benchmarks.fit_constants FOLDER --write")
+        write_report("fit_constants", text, "python -m benchmarks.fit_constants FOLDER --write")
 
 
 def shape_constants() -> list[str]:
-    """Names of the constants that are fitted to sheets and change a shape."""
+    """Names of the constants that are fitted to sheets and change a shape, not the estimate of its error."""
     names = [each.name for each in fields(PreviewModel)]
-    return [name for name in names if describe(name).origin == "fitted to sheets" and name not in ESTIMATES]
+    return [name for name in names if describe(name).origin == "fitted to sheets" and name not in CONSTANTS]
 
 
-def judged(half: str, folder: Path) -> Iterator[Judged]:
-    """The designs of a half that the folder has exact shapes of."""
-    for _, design in frozen(half):
-        if is_solved(design, folder):
-            exact, plan = lowest(design, folder), print_layout(design)
-            mean = CellMean(exact.printed, exact.weights, plan.lattice_vectors)
-            yield Judged(design, frozen_law(design, folder), exact, plan, symmetries(design, plan), mean)
-
-
-def logarithms(designs: Sequence[Judged], model: PreviewModel) -> Floats:
+def logarithms(designs: Sequence[Reference], model: PreviewModel) -> Floats:
     """(n,) logarithm of the distances of the previews with a model, in % of the diameter."""
-    return np.log(np.clip([design.distance(model) for design in designs], FLOOR_PERCENT, 100.0))
+    found = [design.compared(model) for design in designs]
+    return np.log(np.clip([each.rms_percent if each else np.inf for each in found], FLOOR_PERCENT, 100.0))
 
 
-def chosen(halves: Mapping[str, Sequence[Judged]]) -> tuple[PreviewModel, list[Row]]:
+def chosen(halves: Mapping[str, Sequence[Reference]]) -> tuple[PreviewModel, list[Row]]:
     """The model after all changes that gain, and the gains of other values around it, on both halves."""
     model, is_better = PREVIEW_MODEL, True
     while is_better:
@@ -132,7 +94,7 @@ def tried_value(
     factor: float,
     model: PreviewModel,
     base: Mapping[str, Floats],
-    halves: Mapping[str, Sequence[Judged]],
+    halves: Mapping[str, Sequence[Reference]],
 ) -> Row:
     """The gains of a factor of a constant by half: mean in %, and its standard error over the designs."""
     value = factor * getattr(model, name)
@@ -152,12 +114,12 @@ def section(rows: Sequence[Row], model: PreviewModel, counts: Mapping[str, int])
 
 
 def _line(row: Row) -> list[str]:
-    gains = [text for half in (WORKING, SEALED) for text in _with_error(*row["gains"][half])]
+    gains = [
+        f"{value:{form}}"
+        for half in (WORKING, SEALED)
+        for value, form in zip(row["gains"][half], ("+.1f", ".1f"), strict=True)
+    ]
     return [row["constant"], f"{row['factor']:g}", f"{row['value']:.3g}", *gains]
-
-
-def _with_error(gain: float, error: float) -> tuple[str, str]:
-    return f"{gain:+.1f}", f"{error:.1f}"
 
 
 if __name__ == "__main__":

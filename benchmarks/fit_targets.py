@@ -1,15 +1,54 @@
-"""Target surfaces of 100 to 150 mm for `python -m benchmarks.fit`."""
+"""How near fitted designs come to fifteen target surfaces of 100 to 150 mm, and pictures of six of them.
+
+python -m benchmarks.fit_targets FOLDER [NAME ...] [--no-exact]
+
+FOLDER keeps each fit as soon as it is done; a further run goes on from there. Distances are rms over the print in % of
+the diameter of the target. Previews are fresh ones: of the fit by the preview alone, and of the design as written,
+corrected by the exact model and rounded to layers. If the flat print and the corrections lead to two exact minima, the
+one of lower energy counts. A target that is refused is fitted again with `nearest`, by the preview.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
+import time
 from collections.abc import Callable
+from functools import partial
+from io import BytesIO
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from PIL import Image
 from scipy.spatial import Delaunay
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.exact.simulation import exact_shape
+from asterism.fitting.distance import target_distance
+from asterism.fitting.errors import ReachError
+from asterism.fitting.first_guess import guess_design
+from asterism.fitting.fit import fit
+from asterism.fitting.residual import FitPlaces
+from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.pattern.layout.build import layout
+from asterism.previews.default_law import paper_law
+from asterism.previews.run import preview
+from asterism.print.profiles import load_printer
+from asterism.reports.fit_plots import signed_distance_map
+from asterism.reports.fit_views import fit_views
+from asterism.reports.html import png
+from benchmarks.report import PICTURES, markdown, number, write_report
 
+SHOWN = ("ellipsoid dome", "two bumps", "three-legged shell", "hypar", "monkey saddle", "barrel")
+# pixels, width of a picture of a fit, and height of one of its parts
+PICTURE_WIDTH, PART_HEIGHT = 1400, 300
+HEADER = [
+    "target", "diameter mm", "stars, held by, stretch", "ratio needed, available", "first guess", "its exact shape",
+    "fit by preview", "preview as written", "exact before corrections", "exact, unrounded", "exact, as written",
+    "largest", "other minimum", "certified", "CPU s",
+]  # fmt: skip
 RINGS = 24  # of triangles, of a round target
 
 
@@ -47,15 +86,6 @@ def graph(height: Callable[[Floats, Floats], Floats], width: float, depth: float
     return TargetSurface.of_triangles(np.column_stack([x, y, height(x, y)]), triangles, name)
 
 
-def ellipsoid(scale: float, name: str) -> TargetSurface:
-    """A shallow dome over an ellipse, 124 by 84 mm at a scale of 1."""
-
-    def height(x: Floats, y: Floats) -> Floats:
-        return scale * 26.0 * np.sqrt(1.0 - (x / (76.0 * scale)) ** 2 - (y / (52.0 * scale)) ** 2)
-
-    return graph(height, 124.0 * scale, 84.0 * scale, name)
-
-
 def barrel() -> TargetSurface:
     """A part of a cylinder of radius 55 mm, 110 degrees around."""
     plane, triangles = rectangle_mesh(np.deg2rad(110.0), 76.0)
@@ -84,7 +114,11 @@ def three_legged_shell() -> TargetSurface:
 
 
 def _bump(x: Floats, y: Floats, at: tuple[float, float], width: float) -> Floats:
-    return np.asarray(np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / width**2))
+    return np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / width**2)
+
+
+def _two_bumps(x: Floats, y: Floats) -> Floats:
+    return 11.0 * _bump(x, y, (-18.0, 0.0), 22.0) + 7.0 * _bump(x, y, (22.0, 6.0), 20.0)
 
 
 def face_mask() -> TargetSurface:
@@ -101,30 +135,118 @@ def face_mask() -> TargetSurface:
 
 # name: target, and number of needles (None: chosen by the fit)
 TARGETS: dict[str, tuple[Callable[[], TargetSurface], int | None]] = {
-    "cap 35 deg": (lambda: cap(35.0, "cap 35 deg"), None),
-    "cap 45 deg": (lambda: cap(45.0, "cap 45 deg"), None),
-    "cap 50 deg": (lambda: cap(50.0, "cap 50 deg"), None),
-    "cap 60 deg": (lambda: cap(60.0, "cap 60 deg"), None),
-    "cap 35 deg, free": (lambda: cap(35.0, "cap 35 deg, free"), 0),
-    "ellipsoid dome": (lambda: ellipsoid(1.0, "ellipsoid dome"), None),
-    "hypar": (lambda: TargetSurface.of_formula("11*x*y/41.7**2", 83.4, name="hypar"), None),
-    "saddle": (lambda: graph(lambda x, y: 10.0 * (x**2 - y**2) / 50.0**2, 100, 100, "saddle"), None),
-    "monkey saddle": (
-        lambda: graph(lambda x, y: 9.0 * (x**3 - 3.0 * x * y**2) / 50.0**3, 100, 100, "monkey saddle"),
+    **{f"cap {angle} deg": (partial(cap, angle, f"cap {angle} deg"), None) for angle in (35, 45, 50, 60)},
+    "cap 35 deg, free": (partial(cap, 35.0, "cap 35 deg, free"), 0),
+    "ellipsoid dome": (
+        partial(graph, lambda x, y: 26.0 * np.sqrt(1.0 - (x / 76.0) ** 2 - (y / 52.0) ** 2), 124, 84, "ellipsoid dome"),
         None,
+    ),
+    "hypar": (lambda: TargetSurface.of_formula("11*x*y/41.7**2", 83.4, name="hypar"), None),
+    "saddle": (partial(graph, lambda x, y: 10.0 * (x**2 - y**2) / 50.0**2, 100, 100, "saddle"), None),
+    "monkey saddle": (
+        partial(graph, lambda x, y: 9.0 * (x**3 - 3.0 * x * y**2) / 50.0**3, 100, 100, "monkey saddle"), None,
     ),
     "barrel": (barrel, None),
-    "two bumps": (
-        lambda: graph(
-            lambda x, y: 11.0 * _bump(x, y, (-18.0, 0.0), 22.0) + 7.0 * _bump(x, y, (22.0, 6.0), 20.0),
-            104,
-            104,
-            "two bumps",
-        ),
-        None,
-    ),
+    "two bumps": (partial(graph, _two_bumps, 104, 104, "two bumps"), None),
     "three-legged shell": (three_legged_shell, None),
     "torus part": (torus_part, None),
-    "hemisphere": (lambda: cap(85.0, "hemisphere"), None),
+    "hemisphere": (partial(cap, 85.0, "hemisphere"), None),
     "face mask": (face_mask, None),
-}
+}  # fmt: skip
+
+
+def row(name: str, exact: bool) -> dict[str, Any]:
+    """Fit one target, and draw it if it is shown."""
+    make, needles = TARGETS[name]
+    target, begun = make(), time.process_time()
+    data: dict[str, Any] = {}
+    try:
+        fitted = fit(target, needles=needles, printer=load_printer("ultimaker2"), exact=exact)
+    except ReachError as error:
+        data["refused"] = str(error)
+        fitted = fit(target, needles=needles, printer=load_printer("ultimaker2"), exact=False, nearest=True)
+    data["cpu_s"] = time.process_time() - begun
+    if exact and name in SHOWN:
+        _picture(fitted).save(PICTURES / f"fit-{name.replace(' ', '-')}.webp", quality=78, method=6)
+    if exact and "refused" not in data:
+        data["first_guess_exact"] = _exact_first_guess(name)
+    summary = fitted.summary.to_json()
+    return data | {key: value for key, value in summary.items() if key not in ("design", "motion", "shift_mm")}
+
+
+def _exact_first_guess(name: str) -> float:
+    """Distance of the exact shape of the first guess, started from its preview."""
+    make, needles = TARGETS[name]
+    guess = guess_design(make(), paper_law(), needles=needles)
+    plan = layout(guess.design)
+    places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
+    shape = exact_shape(guess.design, near=preview(guess.design))
+    return float(target_distance(shape, guess.target, places, plan.lattice_vectors).mean_percent)
+
+
+def _picture(fitted: Fit) -> Image.Image:
+    """Target, shape, both, and signed distance, side by side on white."""
+    views = fit_views(fitted)
+    parts = [png(views[name][0]) for name in ("target", "shape", "overlaid")] + [signed_distance_map(fitted)]
+    page, cell = Image.new("RGB", (PICTURE_WIDTH, PART_HEIGHT), "white"), PICTURE_WIDTH // len(parts)
+    for count, part in enumerate(parts):
+        image = Image.open(BytesIO(part)).convert("RGB")
+        scale = min((cell - 12) / image.width, PART_HEIGHT / image.height)
+        image = image.resize((round(image.width * scale), round(image.height * scale)), Image.Resampling.LANCZOS)
+        page.paste(image, (count * cell + (cell - image.width) // 2, (PART_HEIGHT - image.height) // 2))
+    return page
+
+
+def cells(name: str, data: dict[str, Any]) -> list[str]:
+    """One line of the table."""
+    exact, held = data["exact"], "border" if data["held_border"] else f"{data['needles']} needles"
+    corrected, other = data["corrections"], data.get("other_exact")
+    distances = [
+        data["first_guess"]["mean_percent"], data.get("first_guess_exact"), data["unrounded"]["mean_percent"],
+        data["preview"]["mean_percent"], corrected[0]["mean_percent"] if corrected else None,
+        exact and exact["mean_percent"] - data["rounding_loss_percent"], exact and exact["mean_percent"],
+        exact and exact["largest_percent"], other and other["mean_percent"],
+    ]  # fmt: skip
+    return [
+        name + (", nearest" if "refused" in data else ""), f"{data['diameter_mm']:.0f}",
+        f"{data['stars']}, {held}, {data['stretch']:g}",
+        f"{data['needed_ratio']:.3f}, {data['available_ratio']:.3f}", *map(number, distances),
+        ("yes" if exact["is_minimum"] else "no") if exact else "-", f"{data['cpu_s']:.0f}",
+    ]  # fmt: skip
+
+
+def table(rows: dict[str, dict[str, Any]]) -> str:
+    """Markdown: the table, medians, and why targets were refused."""
+    lines = [markdown(HEADER, [cells(name, data) for name, data in rows.items()])]
+    made = [data for data in rows.values() if "refused" not in data]
+    for key, label in (("unrounded", "Fresh preview of the fit by the preview"), ("exact", "Exact shape as written")):
+        values = [data[key]["mean_percent"] for data in made if data[key]]
+        if values:
+            lines.append(f"{label}: median {np.median(values):.2f} %, largest {max(values):.2f} %.")
+    return "\n\n".join([*lines, *(f"Refused: {data['refused']}." for data in rows.values() if "refused" in data)])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fit_targets")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--no-exact", action="store_true")
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    given = parser.parse_intermixed_args()
+    if unknown := [name for name in given.names if name not in TARGETS]:
+        parser.error(f"NAME: {unknown[0]!r} is none of {'; '.join(TARGETS)}")
+    given.folder.mkdir(parents=True, exist_ok=True)
+    rows = {}
+    for name in given.names or TARGETS:
+        file = given.folder / f"{name.replace(' ', '-')}.json"
+        if not file.exists():
+            file.write_text(json.dumps(row(name, not given.no_exact), indent=1))
+        rows[name] = json.loads(file.read_text())
+        print(name, "done", flush=True)
+    text = table(rows)
+    print(text)
+    if not given.names and not given.no_exact:
+        write_report("fit_targets", text, "python -m benchmarks.fit_targets FOLDER")
+
+
+if __name__ == "__main__":
+    main()

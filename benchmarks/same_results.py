@@ -1,11 +1,11 @@
 """Do two checkouts of the project compute the same? Previews and exact shapes of the gallery and of random designs.
 
-python -m benchmarks.same_results OTHER_CHECKOUT [--random 20] [--designs NAME ...] [--keep FOLDER]
+python -m benchmarks.same_results OTHER_CHECKOUT [--random 20] [--designs NAME ...]
 
 Each checkout verifies every design in a process of its own, with the Python of this one. Compared are heights and
 energies of the preview and of both exact shapes, the distance between them and what the preview states about its error;
 where there is no law for a design, of its exact shape.
-Exit status 1 if a number differs by more than 1e-9 of itself. FOLDER keeps the results of OTHER_CHECKOUT.
+Exit status 1 if a number differs by more than 1e-9 of itself.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from typing import Any
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
 from benchmarks.accuracy.designs import drawn, meshed
+from benchmarks.report import ROOT
 
-ROOT = Path(__file__).parents[1]
 EDGE_MM = 2.0
 TOLERANCE = 1e-9
 # only the public API, which both checkouts have
@@ -51,29 +51,22 @@ json.dump(numbers, sys.stdout)
 
 def main() -> int:
     """Compare, print one line a design, and return the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.same_results")
     parser.add_argument("other", type=Path)
     parser.add_argument("--random", type=int, default=20)
-    parser.add_argument("--designs", nargs="*", default=None)
-    parser.add_argument("--keep", type=Path, default=None)
+    parser.add_argument("--designs", nargs="*")
     options = parser.parse_args()
+    designs = [meshed(gallery.load(name), EDGE_MM) for name in gallery.names()]
+    designs += [drawn(seed, EDGE_MM) for seed in range(options.random)]
+    worst = 0.0
     with tempfile.TemporaryDirectory() as folder:
-        kept = options.keep or Path(folder)
-        kept.mkdir(parents=True, exist_ok=True)
-        designs = [meshed(gallery.load(name), EDGE_MM) for name in gallery.names()]
-        designs += [drawn(seed, EDGE_MM) for seed in range(options.random)]
-        worst = 0.0
         for design in designs:
-            if options.designs is not None and design.name not in options.designs:
-                continue
-            file = Path(folder) / f"{design.name}.toml"
-            save_design(design, file)
-            known = kept / f"{design.name}.json"
-            if not known.exists():
-                known.write_text(json.dumps(_numbers(options.other, file)))
-            place, largest = difference(json.loads(known.read_text()), _numbers(ROOT, file))
-            worst = max(worst, largest)
-            print(f"{design.name:<28} {largest:.1e}  {place}", flush=True)
+            if options.designs is None or design.name in options.designs:
+                save_design(design, Path(folder) / f"{design.name}.toml")
+                both = [_numbers(each, Path(folder) / f"{design.name}.toml") for each in (options.other, ROOT)]
+                place, largest = difference(*both)
+                worst = max(worst, largest)
+                print(f"{design.name:<28} {largest:.1e}  {place}", flush=True)
     print(f"largest relative difference: {worst:.1e} (allowed {TOLERANCE:.0e})")
     return int(worst > TOLERANCE)
 

@@ -14,11 +14,8 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.shape.vtu import write_shape_vtu
-from benchmarks.fuzz.cases import Case, make_case
-from benchmarks.fuzz.judge import failures, files_in
-from benchmarks.fuzz.kept_outcomes import keep_outcome, read_outcomes
-from benchmarks.fuzz.kit import DESIGNS, make_kit
-from benchmarks.fuzz.run import Outcome
+from benchmarks.fuzz.cases import DESIGNS, Case, make_case, make_kit
+from benchmarks.fuzz.run import failures, files_in
 from tests.asterism.sheets import sheet
 
 CASE = Case(0, "design", ("preview", "design.toml"))
@@ -37,15 +34,6 @@ def test_250_mutated_inputs_end_as_they_should(first: int) -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_intact_designs_can_be_printed(name: str) -> None:
     assert len(layout(Design.from_dict(DESIGNS[name])).centres) > 0
-
-
-def test_outcomes_are_read_as_they_were_kept(tmp_path: Path) -> None:
-    outcome = Outcome(CASE, 2, 0.5, ("left ['a']",), "asterism: \u661f is no option")
-    file = tmp_path / "kept.jsonl"
-    assert read_outcomes(file) == read_outcomes(None) == []
-    keep_outcome(outcome, file)
-    keep_outcome(outcome, file)
-    assert read_outcomes(file) == [outcome, outcome]
 
 
 def test_a_number_gives_the_same_case(tmp_path: Path) -> None:

@@ -1,13 +1,12 @@
-"""The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and two later sets.
+"""The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and later sets.
 
-python -m benchmarks.frozen.draw [--second | --third]
+python -m benchmarks.frozen.draw --second | --third
 
-Six kinds: free sheets and supported sheets with the outlines of `benchmarks.accuracy.held_designs`, canopies on four
-to six needles, ribbons, held edges under weight, and stars of four to six arms. The command writes the designs into
-benchmarks/results. The other commands read them from there, so that a later change of what can be printed does not
-draw other ones; for the same reason the command does not replace other designs. The second set has the same kinds and
-counts as both halves together. It was drawn when both halves had judged a preview model, and judges the next one. The
-third set has half as many designs of each kind, but all of the unlike stars; it was drawn when the second was open.
+Six kinds: free sheets and supported sheets with the outlines of `benchmarks.accuracy.designs`, canopies on four to six
+needles, ribbons, held edges under weight, and stars of four to six arms. All designs stand in designs.json, from where
+the other commands read them: a later change of what can be printed does not draw other ones. The command adds a set
+that is not there, and says if it draws others than those that are. The second set has as many designs of each kind as
+both halves of the first together; the third has half as many, but all of the unlike stars.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,10 +25,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
-from benchmarks.accuracy.designs import EDGE_MM, size_field
-from benchmarks.accuracy.held_designs import OUTLINES, drawn_supports
-from benchmarks.accuracy.printable import printable
-from benchmarks.report import RESULTS, markdown, write_report
+from asterism.results.files import write_file
+from benchmarks.accuracy.designs import EDGE_MM, OUTLINES, drawn_supports, printable, size_field
 
 WORKING, SEALED = HALVES = ("working", "sealed")
 SECOND, THIRD = LATER = ("second", "third")
@@ -37,85 +35,61 @@ CHOSEN_ON = (*HALVES, SECOND)  # models may be chosen on these; the third set on
 FREE, SUPPORTED, CANOPY, RIBBON, WEIGHT, ARMS = KINDS = (
     "free", "supported", "canopy", "ribbon", "weight", "arms",
 )  # fmt: skip
-COUNTS = {FREE: 20, SUPPORTED: 20, CANOPY: 16, RIBBON: 8, WEIGHT: 8, ARMS: 8}
-LATER_COUNTS = {SECOND: COUNTS, THIRD: {FREE: 10, SUPPORTED: 10, CANOPY: 8, RIBBON: 4, WEIGHT: 4, ARMS: 8}}
+COUNTS = {
+    SECOND: {FREE: 20, SUPPORTED: 20, CANOPY: 16, RIBBON: 8, WEIGHT: 8, ARMS: 8},
+    THIRD: {FREE: 10, SUPPORTED: 10, CANOPY: 8, RIBBON: 4, WEIGHT: 4, ARMS: 8},
+}
+SEEDS = {SECOND: 39, THIRD: 40}  # the next set needs an entry in both
 STARS = (12, 130)  # fewest and most
 # fewest and most stars that the area of an outline is drawn for
 AIMED_STARS = {FREE: (14, 80), SUPPORTED: (14, 80), CANOPY: (40, 125), WEIGHT: (14, 60), ARMS: (14, 40)}
 CELL_MM2 = DEFAULT_SPACING_MM**2 * np.sqrt(3.0) / 2.0
-SEED, SPLIT_SEED = 38, 3838
-LATER_SEEDS = {SECOND: 39, THIRD: 40}
 # lattice, arms, turn in degrees
 OTHER_STARS = [("square", 4, 0), ("triangular", 5, 0), ("square", 6, 0), ("triangular", 4, 30)]
 
-NAME = "frozen.draw"
+FILE = Path(__file__).parent / "designs.json"
 
 Data = dict[str, Any]
 
 
 def main() -> int:
-    """Write all designs of a set; exit status 1 if other ones are there."""
+    """Draw all designs of a set; exit status 1 if other ones are there."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.draw")
-    which = parser.add_mutually_exclusive_group()
+    which = parser.add_mutually_exclusive_group(required=True)
     for each in LATER:
-        which.add_argument(f"--{each}", dest="later", action="store_const", const=each)
-    later = parser.parse_args().later
-    groups = {later: later_designs(later)} if later else drawn_designs()
-    name = _name(later)
-    rows: list[Data] = [
-        {"half": group, "kind": kind, "stars": len(layout(design).centres), "design": design.to_dict()}
-        for group, designs in groups.items()
-        for kind, design in designs
-    ]
-    file = RESULTS / f"{name}.json"
-    if file.exists() and json.loads(file.read_text(encoding="utf-8"))["rows"] != rows:
-        print(f"{file} holds other designs: they were drawn by other code, and stay", file=sys.stderr)
+        which.add_argument(f"--{each}", dest="group", action="store_const", const=each)
+    group = parser.parse_args().group
+    rows: list[Data] = json.loads(FILE.read_text(encoding="utf-8"))
+    new = [(kind, drawn(kind, number, group)) for kind, count in COUNTS[group].items() for number in range(count)]
+    if (known := frozen(group)) and known != new:
+        print(f"{FILE} holds other designs: they were drawn by other code, and stay", file=sys.stderr)
         return 1
-    stars = {(kind, group): list[str]() for kind in KINDS for group in groups}
-    for row in rows:
-        stars[row["kind"], row["half"]].append(str(row["stars"]))
-    lines = [[kind, *(" ".join(stars[kind, group]) for group in groups)] for kind in KINDS]
-    flag = f" --{later}" if later else ""
-    header = ["kind", *(f"stars, {group} {'set' if group in LATER else 'half'}" for group in groups)]
-    write_report(name, rows, markdown(header, lines), command=f"python -m benchmarks.frozen.draw{flag}")
+    if not known:
+        rows += [{"group": group, "kind": kind, "design": _chosen(design)} for kind, design in new]
+        write_file(FILE, "[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+    for kind in KINDS:
+        stars = [str(len(layout(design).centres)) for each, design in new if each == kind]
+        print(f"{group}, {kind}: {' '.join(stars)} stars")
     return 0
 
 
 def frozen(group: str) -> list[tuple[str, Design]]:
     """The designs of a half, or of a later set, as they were written, each with its kind."""
-    content = json.loads((RESULTS / f"{_name(group)}.json").read_text(encoding="utf-8"))
-    return [(row["kind"], Design.from_dict(row["design"])) for row in content["rows"] if row["half"] == group]
+    rows = json.loads(FILE.read_text(encoding="utf-8"))
+    return [(row["kind"], Design.from_dict(row["design"])) for row in rows if row["group"] == group]
 
 
-def drawn_designs() -> dict[str, list[tuple[str, Design]]]:
-    """The designs by half, each with its kind.
-
-    A coin parts each pair of numbers that are half of the count of their kind apart: of free and supported sheets such
-    a pair has the same outline and the same supports.
-    """
-    halves: dict[str, list[tuple[str, Design]]] = {half: [] for half in HALVES}
-    for kind, count in COUNTS.items():
-        coins = np.random.default_rng([SPLIT_SEED, KINDS.index(kind)]).integers(2, size=count // 2)
-        for number in range(count):
-            later = number >= count // 2
-            half = HALVES[int(coins[number % (count // 2)]) ^ int(later)]
-            halves[half].append((kind, drawn(kind, number)))
-    return halves
+def _chosen(design: Design) -> Data:
+    """The table of a design without the sections that have their defaults."""
+    data, always = design.to_dict(), ("stars", "border", "fabric")
+    default = Design.from_dict({key: data[key] for key in always}).to_dict()
+    return {key: value for key, value in data.items() if key in always or value != default[key]}
 
 
-def later_designs(group: str) -> list[tuple[str, Design]]:
-    """The designs of a later set, each with its kind."""
-    return [
-        (kind, drawn(kind, number, LATER_SEEDS[group], group))
-        for kind, count in LATER_COUNTS[group].items()
-        for number in range(count)
-    ]
-
-
-def drawn(kind: str, number: int, seed: int = SEED, prefix: str = "frozen") -> Design:
+def drawn(kind: str, number: int, group: str) -> Design:
     """Drawn again until it can be printed and its number of stars is within `STARS`."""
-    rng = np.random.default_rng([seed, KINDS.index(kind), number])
-    named = {"name": f"{prefix}-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}}
+    rng = np.random.default_rng([SEEDS[group], KINDS.index(kind), number])
+    named = {"name": f"{group}-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}}
     return printable(lambda: named | DRAWN[kind](rng, number), STARS)
 
 
@@ -202,11 +176,6 @@ def _stars(rng: np.random.Generator, outline: Floats) -> Data:
 
 def _fabric(rng: np.random.Generator) -> Data:
     return {"fabric": {"stretch": 1.35 if rng.random() < 0.8 else 1.75}}
-
-
-def _name(group: str | None) -> str:
-    """Of the file in benchmarks/results that holds a group."""
-    return f"{NAME}.{group}" if group in LATER else NAME
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""One case: files in a folder and a command line, all from the number of the case."""
+"""One case: files in a folder and a command line, all from its number; and the intact files that are mutated."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from asterism.pattern.design.files import table_text
-from benchmarks.fuzz.kit import DESIGNS, MATERIAL
 from benchmarks.fuzz.mutations import Rng, json_text, mutated_archive, mutated_bytes, mutated_cells, mutated_table, pick
 
 # the seed of all cases; a case is this seed with its number
@@ -33,19 +32,6 @@ SWEPT = (
     "border.polygon_mm.0.0=-30:-20:2", "border.star_margin_mm=2:9", "lattice.orientation_deg=0:90:3",
     'stars.length_mm=7,{"profile": "radial", "from": 9, "to": 5, "over_mm": 60}',
 )  # fmt: skip
-SWEPT_PATHS = (
-    "stars.length_mm", "stars.thickness_mm", "stars.width_mm", "stars.length_mm.from", "stars.override.0.thickness_mm",
-    "stars.override[0].remove", "border.rings", "border.polygon_mm.0.1", "pins.0.scale", "pins.1.step", "pins.0.where",
-    "pins", "fabric.stretch", "fabric.thickness_mm", "fabric.bending", "gravity.on", "solver.seed", "solver.start",
-    "mesh.edge_mm", "lattice.spacing_mm", "lattice.arms", "lattice", "name", "material.law", "stars.lenght_mm",
-    "stars", "", ".", "stars.", "stars..length_mm", "pins.9.scale", "pins.-1.scale", "\u661f",
-)  # fmt: skip
-SWEPT_VALUES = (
-    "0.3,0.4", "0.3:0.5:3", "0.3:0.5", "6:9:2", "1:3", "1:3:3", "1,2", "true,false", "paper,none", "flat,bump",
-    "nan:1:2", "0:inf:2", "1:2:1", "1:2:-1", "1:2:1e9", "1:2:100000", "1:1:2", "2:1", "1:2:3:4", ":", "::", ",",
-    "0.3,0.3", "0.3,", "x", "[1.3,1.4],1.35", "[[", '{"formula": "7+x/50"},8', '{"a"', "null", "1e308:1e309:2",
-    "-1:1:2", "1e-300,1e300", "0.3:0.4:2,0.5", "\u661f,\u2603", "none.npz,law.npz",
-)  # fmt: skip
 OPTIONS: dict[str, tuple[str, ...]] = {
     "preview": ("--side", "--law", "--material", "-o", "--strict", "--quiet"),
     "simulate": ("--edge", "--start", "--seed", "--fabric-bending", "--backend", "-o", "--material", "--strict"),
@@ -66,6 +52,47 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "compare-designs": ("--printer", "--plastic", "--law", "--material", "-o", "--strict", "--quiet"),
 }  # fmt: skip
 FLAGS = ("--strict", "--quiet", "--no-border", "--outside")
+SIX_CORNERS = [[-30.0, -25.0], [30.0, -25.0], [38.0, 0.0], [30.0, 25.0], [-30.0, 25.0], [-38.0, 0.0]]
+# small sheets: a case of the exact model takes a second or two
+DESIGNS: dict[str, dict[str, Any]] = {
+    "star": {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 0}, "mesh": {"edge_mm": 4.0}},
+    "seven": {
+        "stars": {"length_mm": {"profile": "radial", "from": 10, "to": 6, "over_mm": 20}, "thickness_mm": 0.35},
+        "border": {"rings": 1},
+        "mesh": {"edge_mm": 5.0},
+    },
+    "pinned": {
+        "stars": {"length_mm": 9.0, "override": [{"star": 1, "thickness_mm": 0.5}, {"site": [0, 1], "remove": True}]},
+        "border": {"rings": 1},
+        "pins": [{"corners": [0, 2, 4], "scale": 0.75}],
+        "mesh": {"edge_mm": 5.0},
+    },
+    "square": {
+        "lattice": {"kind": "square", "spacing_mm": 18.0, "arms": 4, "orientation_deg": 45.0},
+        "stars": {"length_fraction": 0.45, "width_mm": {"formula": "1 + x/200"}},
+        "border": {"rectangle_mm": [60.0, 50.0]},
+        "mesh": {"edge_mm": 5.0},
+    },
+    "outline": {
+        "fabric": {"stretch": 1.35, "thickness_mm": 0.8, "modulus_mpa": 7.0},
+        "stars": {"length_mm": 8.0, "branch": "up"},
+        "border": {"polygon_mm": SIX_CORNERS, "star_margin_mm": 8.0},
+        "gravity": {"on": True, "direction": [0, 0, -1]},
+        "pins": [{"points_mm": [[-30.0, -25.0], [30.0, -25.0], [30.0, 25.0]]}, {"edges": [4], "step": 1}],
+        "mesh": {"edge_mm": 6.0, "kind": "delaunay"},
+        "solver": {"start": "bump", "seed": 1},
+    },
+}
+MATERIAL = {
+    "name": "measured",
+    "fabric": {"thickness_mm": 0.8, "stretch": 1.35},
+    "plastic": {"modulus_ratio": 3200.0, "rest_curvature": "paper", "kappa_bar_per_mm": 0.0},
+}
+OUTLINE_CSV = "x_mm,y_mm\n-9,-5\n0,-10\n9,-5\n9,5\n0,10\n-9,5\n"
+OUTLINE_SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30">\n'
+    '<path d="M 6 10 L 15 5 L 24 10 L 24 20 L 15 25 L 6 20 Z"/>\n<circle cx="3" cy="3" r="1"/>\n</svg>\n'
+)
 
 
 @dataclass(frozen=True)
@@ -82,6 +109,40 @@ def make_case(number: int, kit: Path, folder: Path) -> Case:
     rng = np.random.default_rng([SEED, number])
     kind = pick(rng, KINDS)
     return Case(number, kind, tuple(MAKERS[kind](rng, kit, folder)))
+
+
+def strips_csv() -> str:
+    """A table of measured strips, with fabric and peeled, whose readings scatter."""
+    rng = np.random.default_rng(0)
+    lines = ["strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,curvature_per_mm,peeled_curvature_per_mm"]
+    for number in range(24):
+        thickness, bent = ((0.3, 0.0302), (0.35, 0.0228), (0.4, 0.0175))[number % 3]
+        with_fabric, peeled = rng.normal([bent, 0.003], [0.0004, 0.0002])
+        lines.append(f"{number + 1},{thickness},60,1.35,0.8,{with_fabric:.5f},{peeled:.5f}")
+    return "\n".join(lines) + "\n"
+
+
+def make_kit(folder: Path) -> None:
+    """Write all intact files, and a shape for comparisons with scans."""
+    import trimesh
+
+    import asterism
+    from asterism.homogenize.law.law_file import PAPER_LAW
+
+    shape = asterism.preview(asterism.Design.from_dict(DESIGNS["star"]))
+    asterism.write_results(shape, folder / "shape")
+    scan = trimesh.Trimesh(shape.positions, shape.triangles, process=False)
+    for suffix in ("obj", "stl", "ply"):
+        scan.export(folder / f"scan.{suffix}")
+    (folder / "text.ply").write_bytes(scan.export(file_type="ply", encoding="ascii"))
+    (folder / "text.stl").write_text(scan.export(file_type="stl_ascii"))
+    (folder / "outline.csv").write_text(OUTLINE_CSV)
+    (folder / "outline.svg").write_text(OUTLINE_SVG)
+    (folder / "strips.csv").write_text(strips_csv())
+    (folder / "law.npz").write_bytes(PAPER_LAW.read_bytes())
+    profiles = Path(asterism.__file__).parent / "print" / "data"
+    (folder / "printer.toml").write_bytes((profiles / "printers" / "ultimaker2.toml").read_bytes())
+    (folder / "plastic.toml").write_bytes((profiles / "plastics" / "tpu95a.toml").read_bytes())
 
 
 def _design(rng: Rng, folder: Path, intact: bool = False) -> str:
@@ -107,15 +168,17 @@ def _toml(table: dict[str, Any]) -> str:
         return ""
 
 
-def _exact_is_small(name: str, folder: Path) -> bool:
-    """Whether the exact model takes a second or two, or refuses the design."""
+def _exact_is_small(name: str, folder: Path, edge_mm: str = "") -> bool:
+    """Whether the exact model takes a second or two, or refuses the design; with the option --edge if it is given."""
+    from asterism.cli.common.overrides import with_overrides
     from asterism.equilibrium.errors import Error
     from asterism.exact.cost import exact_cost
     from asterism.pattern.layout.load_design import load_design
 
     try:
-        return exact_cost(load_design(folder / name)).vertices <= MAX_VERTICES
-    except Error:
+        changed = {"--edge": ("mesh.edge_mm", float(edge_mm))} if edge_mm else {}
+        return exact_cost(with_overrides(load_design(folder / name), changed)).vertices <= MAX_VERTICES
+    except (Error, ValueError):
         return True
 
 
@@ -130,12 +193,8 @@ def _designs(rng: Rng, kit: Path, folder: Path) -> list[str]:
 def _materials(rng: Rng, kit: Path, folder: Path) -> list[str]:
     content = _toml(mutated_table(MATERIAL, rng, ("modulus_mpa", "plan", "lattice"))).encode()
     (folder / "material.toml").write_bytes(mutated_bytes(content, rng) if rng.random() < 0.3 else content)
-    return [
-        pick(rng, ["preview", "export", "simulate"]),
-        _design(rng, folder, intact=True),
-        "--material",
-        "material.toml",
-    ]
+    command = pick(rng, ["preview", "export", "simulate"])
+    return [command, _design(rng, folder, intact=True), "--material", "material.toml"]
 
 
 def _strips(rng: Rng, kit: Path, folder: Path) -> list[str]:
@@ -148,30 +207,32 @@ def _strips(rng: Rng, kit: Path, folder: Path) -> list[str]:
 
 def _laws(rng: Rng, kit: Path, folder: Path) -> list[str]:
     content = (kit / "law.npz").read_bytes()
-    (folder / "law.npz").write_bytes(
-        mutated_archive(content, rng) if rng.random() < 0.8 else mutated_bytes(content, rng)
-    )
+    mutated = mutated_archive if rng.random() < 0.8 else mutated_bytes
+    (folder / "law.npz").write_bytes(mutated(content, rng))
     if rng.random() < 0.5:
         return ["law", "show", "law.npz"]
     return ["preview", _design(rng, folder, intact=True), "--law", "law.npz"]
 
 
-def _scans(rng: Rng, kit: Path, folder: Path) -> list[str]:
-    name = pick(rng, ["scan.obj", "scan.stl", "scan.ply", "text.ply", "text.stl"])
+def _mutated(rng: Rng, kit: Path, folder: Path, names: list[str]) -> str:
+    name: str = pick(rng, names)
     (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
-    return ["compare", str(kit / "shape"), name]
+    return name
+
+
+def _scans(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    names = ["scan.obj", "scan.stl", "scan.ply", "text.ply", "text.stl"]
+    return ["compare", str(kit / "shape"), _mutated(rng, kit, folder, names)]
 
 
 def _targets(rng: Rng, kit: Path, folder: Path) -> list[str]:
     """A surface for which a design is fitted, without the exact check."""
-    name = pick(rng, ["scan.obj", "scan.stl", "text.ply"])
-    (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
+    name = _mutated(rng, kit, folder, ["scan.obj", "scan.stl", "text.ply"])
     return ["fit", name, "--no-exact", "--needles", pick(rng, ["0", "3"])]
 
 
 def _drawings(rng: Rng, kit: Path, folder: Path) -> list[str]:
-    name = pick(rng, ["outline.svg", "outline.csv"])
-    (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
+    name = _mutated(rng, kit, folder, ["outline.svg", "outline.csv"])
     return ["compare", str(kit / "shape"), name, "--view", pick(rng, ["above", "front", "side"])]
 
 
@@ -187,9 +248,8 @@ def _shapes(rng: Rng, kit: Path, folder: Path) -> list[str]:
 
 
 def _profiles(rng: Rng, kit: Path, folder: Path) -> list[str]:
-    name = pick(rng, ["printer", "plastic"])
-    (folder / f"{name}.toml").write_bytes(mutated_bytes((kit / f"{name}.toml").read_bytes(), rng))
-    return ["export", _design(rng, folder, intact=True), f"--{name}", f"{name}.toml"]
+    name = _mutated(rng, kit, folder, ["printer.toml", "plastic.toml"])
+    return ["export", _design(rng, folder, intact=True), f"--{Path(name).stem}", name]
 
 
 def _sweeps(rng: Rng, kit: Path, folder: Path) -> list[str]:
@@ -199,26 +259,16 @@ def _sweeps(rng: Rng, kit: Path, folder: Path) -> list[str]:
     if rng.random() < 0.4:
         words += ["--samples", pick(rng, ["2", "3", "5", "1", "0", "-1", "nan", "x", "20000"])]
     if rng.random() < 0.2:
-        option = pick(rng, OPTIONS["sweep"][1:])
-        words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
+        words += _with_value(rng, pick(rng, OPTIONS["sweep"][1:]))
     if rng.random() < 0.1 and _exact_is_small(name, folder):
         words.append("--exact")
     return words
 
 
 def _varied(rng: Rng) -> str:
-    """Words of one parameter: mostly an entry of a design with values that it may have."""
-    if rng.random() < 0.5:
-        return str(pick(rng, SWEPT))
-    path = pick(rng, SWEPT_PATHS)
-    if rng.random() < 0.4:
-        base = pick(rng, [0.35, 1, 8.0])
-        values = pick(rng, ["{0},{1}", "{0}:{1}:2", "{0}:{1}:3", "{0}:{1}", "{0}", "{1}:{0}:2"])
-        text = values.format(base, pick(rng, [1.1, 1.5, 2]) * base)
-    else:
-        text = pick(rng, SWEPT_VALUES)
-    form: str = pick(rng, ["{}={}"] * 12 + ["{}", "={1}", "{} = {}", "{}=={}"])
-    return form.format(path, text)
+    """Words of one parameter: an entry of a design with values that it may have, or that with changed characters."""
+    text: str = pick(rng, SWEPT)
+    return text if rng.random() < 0.5 else mutated_bytes(text.encode(), rng).decode(errors="replace").replace("\0", "")
 
 
 def _comparisons(rng: Rng, kit: Path, folder: Path) -> list[str]:
@@ -231,11 +281,14 @@ def _comparisons(rng: Rng, kit: Path, folder: Path) -> list[str]:
         names.append(part)
     words = ["compare-designs", *names]
     if rng.random() < 0.3:
-        option = pick(rng, OPTIONS["compare-designs"])
-        words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
+        words += _with_value(rng, pick(rng, OPTIONS["compare-designs"]))
     if rng.random() < 0.1 and all(_exact_is_small(name, folder) for name in names):
         words.append("--exact")
     return words
+
+
+def _with_value(rng: Rng, option: str) -> list[str]:
+    return [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
 
 
 def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
@@ -255,42 +308,18 @@ def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
     words += inputs[command]() if command in inputs else [_design(rng, folder, intact=True)]
     for _ in range(int(rng.integers(1, 3))):
         known = [option for option in OPTIONS[command] if option not in words]
-        option = pick(rng, [*known, "--colour"]) if known else "--colour"
-        words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
-    if command in ("simulate", "verify") and "--edge" in words and not _edge_is_coarse(words, folder):
-        words[words.index("--edge") + 1] = "3"
+        words += _with_value(rng, pick(rng, [*known, "--colour"]) if known else "--colour")
+    if command in ("simulate", "verify") and "--edge" in words:
+        edge = words.index("--edge") + 1
+        words[edge] = words[edge] if not words[edge] or _exact_is_small(words[1], folder, words[edge]) else "3"
     return words
 
 
-def _edge_is_coarse(words: list[str], folder: Path) -> bool:
-    """Whether the exact model takes a second or two with the option --edge, or refuses it."""
-    from asterism.cli.common.overrides import with_overrides
-    from asterism.equilibrium.errors import Error
-    from asterism.exact.cost import exact_cost
-    from asterism.pattern.layout.load_design import load_design
-
-    try:
-        edge_mm = float(words[words.index("--edge") + 1])
-        changed = with_overrides(load_design(folder / words[1]), {"--edge": ("mesh.edge_mm", edge_mm)})
-        return exact_cost(changed).vertices <= MAX_VERTICES
-    except (Error, ValueError):
-        return True
-
-
 MAKERS: dict[str, Callable[[Rng, Path, Path], list[str]]] = {
-    "design": _designs,
-    "material": _materials,
-    "strips": _strips,
-    "law": _laws,
-    "scan": _scans,
-    "target": _targets,
-    "drawing": _drawings,
-    "shape": _shapes,
-    "profile": _profiles,
-    "sweep": _sweeps,
-    "comparison": _comparisons,
+    "design": _designs, "material": _materials, "strips": _strips, "law": _laws, "scan": _scans, "target": _targets,
+    "drawing": _drawings, "shape": _shapes, "profile": _profiles, "sweep": _sweeps, "comparison": _comparisons,
     "option": _options,
-}
+}  # fmt: skip
 # how often each kind comes
 KINDS = (
     ["design"] * 8

@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import io
 import json
-from collections.abc import Iterable
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -41,12 +42,6 @@ def places(table: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return paths
 
 
-def _at(table: Any, path: Iterable[Any]) -> Any:
-    for step in path:
-        table = table[step]
-    return table
-
-
 def mutated_table(table: dict[str, Any], rng: Rng, known_keys: tuple[str, ...] = ()) -> dict[str, Any]:
     """A copy of a table with one to three changes: other numbers, odd values, missing, misplaced and unknown keys."""
     table = copy.deepcopy(table)
@@ -54,9 +49,10 @@ def mutated_table(table: dict[str, Any], rng: Rng, known_keys: tuple[str, ...] =
         paths = places(table)
         if not paths:
             return table
-        numbers = [path for path in paths if isinstance(_at(table, path), int | float)]
+        numbers = [path for path in paths if isinstance(reduce(getitem, path, table), int | float)]
         *above, key = pick(rng, numbers if numbers and rng.random() < 0.5 else paths)
-        home, value = _at(table, above), _at(table, (*above, key))
+        home = reduce(getitem, above, table)
+        value = home[key]
         kind = rng.random()
         if kind < 0.8 and isinstance(value, int | float) and not isinstance(value, bool):
             changed = value * pick(rng, FACTORS)

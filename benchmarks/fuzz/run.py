@@ -1,9 +1,11 @@
-"""Runs cases, each in a process of its own that is a copy of this one: nothing is loaded twice."""
+"""Runs cases, each in a process of its own that is a copy of this one, and says what counts as a failure."""
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import traceback
@@ -12,16 +14,22 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from asterism.equilibrium.errors import Error
 from asterism.homogenize.campaign.workers import SubmitAll
-from benchmarks.fuzz.cases import Case, make_case
-from benchmarks.fuzz.judge import MAX_SECONDS, failures, files_in
-from benchmarks.fuzz.kit import make_kit
+from benchmarks.fuzz.cases import Case, make_case, make_kit
 
 # in one case of this many, pictures are drawn and sweeps have processes of their own; in the others pictures are blank
 # and sweeps compute in the process of the case, since a picture takes half a second and a new process seconds
 COMPLETE_EVERY = 10
 UNFORESEEN = 99
+MAX_SECONDS = 60  # processor time of a case
+MAX_GROWTH = 1.25  # diameter of a sheet over that of its print, or of its supports if they pull it wider
+DONE, NO_ANSWER, WRONG_INPUT = 0, 1, 2  # exit statuses of commands
+STAGING = ".asterism-"  # in names of files that no command may leave behind
 
 
 @dataclass(frozen=True)
@@ -36,13 +44,7 @@ class Outcome:
 
 
 def run_cases(numbers: Iterable[int], tell: Callable[[Outcome], None] | None = None) -> list[Outcome]:
-    """Run the cases of these numbers, one after the other.
-
-    Raises
-    ------
-    OSError
-        The system cannot copy a running process (Windows).
-    """
+    """Run the cases of these numbers, one after the other, on a system that can copy a running process."""
     outcomes = []
     with tempfile.TemporaryDirectory() as room:
         kit = Path(room) / "kit"
@@ -103,8 +105,7 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
         sys.stdout, sys.stderr = (os.fdopen(n, "w", errors="backslashreplace", closefd=False) for n in (1, 2))
         resource.setrlimit(resource.RLIMIT_CPU, (MAX_SECONDS, MAX_SECONDS + 5))
         if case.number % COMPLETE_EVERY:
-            _draw_nothing()
-            _compute_here()
+            _do_less()
         sys.argv = ["asterism", *case.words]
         from asterism.cli.main import main
 
@@ -118,26 +119,19 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
         os._exit(status)
 
 
-def _draw_nothing() -> None:
-    """Make pictures of shapes blank."""
+def _do_less() -> None:
+    """Make pictures of shapes blank, and let sweeps compute in this process."""
     from PIL import Image
 
     import asterism.reports.write_results
-
-    def blank(shape: object, title: str, path: object) -> None:
-        Image.new("RGB", (8, 8)).save(path, format="png")  # type: ignore[arg-type]
-
-    asterism.reports.write_results.draw_shape = blank
-
-
-def _compute_here() -> None:
-    """Let sweeps compute in this process."""
     import asterism.sweeps.run
 
     @contextmanager
     def no_workers(jobs: int) -> Iterator[SubmitAll]:
         yield lambda function, arguments: ((number, function(*given)) for number, given in enumerate(arguments))
 
+    blank = Image.new("RGB", (8, 8))
+    asterism.reports.write_results.draw_shape = lambda shape, title, path: blank.save(path, format="png")
     asterism.sweeps.run.local_workers = no_workers
 
 
@@ -152,3 +146,63 @@ def summary(outcomes: list[Outcome]) -> list[list[str]]:
         counts = [str(statuses[status]) for status in (0, 1, 2)]
         rows.append([kind, str(len(of_kind)), *counts, f"{longest:.1f}", str(failed)])
     return rows
+
+
+def files_in(folder: Path) -> set[str]:
+    """All files and folders below a folder, by their path."""
+    return {str(path.relative_to(folder)) for path in folder.rglob("*")}
+
+
+def failures(case: Case, status: int, errors: str, folder: Path, before: set[str]) -> Iterator[str]:
+    """Yield what is wrong with a case that ended with a status (negative: of a signal) and these lines of errors."""
+    new = files_in(folder) - before
+    if "Traceback (most recent call last)" in errors:
+        yield f"traceback: {errors.strip().splitlines()[-1][:200]}"
+    elif status < 0:
+        name = signal.Signals(-status).name
+        yield f"more than {MAX_SECONDS} s of processor time" if name == "SIGXCPU" else f"ended by {name}"
+    elif status not in (DONE, NO_ANSWER, WRONG_INPUT):
+        yield f"exit status {status}"
+    lines = errors.strip().splitlines()
+    if status == WRONG_INPUT and not (lines and lines[-1].startswith("asterism: ")):
+        yield f"exit status 2 without a line that names the mistake: {lines[-1:]}"
+    if status == WRONG_INPUT and new:
+        yield f"exit status 2, and left {sorted(new)[:3]}"
+    if left := [name for name in new if STAGING in name or Path(name).name.startswith(".")]:
+        yield f"left {sorted(left)[:3]}"
+    if status == NO_ANSWER and not any(line.startswith("asterism: ") for line in lines):
+        yield "exit status 1 without a reason"
+    for path in sorted(folder / name for name in new):
+        if path.is_file():
+            yield from _of_file(path)
+
+
+def _of_file(path: Path) -> Iterator[str]:
+    """A result with a number that is none, or a shape that no fabric can take."""
+    from asterism.shape.read_shape import read_shape
+
+    def not_a_number(word: str) -> Any:
+        raise ValueError(word)
+
+    try:
+        if path.suffix == ".json":
+            json.loads(path.read_text(), parse_constant=not_a_number)
+        if path.suffix != ".vtu" or path.name == "rods.vtu":
+            return
+        shape = read_shape(path)  # it refuses positions that are not finite
+    except (Error, ValueError) as error:
+        yield f"{path.name} holds {error}"
+        return
+    reach = _size(shape.printed)
+    if shape.plan is not None:
+        for pins in shape.plan.pins:
+            held = [pins.points, *(end[None] for segment in pins.segments(shape.plan.edges) for end in segment)]
+            places = np.concatenate([pins.places(points) for points in held if len(points)])
+            reach = max(reach, _size(places) + _size(shape.printed) * (len(places) == 1))
+    if _size(shape.positions) > MAX_GROWTH * reach:
+        yield f"{path.name} is {_size(shape.positions):.0f} mm large, its print {_size(shape.printed):.0f} mm"
+
+
+def _size(points: np.ndarray) -> float:
+    """Diagonal (mm) of the box around points."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
