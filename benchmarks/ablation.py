@@ -32,7 +32,7 @@ from asterism.verification.numbers import same_branch
 from benchmarks.accuracy.comparisons import Reference, Row, exact, is_solved, law_for
 from benchmarks.accuracy.designs import EDGE_MM, canopies, designs, other_held
 from benchmarks.frozen.draw import CHOSEN_ON, frozen
-from benchmarks.report import markdown, write_report
+from benchmarks.report import chosen, markdown, write_report
 
 MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance are no change
 MEAN_GAIN = "mean gain %"
@@ -59,16 +59,16 @@ def main() -> int:
     names = options.designs or [design.name for design in study]
     if options.frozen:
         names = [design.name for design in drawn if is_solved(design, options.folder)]
-    if unknown := [name for name in names if name not in known]:
-        parser.error(f"DESIGN: {unknown[0]!r} is none of {', '.join(known)}")
+        if not names:
+            parser.error(f"FOLDER: {options.folder} has no exact shapes: run python -m benchmarks.frozen.solve first")
     rows = []
-    for name in names:
+    for design in chosen(parser, names, known):
         try:
-            rows.append(ablated(known[name], options.folder, options.part or list(PARTS)))
+            rows.append(ablated(design, options.folder, options.part or list(PARTS)))
         except LawError as error:
-            print(f"{name}: no preview: {error}", flush=True)
+            print(f"{design.name}: no preview: {error}", flush=True)
             continue
-        print(f"{name}: rms {rows[-1]['all']['rms']:.2f} %", flush=True)
+        print(f"{design.name}: rms {rows[-1]['all']['rms']:.2f} %", flush=True)
     if not rows:
         return 1
     text = f"{len(rows)} designs: {', '.join(row['design'] for row in rows)}.\n\n{table(rows)}"

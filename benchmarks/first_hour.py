@@ -22,7 +22,6 @@ from urllib.request import urlopen
 from benchmarks.report import markdown, write_report
 
 ROOT = Path(__file__).parents[1]
-SCRIPTS = "Scripts" if sys.platform == "win32" else "bin"
 # the line of the studio with the address of its page
 ADDRESS = "studio: "
 WAIT_S = 30.0
@@ -32,7 +31,7 @@ HEADER = ["step", "seconds", "first line after", "longest silence", "lines"]
 
 def steps(design: str) -> list[tuple[str, list[str]]]:
     """What is done, and how; paths are relative to the copy."""
-    tools = Path(".venv") / SCRIPTS
+    tools = Path(".venv") / "bin"
     verify = [str(tools / "asterism"), "verify", f"{design}.toml", "-o"]
     return [
         ("virtual environment", [sys.executable, "-m", "venv", ".venv"]),

@@ -39,7 +39,7 @@ from asterism.print.profiles import load_printer
 from asterism.reports.fit_plots import signed_distance_map
 from asterism.reports.fit_views import fit_views
 from asterism.reports.html import png
-from benchmarks.report import PICTURES, markdown, number, write_report
+from benchmarks.report import PICTURES, chosen, markdown, number, write_report
 
 SHOWN = ("ellipsoid dome", "two bumps", "three-legged shell", "hypar", "monkey saddle", "barrel")
 # pixels, width of a picture of a fit, and height of one of its parts
@@ -232,11 +232,9 @@ def main() -> None:
     parser.add_argument("--no-exact", action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
     given = parser.parse_intermixed_args()
-    if unknown := [name for name in given.names if name not in TARGETS]:
-        parser.error(f"NAME: {unknown[0]!r} is none of {'; '.join(TARGETS)}")
     given.folder.mkdir(parents=True, exist_ok=True)
     rows = {}
-    for name in given.names or TARGETS:
+    for name in chosen(parser, given.names, {name: name for name in TARGETS}):
         file = given.folder / f"{name.replace(' ', '-')}.json"
         if not file.exists():
             file.write_text(json.dumps(row(name, not given.no_exact), indent=1))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import argparse
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from asterism.process.version import __version__
 from asterism.results.files import write_file
@@ -11,6 +13,8 @@ from asterism.results.files import write_file
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 PICTURES = ROOT / "docs" / "pictures"
+
+T = TypeVar("T")
 
 
 def write_report(name: str, text: str, command: str | None = None) -> None:
@@ -28,3 +32,11 @@ def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def number(value: float | None, form: str = ".2f") -> str:
     """A number, or a dash."""
     return "-" if value is None else format(value, form)
+
+
+def chosen(parser: argparse.ArgumentParser, names: Sequence[str], known: Mapping[str, T]) -> list[T]:
+    """Those of the given names, or all; exit status 2 with one line for a name that is not known."""
+    for name in names:
+        if name not in known:
+            parser.error(f"NAME: {name!r} is none of {', '.join(known)}")
+    return [known[name] for name in names or known]

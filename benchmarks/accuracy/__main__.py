@@ -22,7 +22,7 @@ from asterism.results.files import write_file
 from benchmarks.accuracy.comparisons import Row, compared
 from benchmarks.accuracy.designs import designs
 from benchmarks.accuracy.tables import by_support, line, section
-from benchmarks.report import PICTURES, write_report
+from benchmarks.report import PICTURES, chosen, write_report
 
 CAUSES = {
     "stars": "stars", "softness": "smallest eigenvalue, exact, N/mm", "mesh_change_percent": "exact, two meshes, %",
@@ -36,9 +36,7 @@ def main() -> None:
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
     rows, left_out = [], []
-    for design in designs():
-        if options.names and design.name not in options.names:
-            continue
+    for design in chosen(parser, options.names, {design.name: design for design in designs()}):
         try:
             rows.append(compared(design, options.folder))
         except LawError as error:

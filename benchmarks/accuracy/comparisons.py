@@ -43,13 +43,7 @@ paper_law = cache(load_law)
 
 
 def law_for(design: Design, folder: Path) -> Law:
-    """The paper's law, or one of the design's own stars, which the folder keeps.
-
-    Raises
-    ------
-    LawError
-        The design's stars have no law.
-    """
+    """The paper's law, or one of the design's own stars, which the folder keeps; LawError if they have none."""
     try:
         paper_law().check(design)
     except ForeignLaw:
@@ -79,10 +73,7 @@ def is_solved(design: Design, folder: Path) -> bool:
 
 
 def known(design: Design, folder: Path) -> dict[str, Shape]:
-    """The exact shapes of a design by what they were found from, that which counts first.
-
-    One that was found from a preview is there only if the folder has it.
-    """
+    """The exact shapes of a design that the folder has, by what they were found from; the first one counts."""
     released = exact(design, folder)
     if not is_solved(design, folder):
         return {"release": released}
@@ -117,12 +108,7 @@ def compared(design: Design, folder: Path) -> Row:
     """The preview against the lower of the exact shapes from the released sheet and from the preview.
 
     The folder keeps the row as long as the law and the code of the preview stay the same. An exact shape that was found
-    from a preview stays a candidate of its design when the preview changes.
-
-    Raises
-    ------
-    LawError
-        The design has no preview.
+    from a preview stays a candidate of its design when the preview changes. LawError if the design has no preview.
     """
     law = law_for(design, folder)
     made_by = hashlib.sha256(b"".join([law_digest(law).encode(), *preview_code()])).hexdigest()[:16]

@@ -16,7 +16,7 @@ from pathlib import Path
 from benchmarks.accuracy.comparisons import Row, compared
 from benchmarks.accuracy.designs import CANOPY_THICKNESSES_MM, canopies, other_held
 from benchmarks.accuracy.tables import line, section
-from benchmarks.report import write_report
+from benchmarks.report import chosen, write_report
 
 HEIGHT_STEP = 1.05  # ratio of two heights from which their order counts
 
@@ -27,10 +27,9 @@ def main() -> None:
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
     rows = []
-    for design in [*canopies(), *other_held()]:
-        if not options.names or design.name in options.names:
-            rows.append(compared(design, options.folder))
-            print("  ".join(line(rows[-1])), flush=True)
+    for design in chosen(parser, options.names, {design.name: design for design in [*canopies(), *other_held()]}):
+        rows.append(compared(design, options.folder))
+        print("  ".join(line(rows[-1])), flush=True)
     if not options.names:
         text = table(rows)
         print(text)

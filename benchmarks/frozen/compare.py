@@ -15,7 +15,7 @@ from pathlib import Path
 from benchmarks.accuracy.comparisons import Row, compared, is_solved
 from benchmarks.accuracy.tables import by_support, line, section
 from benchmarks.frozen.draw import HALVES, KINDS, LATER, SEALED, WORKING, frozen
-from benchmarks.report import write_report
+from benchmarks.report import chosen, write_report
 
 
 def main() -> None:
@@ -29,9 +29,7 @@ def main() -> None:
     options = parser.parse_args()
     rows: list[Row] = []
     without = []
-    for kind, design in frozen(options.half):
-        if options.names and design.name not in options.names:
-            continue
+    for kind, design in chosen(parser, options.names, {each[1].name: each for each in frozen(options.half)}):
         if not is_solved(design, options.folder):
             without.append(design.name)
             continue

@@ -14,6 +14,7 @@ from pathlib import Path
 from asterism.previews.run import preview
 from benchmarks.accuracy.comparisons import exact, known, law_for
 from benchmarks.frozen.draw import GROUPS, WORKING, frozen
+from benchmarks.report import chosen
 
 
 def main() -> None:
@@ -22,13 +23,9 @@ def main() -> None:
     parser.add_argument("--half", choices=GROUPS, default=WORKING)
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
-    for _, design in frozen(options.half):
-        if options.names and design.name not in options.names:
-            continue
+    for design in chosen(parser, options.names, {design.name: design for _, design in frozen(options.half)}):
         exact(design, options.folder)
-        exact(
-            design, options.folder, near=lambda design=design: preview(design, law_for(design, options.folder))
-        )  # fmt: skip
+        exact(design, options.folder, near=lambda design=design: preview(design, law_for(design, options.folder)))
         shapes = known(design, options.folder)
         energies = ", ".join(
             f"from the {start} {shape.summary['energy_n_mm']:.3f} N mm"

@@ -1,12 +1,11 @@
 """Mutated inputs over all commands: designs, materials, strips, laws, scans, targets, drawings, results, profiles
 and options.
 
-python -m benchmarks.fuzz [COUNT] [--first NUMBER] [--verbose]
+python -m benchmarks.fuzz [COUNT] [--first NUMBER]
 
 A case is its number: the same number gives the same files and the same command line. A failure is a traceback, an exit
 status other than 0, 1 and 2, one without a reason, more than 60 s of processor time, a file that is left behind, a
 result that is no number, or a sheet that is larger than its print by more than a quarter.
-A run of at least 1000 cases writes its table.
 """
 
 from __future__ import annotations
@@ -22,33 +21,27 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 
 from benchmarks.fuzz.cases import SEED  # noqa: E402
 from benchmarks.fuzz.run import Outcome, run_cases, summary  # noqa: E402
-from benchmarks.report import markdown, write_report  # noqa: E402
+from benchmarks.report import markdown  # noqa: E402
 
 HEADER = ["input", "cases", "exit status 0", "1", "2", "longest, s", "failures"]
-ON_DEMAND = 1000
 
 
 def main() -> None:
     """Run the cases, print the failures and the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz")
-    parser.add_argument("count", nargs="?", type=int, default=ON_DEMAND)
+    parser.add_argument("count", nargs="?", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
-    parser.add_argument("--verbose", action="store_true", help="print how each case ended")
     words = parser.parse_args()
 
     def tell(outcome: Outcome) -> None:
         case = f"{outcome.case.number} {outcome.case.kind}: asterism {' '.join(outcome.case.words)}"
-        lines = [f"{outcome.status}, {outcome.last_line}"] if words.verbose else []
-        for line in [*lines, *outcome.failures]:
+        for line in outcome.failures:
             print(f"{case}: {line}", flush=True)
 
     outcomes = run_cases(range(words.first, words.first + words.count), tell)
     failed = sum(bool(outcome.failures) for outcome in outcomes)
     title = f"{len(outcomes)} cases, seed {SEED}, from number {words.first}: {failed} failures."
-    text = f"{title}\n\n{markdown(HEADER, summary(outcomes))}"
-    print(f"\n{text}")
-    if words.count >= ON_DEMAND:
-        write_report("fuzz", text)
+    print(f"\n{title}\n\n{markdown(HEADER, summary(outcomes))}")
     sys.exit(1 if failed else 0)
 
 

@@ -111,8 +111,7 @@ def make_case(number: int, kit: Path, folder: Path) -> Case:
     return Case(number, kind, tuple(MAKERS[kind](rng, kit, folder)))
 
 
-def strips_csv() -> str:
-    """A table of measured strips, with fabric and peeled, whose readings scatter."""
+def _strips_csv() -> str:
     rng = np.random.default_rng(0)
     lines = ["strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,curvature_per_mm,peeled_curvature_per_mm"]
     for number in range(24):
@@ -138,7 +137,7 @@ def make_kit(folder: Path) -> None:
     (folder / "text.stl").write_text(scan.export(file_type="stl_ascii"))
     (folder / "outline.csv").write_text(OUTLINE_CSV)
     (folder / "outline.svg").write_text(OUTLINE_SVG)
-    (folder / "strips.csv").write_text(strips_csv())
+    (folder / "strips.csv").write_text(_strips_csv())
     (folder / "law.npz").write_bytes(PAPER_LAW.read_bytes())
     profiles = Path(asterism.__file__).parent / "print" / "data"
     (folder / "printer.toml").write_bytes((profiles / "printers" / "ultimaker2.toml").read_bytes())

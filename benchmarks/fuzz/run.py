@@ -34,13 +34,12 @@ STAGING = ".asterism-"  # in names of files that no command may leave behind
 
 @dataclass(frozen=True)
 class Outcome:
-    """A case and how it ended: exit status, processor time in s, what is wrong with it, the last line of errors."""
+    """A case and how it ended: exit status, processor time in s, and what is wrong with it."""
 
     case: Case
     status: int
     seconds: float
     failures: tuple[str, ...]
-    last_line: str = ""
 
 
 def run_cases(numbers: Iterable[int], tell: Callable[[Outcome], None] | None = None) -> list[Outcome]:
@@ -88,8 +87,7 @@ def _run(number: int, kit: Path, folder: Path) -> Outcome:
     status = os.waitstatus_to_exitcode(code)
     text = errors.read_text(errors="replace")
     wrong = tuple(failures(case, status, text, folder, before))
-    last_line = text.strip().rpartition("\n")[2]
-    return Outcome(case, status, usage.ru_utime + usage.ru_stime, wrong, last_line)
+    return Outcome(case, status, usage.ru_utime + usage.ru_stime, wrong)
 
 
 def _command(case: Case, folder: Path, errors: Path) -> None:
