@@ -4,7 +4,8 @@ python -m benchmarks.accuracy.error_model FOLDER FROZEN_FOLDER
 
 After a change of the preview, this fits the constants again, for asterism/previews/model.py. FOLDER is that of
 `benchmarks.accuracy` and `benchmarks.accuracy.held`, and FROZEN_FOLDER that of `benchmarks.frozen.solve`. The fit sees
-the study and the sheets on few supports; the first frozen set judges it. Designs without exact shapes are left out.
+the study, the sheets on few supports and the second frozen set; the first set judges it. Designs without exact shapes
+are left out.
 
 The fit minimises the quantile loss at 0.9 of the logarithm of error over estimate, for distances and heights together:
 nine of ten are then within their estimate.
@@ -34,7 +35,7 @@ from asterism.previews.uncertainty.other_forms import OtherForm
 from benchmarks.accuracy.comparisons import FAR, Row, compared, is_solved, missed
 from benchmarks.accuracy.designs import canopies, designs, other_held
 from benchmarks.accuracy.tables import CLOSE
-from benchmarks.frozen.draw import HALVES, frozen
+from benchmarks.frozen.draw import HALVES, SECOND, frozen
 from benchmarks.report import markdown
 
 CONSTANTS = ("energy_uncertainty", "stiffness_uncertainty", "buckling_share")
@@ -69,7 +70,10 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("frozen_folder", type=Path)
     options = parser.parse_args()
-    fitted_to = list(comparisons([*designs(), *canopies(), *other_held()], options.folder))
+    fitted_to = [
+        *comparisons([*designs(), *canopies(), *other_held()], options.folder),
+        *comparisons([each for _, each in frozen(SECOND)], options.frozen_folder),
+    ]
     judging = list(comparisons([each for half in HALVES for _, each in frozen(half)], options.frozen_folder))
     if not fitted_to:
         parser.error(f"FOLDER: {options.folder} has no exact shapes: run python -m benchmarks.accuracy first")

@@ -39,9 +39,10 @@ def opened() -> Iterator[StudioPage]:
             page.wait("document.querySelector('[data-testid=gallery-dome]')")
             page.wait("[...document.querySelectorAll('#start img')].every((image) => image.complete)")
             yield page
-        browser.close()
-        if page.complaints:
-            raise SystemExit(page.complaints[0])
+            complaints = page.complaints[:1]
+            browser.close()
+    if complaints:
+        raise SystemExit(complaints[0])
 
 
 def take(page: StudioPage, name: str) -> None:
