@@ -126,7 +126,6 @@ def fit(
         float, typer.Option(min=0.01, max=10, help="Height in mm below which an arc counts as flat.")
     ] = 0.5,
     confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Confidence level of the intervals.")] = 0.95,
-    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Also use readings that do not fit.")] = False,
     save: Annotated[
         str | None, typer.Option(help="Also keep the material under this name in your list (see asterism materials).")
     ] = None,
@@ -152,7 +151,6 @@ def fit(
         outside=outside,
         flat_height_mm=flat_height,
         confidence=confidence,
-        keep_outliers=keep_outliers,
     )
     name, picture, numbers = write_material(material, path)
     run.table(material.rows)

@@ -38,16 +38,6 @@ def arc_length(width: ArrayLike, height: ArrayLike) -> Floats:
     return np.where(2 * h > w, beyond, np.where(h > 0, w * half_angle / np.maximum(np.sin(half_angle), 1e-300), w))
 
 
-def reading_sensitivity(curvature_: ArrayLike, length: ArrayLike) -> Floats:
-    """(n,) 1/mm^2, change of the curvature for an error of 1 mm in width and height.
-
-    Root of the sum of the squares of both derivatives of `curvature`; `8 / L^2` for a flat strip.
-    """
-    w, h = box(curvature_, length)
-    shallow = 8 * np.hypot(w**2 - 4 * h**2, 2 * w * h) / (w**2 + 4 * h**2) ** 2
-    return np.where(2 * h <= w, shallow, 2 / w**2)
-
-
 def line_box(width: float, height: float, thickness: float) -> tuple[float, float]:
     """Box of the middle line of a strip from the box around the whole strip.
 

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+import datetime
+import json
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from asterism.measure.strips import statement
-from asterism.measure.strips.curvature_model import KappaBarKind, StripFormula
+import numpy as np
+
 from asterism.measure.strips.fit_picture import draw_fit
-from asterism.measure.strips.material_file import check_ours, material_text
-from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, StripFit, fit_readings
+from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, KappaBarKind, StripFit, StripFormula, fit_readings
 from asterism.measure.strips.strip_table import read_strips
 from asterism.pattern.design.errors import one_line
-from asterism.pattern.design.materials import Plastic
+from asterism.pattern.design.materials import Plastic, bilayer_curvature
+from asterism.pattern.design.residual_curvature import ResidualCurvature
+from asterism.process.version import __version__
 from asterism.results.files import OutputError, staged
 from asterism.results.record import ABSENT
-from asterism.results.records.strips import StripFitRecord, StripOptionsRecord
+from asterism.results.records.strips import (
+    KappaBarRecord,
+    LeftOutReadingRecord,
+    RatioIntervalRecord,
+    StripFitRecord,
+    StripOptionsRecord,
+)
+
+# a file with this first line was written by the command, which may replace it
+MATERIAL_FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."
 
 
 @dataclass(frozen=True)
@@ -42,7 +55,31 @@ class FittedMaterial:
     @cached_property
     def summary(self) -> StripFitRecord:
         """All numbers; the content of the JSON file beside the material."""
-        return statement.fit_record(self.fit, self.table, self.options)
+        fit = self.fit
+        return StripFitRecord(
+            version=__version__,
+            strips=self.table,
+            options=self.options,
+            rest_curvature=fit.formula,
+            confidence=fit.confidence,
+            degrees_of_freedom=fit.freedom,
+            modulus_ratio={
+                name: RatioIntervalRecord(value=value, low=low, high=high if math.isfinite(high) else None)
+                for name, (value, low, high) in fit.ratio.items()
+            },
+            kappa_bar_kind=fit.kappa_bar_kind,
+            kappa_bar=[
+                KappaBarRecord(thickness_mm=h, value_per_mm=value, low_per_mm=low, high_per_mm=high)
+                for h, (value, low, high) in fit.kappa_bar.items()
+            ],
+            readings_used=len(fit.used),
+            readings_flat=sum(reading.curvature_per_mm is None for reading in fit.used),
+            left_out=[
+                LeftOutReadingRecord(strip=one.strip, row=one.row, peeled=one.peeled, reason=reason)
+                for one, reason in fit.left_out
+            ],
+            warnings=self.warnings,
+        )
 
     @property
     def rows(self) -> dict[str, str]:
@@ -52,17 +89,34 @@ class FittedMaterial:
     @property
     def sentences(self) -> list[str]:
         """Meaning of the two conventions of E1/E2."""
-        return statement.convention_sentences(self.fit)
+        fit = self.fit
+        formulas: dict[StripFormula, StripFormula] = {"paper": "timoshenko", "timoshenko": "paper"}
+        other = formulas[fit.formula]
+        mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
+        known = [(r.thickness_mm, r.fabric_thickness_mm, mine, 1 - r.stretch**-2) for r in fit.used if not r.peeled]
+        mixed_up = np.mean([bilayer_curvature(*one, other) / bilayer_curvature(*one, fit.formula) for one in known])
+        return [
+            f'{mine:.4g} goes with rest_curvature = "{fit.formula}", {theirs:.4g} with "{other}": each with its own '
+            "formula gives these strips the curvature they have.",
+            f'The ratio is also the stiffness of the arms against the fabric: with "{other}" they are '
+            f'{theirs / mine:.2f} times as stiff as with "{fit.formula}".',
+            f'Mixed up, {mine:.4g} with "{other}", the fabric would curl the strips {mixed_up:.2f} times as much.',
+        ]
 
     @property
     def warnings(self) -> list[str]:
         """One line for each reason to doubt the numbers."""
-        return statement.fit_warnings(self.fit)
+        left_to = "the material says none; add fabric.{} to it for asterism calibrate"
+        fabrics = _fabrics(self.fit).items()
+        return [
+            *self.fit.warnings,
+            *(f"strips of {len(v)} {called}: {left_to.format(key)}" for key, (called, v) in fabrics if len(v) > 1),
+        ]
 
     @property
     def left_out(self) -> list[str]:
         """One line for each reading that is not used."""
-        return [f"left out: {o.reading.name} (row {o.reading.row}): {o.reason}" for o in self.fit.left_out]
+        return [f"left out: {one.name} (row {one.row}): {reason}" for one, reason in self.fit.left_out]
 
 
 def fit_strips(
@@ -75,7 +129,6 @@ def fit_strips(
     outside: bool = False,
     flat_height_mm: float = FLAT_HEIGHT_MM,
     confidence: float = 0.95,
-    keep_outliers: bool = False,
 ) -> FittedMaterial:
     """Fit E1/E2 and kappa_bar to a table of measured strips.
 
@@ -88,7 +141,6 @@ def fit_strips(
     outside : the boxes enclose the thickness of the strips.
     flat_height_mm : strips whose arc is lower count as flat.
     confidence : probability with which the intervals contain the true values.
-    keep_outliers : use readings that contradict the others, too.
 
     Raises
     ------
@@ -112,18 +164,10 @@ def fit_strips(
     """
     table = Path(table)
     readings = read_strips(table, stretch, fabric_thickness_mm, outside=outside)
-    fit = fit_readings(
-        readings,
-        rest_curvature,
-        kappa_bar,
-        confidence=confidence,
-        flat_height_mm=flat_height_mm,
-        keep_outliers=keep_outliers,
-    )
+    fit = fit_readings(readings, rest_curvature, kappa_bar, confidence=confidence, flat_height_mm=flat_height_mm)
     options = StripOptionsRecord(
         outside=outside,
         flat_height_mm=flat_height_mm,
-        keep_outliers=keep_outliers,
         stretch=ABSENT if stretch is None else stretch,
         fabric_thickness_mm=ABSENT if fabric_thickness_mm is None else fabric_thickness_mm,
     )
@@ -141,7 +185,18 @@ def check_material_path(path: str | Path) -> None:
     path = Path(path)
     if path.suffix != ".toml":
         raise OutputError(f"--output: {str(path)!r} must end with .toml")
-    check_ours(path)
+    foreign = None
+    try:
+        with path.open(encoding="utf-8") as stream:
+            if stream.readline().strip() != MATERIAL_FIRST_LINE:
+                foreign = path
+    except FileNotFoundError:
+        # a picture or numbers without a material come from something else
+        foreign = next((file for file in map(path.with_suffix, (".png", ".json")) if file.exists()), None)
+    except (OSError, UnicodeDecodeError):
+        foreign = path
+    if foreign:
+        raise OutputError(f"{foreign} exists and was not written by asterism strips fit; choose another name with -o")
 
 
 def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
@@ -154,11 +209,49 @@ def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
     """
     path = Path(path)
     check_material_path(path)
-    remarks = [f"{name}: {value}" for name, value in material.rows.items()] + material.sentences
     title = one_line(f"{material.table}: {len(material.fit.used)} readings of strips")
     with staged(path.parent) as folder:
-        text = material_text(material.fit, one_line(path.stem), remarks, title)
-        (folder / path.name).write_text(text, encoding="utf-8")
+        (folder / path.name).write_text(_material_text(material, one_line(path.stem), title), encoding="utf-8")
         draw_fit(material.fit, title, folder / f"{path.stem}.png")
         (folder / f"{path.stem}.json").write_text(material.summary.json_text(), encoding="utf-8")
     return [path.name, f"{path.stem}.png", f"{path.stem}.json"]
+
+
+def _material_text(material: FittedMaterial, name: str, source: str) -> str:
+    """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
+    plastic = material.plastic
+    kappa_bar = plastic.kappa_bar_per_mm
+    if isinstance(kappa_bar, ResidualCurvature):
+        thicknesses = ", ".join(map(repr, kappa_bar.thickness_mm))  # keeps apart what is nearly equal
+        values = ", ".join(f"{value:.4g}" for value in kappa_bar.per_mm)
+        kept = f"{{ thickness_mm = [{thicknesses}], per_mm = [{values}] }}"
+    else:
+        kept = f"{kappa_bar:.4g}"
+    remarks = [f"{label}: {text}" for label, text in material.rows.items()] + material.sentences
+    lines = [
+        MATERIAL_FIRST_LINE,
+        *(f"# {remark}" for remark in remarks),
+        f"name = {json.dumps(name, ensure_ascii=False)}",
+        "",
+        "[measured]",
+        f"source = {json.dumps(source, ensure_ascii=False)}",
+        f'date = "{datetime.date.today().isoformat()}"',
+        "",
+        "[fabric]",
+        # with several values the key is left out, and commands use the design's value
+        *(f"{key} = {values.pop():g}" for key, (_, values) in _fabrics(material.fit).items() if len(values) == 1),
+        "",
+        "[plastic]",
+        f"modulus_ratio = {plastic.modulus_ratio:.5g}",
+        f'rest_curvature = "{plastic.rest_curvature}"',
+        f"kappa_bar_per_mm = {kept}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _fabrics(fit: StripFit) -> dict[str, tuple[str, set[float]]]:
+    """Values of the fabrics with their name, by the keys of a design's fabric; most tables have one value each."""
+    return {
+        "stretch": ("stretches", {reading.stretch for reading in fit.used}),
+        "thickness_mm": ("thicknesses of the fabric", {reading.fabric_thickness_mm for reading in fit.used}),
+    }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,29 +33,28 @@ Pair = tuple[float, float]
 _FORM_LETTERS = 108
 
 
-@dataclass(frozen=True)
-class PrintStart:
-    """A printer, and the thickness of the stretched fabric on its plate."""
-
-    printer: Printer
-    fabric_mm: float
-
-    @property
-    def z_offset_mm(self) -> float:
-        """Height of the fabric's surface above the bed."""
-        return self.printer.frame.plate_mm + self.fabric_mm
-
-
 def strip_form(
-    specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float
+    specimen: Specimen, printer: Printer, under_nozzle_mm: float, layers_mm: Pair, stretch: float, fabric_mm: float
 ) -> tuple[Drawing, ...]:
     """Pages of A4: the map with the instructions, and the table with 40 strips a page.
 
-    `layers_mm` are the heights of the first layer and of the other layers.
+    Parameters
+    ----------
+    under_nozzle_mm : thickness of the stretched fabric.
+    layers_mm : heights of the first layer and of the other layers.
+    stretch, fabric_mm : stretch of the fabric, and its thickness when released.
     """
-    rows = [specimen.strips[i : i + 40] for i in range(0, len(specimen.strips), 40)]
-    tables = [_table_page(specimen, page) for page in rows]
-    return (_first_page(specimen, start, layers_mm, stretch, fabric_mm), *tables)
+    items: list[Polyline | Label] = [
+        Label(TEXT_PEN, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
+    ]
+    y = 268.0
+    for line in _instructions(specimen, printer, under_nozzle_mm, layers_mm, stretch, fabric_mm):
+        items.append(Label(TEXT_PEN, np.array([15.0, y]), line, 3.0))
+        y -= 5.0
+    items += _boxes(np.array([15.0, y - 34.0]))
+    items += _map(specimen, printer.bed_mm)
+    tables = [_table_page(specimen, specimen.strips[i : i + 40]) for i in range(0, len(specimen.strips), 40)]
+    return (Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items)), *tables)
 
 
 def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
@@ -66,19 +64,6 @@ def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
         known = (strip.number, f"{strip.thickness_mm:g}", f"{specimen.length_mm:g}", f"{stretch:g}", f"{fabric_mm:g}")
         lines.append(",".join([*map(str, known), *[""] * len(BOX_COLUMNS)]))
     return "\n".join(lines) + "\n"
-
-
-def _first_page(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
-    items: list[Polyline | Label] = [
-        Label(TEXT_PEN, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
-    ]
-    y = 268.0
-    for line in instructions(specimen, start, layers_mm, stretch, fabric_mm):
-        items.append(Label(TEXT_PEN, np.array([15.0, y]), line, 3.0))
-        y -= 5.0
-    items += _boxes(np.array([15.0, y - 34.0]))
-    items += _map(specimen, start.printer.bed_mm)
-    return Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items))
 
 
 def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Label]:
@@ -101,20 +86,24 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Lab
     return items
 
 
-def instructions(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
+def _instructions(
+    specimen: Specimen, printer: Printer, under_nozzle_mm: float, layers_mm: Pair, stretch: float, fabric_mm: float
+) -> list[str]:
     """The instructions, line by line."""
     first, others = layers_mm
-    heights = [float(arc.box(_expected(h, stretch, fabric_mm), specimen.length_mm)[1]) for h in specimen.thicknesses_mm]
+    plate_mm = printer.frame.plate_mm
+    expected = rest_curvature(specimen.thicknesses_mm, Fabric(stretch=stretch, thickness_mm=fabric_mm), Plastic())
+    heights = arc.box(expected, specimen.length_mm)[1]
     thicknesses = ", ".join(f"{h:g}" for h in specimen.thicknesses_mm)
     return [
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
         "    write your own stretch into the table. Measure the fabric's thickness before it is stretched:",
         f"    the table says {fabric_mm:g} mm.",
-        *_indented(f"2. Put the frame with its plate on the bed. {homing_advice(start.printer)}"),
+        *_indented(f"2. Put the frame with its plate on the bed. {homing_advice(printer)}"),
         *_indented(
             "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the "
-            f"nozzle starts {start.z_offset_mm:.2f} mm above the bed, plate {start.printer.frame.plate_mm:.2f} mm and "
-            f"fabric {start.fabric_mm:.2f} mm. Measure both on the bed; if they differ, --plate and --fabric."
+            f"nozzle starts {plate_mm + under_nozzle_mm:.2f} mm above the bed, plate {plate_mm:.2f} mm and "
+            f"fabric {under_nozzle_mm:.2f} mm. Measure both on the bed; if they differ, --plate and --fabric."
         ),
         f"4. Slice strips.3mf with a first layer of {first:g} mm and others of {others:g} mm, lines along strips.",
         f"    They are {thicknesses} mm thick; measure some with a caliper and correct the table: 0.01 mm matters.",
@@ -132,10 +121,6 @@ def instructions(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch
 def _indented(step: str) -> list[str]:
     """One step, wrapped into lines of the page."""
     return textwrap.wrap(step, _FORM_LETTERS, subsequent_indent="    ")
-
-
-def _expected(thickness_mm: float, stretch: float, fabric_mm: float) -> float:
-    return float(rest_curvature(thickness_mm, Fabric(stretch=stretch, thickness_mm=fabric_mm), Plastic()))
 
 
 def _boxes(corner: Floats) -> list[Polyline | Label]:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.strips.form import PrintStart, csv_text, strip_form
+from asterism.measure.strips.form import csv_text, strip_form
 from asterism.measure.strips.specimen import THICKNESSES_MM, PrintedStrip, Specimen, lay_out_specimen, layer_heights
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM
@@ -98,15 +98,16 @@ def new_strips(
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
     solids = [_solid(strip, specimen) for strip in specimen.strips]
     under_nozzle = fabric_thickness_mm if stretched_thickness_mm is None else stretched_thickness_mm
-    start = PrintStart(machine, under_nozzle)
+    z_offset = machine.frame.plate_mm + under_nozzle
     with staged(directory) as folder:
         write_3mf(folder / "strips.3mf", solids, "strips")
         write_stl(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        write_pdf(folder / "strips.pdf", strip_form(specimen, start, heights, stretch, fabric_thickness_mm))
-        code = machine.start_snippet(start.z_offset_mm, under_nozzle if stretched_thickness_mm is None else None)
+        pages = strip_form(specimen, machine, under_nozzle, heights, stretch, fabric_thickness_mm)
+        write_pdf(folder / "strips.pdf", pages)
+        code = machine.start_snippet(z_offset, under_nozzle if stretched_thickness_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
-    return StripsPrint(specimen, heights, (machine.first_layers_mm[0], machine.layer_mm), start.z_offset_mm)
+    return StripsPrint(specimen, heights, (machine.first_layers_mm[0], machine.layer_mm), z_offset)
 
 
 def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:

@@ -1,50 +1,42 @@
-"""Fit of E1/E2 and kappa_bar to strips, with confidence intervals, in both conventions."""
+"""Fit of E1/E2 and kappa_bar to strips: peeled strips give kappa_bar, and strips with fabric, less kappa_bar, E2/E1."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from pydantic import ValidationError
-from scipy.stats import t as student
 
-from asterism.measure.strips.agreement import FALSE_ALARM, contradicted, lack_of_fit
-from asterism.measure.strips.curvature_model import (
-    FORMULAS,
-    KAPPA_BAR_KINDS,
-    CurvatureModel,
-    KappaBarKind,
-    StripData,
-    StripFormula,
+from asterism.equilibrium.arrays import Floats
+from asterism.measure.strips.least_squares import (
+    FAR,
+    IMPLAUSIBLE,
+    Curve,
+    Interval,
+    Solution,
+    UndeterminedMaterialError,
+    far_strips,
+    fit_curve,
+    kinds_apart,
 )
-from asterism.measure.strips.errors import UndeterminedMaterialError
-from asterism.measure.strips.mistakes import check_mistakes
-from asterism.measure.strips.noise import ReadingNoise
-from asterism.measure.strips.outliers import outliers
-from asterism.measure.strips.parameter_estimate import ParameterEstimate, estimate_parameters
-from asterism.measure.strips.reading import Reading
+from asterism.measure.strips.strip_data import StripData
+from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.errors import from_validation
-from asterism.pattern.design.materials import Plastic
+from asterism.pattern.design.materials import Plastic, bilayer_curvature
 
+StripFormula = Literal["paper", "timoshenko"]
+KappaBarKind = Literal["constant", "per-thickness", "zero"]
+FORMULAS: tuple[StripFormula, ...] = get_args(StripFormula)
+KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
 # strips whose arc is lower count as flat
 FLAT_HEIGHT_MM = 0.5
-NO_EFFECT_OF_FABRIC = "strips with their fabric curl no more than peeled ones: E1/E2 is not determined"
-IMPLAUSIBLE = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
+# a thickness, or None for all of them
+Key = float | None
 
 
-@dataclass(frozen=True)
-class Interval:
-    """An estimate with its confidence interval; `high` may be infinite."""
-
-    value: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """A reading that was not used, and why."""
+class NamedReading(NamedTuple):
+    """A reading that is left out or doubtful, and why."""
 
     reading: Reading
     reason: str
@@ -58,55 +50,34 @@ class StripFit:
     ----------
     ratio : E1/E2 for each convention.
     kappa_bar : one entry a thickness, or a single entry with the key None; empty if it is taken for 0.
-    noise : noise of the readings.
-    used, left_out : readings that are used, and the others.
-    lack_of_fit : probability of the measured deviations if the formula holds; None without repeats, or if all repeats
-        are equal.
-    widened : width of the interval of E1/E2 over its width from the scatter of single strips alone; larger than 1
-        because strips of a thickness may share an error.
-    kappa_bar_contradicted : the peeled strips contradict the model of kappa_bar.
-    thicknesses_apart : mm, thicknesses whose strips deviate as a whole; they are used.
+    freedom : degrees of freedom of the interval of E1/E2.
+    used, left_out : readings that are used, and those whose box does not fit the length of the strip.
+    outliers : readings that are used although they are far from the others.
+    warnings : one line for each reason to doubt the numbers.
     """
 
     formula: StripFormula
     kappa_bar_kind: KappaBarKind
     confidence: float
+    flat_height_mm: float
     ratio: dict[StripFormula, Interval]
-    kappa_bar: dict[float | None, Interval]
-    estimate: ParameterEstimate
-    model: CurvatureModel
-    noise: ReadingNoise
+    kappa_bar: dict[Key, Interval]
+    freedom: float
     used: tuple[Reading, ...]
-    left_out: tuple[LeftOut, ...]
-    lack_of_fit: float | None
-    widened: float
-    kappa_bar_contradicted: bool
-    thicknesses_apart: tuple[float, ...] = ()
-    flat_height_mm: float = field(default=FLAT_HEIGHT_MM)
-
-    @property
-    def disagrees(self) -> bool:
-        """Whether the kinds of strips deviate from the formula by more than their scatter explains."""
-        return self.lack_of_fit is not None and self.lack_of_fit < FALSE_ALARM
-
-    @property
-    def fabrics(self) -> dict[str, set[float]]:
-        """Values of the fabrics by the keys of a design's fabric; most tables have one value each."""
-        return {
-            "stretch": {reading.stretch for reading in self.used},
-            "thickness_mm": {reading.fabric_thickness_mm for reading in self.used},
-        }
+    left_out: tuple[NamedReading, ...]
+    outliers: tuple[NamedReading, ...]
+    warnings: tuple[str, ...]
 
     def plastic(self, modulus_ratio: float | None = None) -> Plastic:
         """The plastic of a design, with the fitted ratio or another one."""
         kept: Any = self.kappa_bar[None].value if None in self.kappa_bar else 0.0
         if self.kappa_bar_kind == "per-thickness":
-            values = tuple(interval.value for interval in self.kappa_bar.values())
-            kept = {"thickness_mm": tuple(float(h) for h in self.model.thicknesses), "per_mm": values}
+            kept = {"thickness_mm": tuple(self.kappa_bar), "per_mm": tuple(i.value for i in self.kappa_bar.values())}
         ratio = modulus_ratio or self.ratio[self.formula].value
         return Plastic(modulus_ratio=ratio, rest_curvature=self.formula, kappa_bar_per_mm=kept)
 
 
+@np.errstate(all="ignore")  # the material is checked
 def fit_readings(
     readings: list[Reading],
     formula: StripFormula = "paper",
@@ -114,17 +85,8 @@ def fit_readings(
     *,
     confidence: float = 0.95,
     flat_height_mm: float = FLAT_HEIGHT_MM,
-    keep_outliers: bool = False,
 ) -> StripFit:
-    """Fit a material to strips.
-
-    Parameters
-    ----------
-    formula : convention of the material's rest curvature; the result has the ratio of the other convention too.
-    kappa_bar : one number, one for each thickness, or zero.
-    confidence : confidence of the intervals, from 0 to 1.
-    flat_height_mm : strips whose arc is lower count as flat.
-    keep_outliers : use outliers too.
+    """Fit a material to strips; parameters as those of `fit_strips`.
 
     Raises
     ------
@@ -139,13 +101,68 @@ def fit_readings(
     if not (0 < confidence < 1 and 0 < flat_height_mm < np.inf):
         numbers = f"{confidence}, {flat_height_mm}"
         raise ValueError(f"confidence: must be between 0 and 1, and flat_height_mm above 0, not {numbers}")
-    try:
-        with np.errstate(all="ignore"):  # the results are checked below
-            fit = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
-    except np.linalg.LinAlgError:
-        raise UndeterminedMaterialError(IMPLAUSIBLE) from None
-    if not all(np.isfinite(interval.value) for interval in fit.ratio.values()):
-        raise UndeterminedMaterialError(IMPLAUSIBLE)
+    used = [r for r in readings if not r.left_out]
+    left_out = [NamedReading(r, r.left_out) for r in readings if r.left_out]
+    if not used:
+        reasons = "; ".join(f"{r.name}: {reason}" for r, reason in left_out[:3])
+        raise UndeterminedMaterialError(f"no reading can be used: {reasons}")
+    bare, covered = [r for r in used if r.peeled], [r for r in used if not r.peeled]
+    _check_kinds(bare, covered, kappa_bar)
+    strips = StripData.of(covered, flat_height_mm)
+    if all(r.curvature_per_mm is None for r in covered):
+        bound = np.max(_of_ratio_one(strips, formula) / strips.limit)
+        raise UndeterminedMaterialError(
+            f"every strip with its fabric looks flat: E1/E2 is above {bound:.0f} ({formula}) if kappa_bar is 0, "
+            "and no more can be said; print thinner or longer strips"
+        )
+    keys: list[Key] = []
+    if kappa_bar == "constant":
+        keys.append(None)
+    elif kappa_bar == "per-thickness":
+        keys += sorted({r.thickness_mm for r in bare})
+    kept, outliers, doubts = None, _outliers(covered, strips), list[str]()
+    if bare:
+        peeled = StripData.of(bare, flat_height_mm)
+        if keys:
+            kept = fit_curve(lambda values, some: _of_key(some, keys) @ values, np.zeros(len(keys)), peeled)
+        outliers = _outliers(bare, peeled) + outliers
+        found = kept.values if kept else np.empty(0)
+        if apart := kinds_apart(peeled, lambda some: _of_key(some, keys) @ found):
+            what = "keep another curvature than the others: try --kappa-bar per-thickness"
+            what = what if keys else "curl by themselves: kappa_bar is not 0, try --kappa-bar constant"
+            doubts.append(f"peeled strips of {apart} {what}")
+    solutions = {name: _with_fabric(strips, name, keys, kept) for name in FORMULAS}
+    ratio = {}
+    for name, (solution, _) in solutions.items():
+        inverse = solution.interval(0, confidence)
+        if not inverse.value > 0:
+            no_effect = "strips with their fabric curl no more than peeled ones: E1/E2 is not determined"
+            raise UndeterminedMaterialError(no_effect if kept else IMPLAUSIBLE)
+        ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
+    mine, curve = solutions[formula]
+    if apart := kinds_apart(strips, lambda some: curve(mine.values, some)):
+        doubts.append(
+            f"strips of {apart} with fabric differ from the fit by more than their scatter: check their thickness"
+        )
+    if mine.units is strips:
+        doubts.append(
+            "the interval of E1/E2 leaves out errors that strips of a thickness share: print more thicknesses"
+        )
+    if np.isinf(ratio[formula].high):
+        doubts.append("E1/E2 has no upper bound: the strips bend too little, or they are too few or of too few kinds")
+    fit = StripFit(
+        formula,
+        kappa_bar,
+        confidence,
+        flat_height_mm,
+        ratio,
+        {key: kept.interval(i, confidence) if kept else mine.interval(1, confidence) for i, key in enumerate(keys)},
+        float(mine.freedom[0]),
+        tuple(used),
+        tuple(left_out),
+        tuple(outliers),
+        (*(f"{one.name} (row {one.row}): {reason}; it is used: check it" for one, reason in outliers), *doubts),
+    )
     try:
         fit.plastic()
     except ValidationError as error:
@@ -153,82 +170,55 @@ def fit_readings(
     return fit
 
 
-def _fit(
-    readings: list[Reading],
-    formula: StripFormula,
-    kappa_bar: KappaBarKind,
-    confidence: float,
-    flat_height_mm: float,
-    keep_outliers: bool,
-) -> StripFit:
-    """The fit without the final checks."""
-    left_out = [LeftOut(r, r.left_out) for r in readings if r.left_out]
-    usable = [r for r in readings if not r.left_out]
-    if not usable:
+def _check_kinds(bare: list[Reading], covered: list[Reading], kappa_bar: KappaBarKind) -> None:
+    """Refuse tables without the kinds of strips that determine the material."""
+    thicknesses = {r.thickness_mm for r in covered}
+    if not covered:
+        raise UndeterminedMaterialError("no strip was measured with its fabric: E1/E2 is not determined")
+    if kappa_bar == "constant" and not bare and len(thicknesses) < 2:
         raise UndeterminedMaterialError(
-            "no reading can be used: " + "; ".join(f"{o.reading.name}: {o.reason}" for o in left_out[:3])
+            "strips of one thickness and none peeled cannot tell E1/E2 from kappa_bar: "
+            "peel some, or give --kappa-bar zero"
         )
-    data = StripData.of(usable, flat_height_mm)
-    thicknesses_apart: tuple[float, ...] = ()
-    if not keep_outliers:
-        model = CurvatureModel.of(data, formula, kappa_bar)
-        odd, distance, apart = outliers(model, data)
-        expected = model.mean(estimate_parameters(model, data.take(~odd)).parameters, data)
-        for i in np.flatnonzero(odd):
-            seen = "flat" if data.flat[i] else f"{data.curvature[i]:.5f} /mm"
-            reason = f"{seen}, the others say {expected[i]:.5f}: {distance[i]:.1f} standard deviations"
-            left_out.append(LeftOut(usable[i], reason))
-        usable = [reading for reading, bad in zip(usable, odd, strict=True) if not bad]
-        thicknesses_apart = tuple(float(h) for h in np.unique(data.thickness[apart]))
-        data = data.take(~odd)
-    results, lack = {}, {}
-    for name in FORMULAS:
-        model = CurvatureModel.of(data, name, kappa_bar)
-        results[name] = model, estimate_parameters(model, data)
-        lack[name] = lack_of_fit(*results[name], data)
-    ratio = {}
-    for name, (_, estimate) in results.items():
-        inverse = _interval(estimate, 0, confidence)
-        if inverse.value <= 0:
-            raise UndeterminedMaterialError(NO_EFFECT_OF_FABRIC if data.peeled.any() else IMPLAUSIBLE)
-        ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
-    model, estimate = results[formula]
-    check_mistakes(model, estimate, data, lack[formula])
-    keys: list[float | None] = [float(h) for h in model.thicknesses] if kappa_bar == "per-thickness" else [None]
-    kept = {key: _interval(estimate, 1 + i, confidence) for i, key in enumerate(keys[: model.size - 1])}
-    return StripFit(
-        formula,
-        kappa_bar,
-        confidence,
-        ratio,
-        kept,
-        estimate,
-        model,
-        estimate.noise,
-        tuple(usable),
-        tuple(left_out),
-        lack[formula],
-        _widened(estimate, confidence),
-        contradicted(kappa_bar, estimate, data),
-        thicknesses_apart,
-        flat_height_mm,
-    )
+    if kappa_bar == "per-thickness" and (missing := thicknesses - {r.thickness_mm for r in bare}):
+        raise UndeterminedMaterialError(
+            f"--kappa-bar per-thickness: no strip of {min(missing):g} mm was measured peeled"
+        )
 
 
-def _interval(estimate: ParameterEstimate, index: int, confidence: float) -> Interval:
-    variance = estimate.covariance[index, index] + estimate.rounding[index, index]
-    half = student.ppf((1 + confidence) / 2, estimate.freedom(index)) * np.sqrt(variance)
-    value = float(estimate.parameters[index])
-    return Interval(value, value - float(half), value + float(half))
+def _with_fabric(
+    strips: StripData, formula: StripFormula, keys: list[Key], kept: Solution | None
+) -> tuple[Solution, Curve]:
+    """E2/E1 of strips with their fabric, and their curve. Values of kappa_bar that are not `kept` follow."""
+
+    def curve(values: Floats, some: StripData) -> Floats:
+        ratio = 1 / values[0] if values[0] else np.inf
+        by_fabric = bilayer_curvature(some.thickness, some.fabric, ratio, some.mismatch, formula)
+        return np.asarray(by_fabric + _of_key(some, keys) @ (kept.values if kept else values[1:]))
+
+    residual = _of_key(strips, keys) @ kept.values if kept else 0.0
+    guess = np.median(((strips.curvature - residual) / _of_ratio_one(strips, formula))[strips.curvature != 0])
+    start = np.array([max(float(guess), 1e-7), *np.zeros(0 if kept else len(keys))])
+    solution = fit_curve(curve, start, strips)
+    return solution.with_errors_of(kept, _of_key(solution.units, keys)) if kept else solution, curve
 
 
-def _widened(estimate: ParameterEstimate, confidence: float) -> float:
-    """Width of the interval of E2/E1 over its width from the scatter of single strips alone."""
-    if not estimate.of_common[0].any():
-        return 1.0
-    chance, free = (1 + confidence) / 2, estimate.free - estimate.free_common.sum()
-    wider = student.ppf(chance, estimate.freedom(0)) / student.ppf(chance, max(free, 1.0))
-    all_of_it = estimate.covariance[0, 0] + estimate.rounding[0, 0]
-    # equal readings have no scatter
-    scatter = max(estimate.of_noise(0) + estimate.rounding[0, 0], 1e-12 * all_of_it)
-    return float(wider * np.sqrt(all_of_it / scatter))
+def _outliers(readings: list[Reading], strips: StripData) -> list[NamedReading]:
+    distance, _ = far_strips(strips)
+    return [
+        NamedReading(one, f"{one.curvature_per_mm or 0:.5f} /mm is {far:.1f} standard deviations from strips like it")
+        for one, far in zip(readings, distance, strict=True)
+        if far > FAR
+    ]
+
+
+def _of_key(strips: StripData, keys: list[Key]) -> Floats:
+    """(n, q), 1 where a value of kappa_bar, for a thickness or for all, is that of a strip."""
+    n = len(strips.thickness)
+    return np.array([np.ones(n) if h is None else strips.thickness == h for h in keys]).reshape(-1, n).T
+
+
+def _of_ratio_one(strips: StripData, formula: StripFormula) -> Floats:
+    """(n,) 1/mm, curvature for E1/E2 = 1 in the limit of stiff plastic."""
+    stiff = 1e9
+    return stiff * bilayer_curvature(strips.thickness, strips.fabric, stiff, strips.mismatch, formula)

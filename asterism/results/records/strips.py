@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from asterism.results.record import ABSENT, Record, key
 
-# errors that all strips may share; `shared_error_percent` states what each would do
-STRETCH_ERROR_PERCENT = 1.0
-FABRIC_ERROR_MM = 0.05
-PLASTIC_ERROR_MM = 0.01
-
 
 class StripOptionsRecord(Record):
     """The options with which the table of strips was read."""
 
     outside: bool = key("The boxes enclose the thickness of the strips.")
     flat_height_mm: float = key("Strips whose arc is lower count as flat.", unit="mm")
-    keep_outliers: bool = key("Readings that contradict the others were used.")
     stretch: float = key("Stretch of all strips, if the table gives none.", default=ABSENT)
     fabric_thickness_mm: float = key("Thickness of the fabric, if the table gives none.", unit="mm", default=ABSENT)
 
@@ -45,14 +39,6 @@ class KappaBarRecord(Record):
         return f"{self.value_per_mm:.5f} /mm   {self.low_per_mm:.5f} to {self.high_per_mm:.5f}"
 
 
-class SharedErrorRecord(Record):
-    """Change of E1/E2 if an input of all strips were larger than stated."""
-
-    stretch: float = key(f"If the stretch were {STRETCH_ERROR_PERCENT:g} % larger.", unit="%")
-    fabric_thickness: float = key(f"If the fabric were {FABRIC_ERROR_MM:g} mm thicker.", unit="%")
-    plastic_thickness: float = key(f"If the plastic were {PLASTIC_ERROR_MM:g} mm thicker.", unit="%")
-
-
 class LeftOutReadingRecord(Record):
     """A reading that was not used."""
 
@@ -64,7 +50,7 @@ class LeftOutReadingRecord(Record):
 
 def _readings(record: StripFitRecord) -> str:
     total = record.readings_used + len(record.left_out)
-    flat = f", {record.readings_flat} of them flat: a bound only" if record.readings_flat else ""
+    flat = f", {record.readings_flat} of them flat" if record.readings_flat else ""
     return f"{total}, {record.readings_used} used{flat}"
 
 
@@ -81,26 +67,10 @@ def _kappa_bars(record: StripFitRecord) -> dict[str, str]:
     }
 
 
-def _scatter(record: StripFitRecord) -> str:
-    return (
-        f"{record.reading_error_mm:.2f} mm a side of a box, {100 * record.strip_scatter:.1f} % from strip to strip"
-        f", {100 * record.thickness_scatter:.1f} % from thickness to thickness"
-    )
-
-
-def _shared_errors(record: StripFitRecord) -> str:
-    shared = record.shared_error_percent
-    return (
-        f"{STRETCH_ERROR_PERCENT:g} % more stretch: E1/E2 {shared.stretch:+.1f} %; "
-        f"fabric {FABRIC_ERROR_MM:g} mm thicker: {shared.fabric_thickness:+.1f} %; "
-        f"plastic {PLASTIC_ERROR_MM:g} mm thicker: {shared.plastic_thickness:+.1f} %"
-    )
-
-
 class StripFitRecord(Record):
     """The summary of a fit of strips."""
 
-    rows = ("readings_used", "modulus_ratio", "kappa_bar", "confidence", "strip_scatter", "shared_error_percent")
+    rows = ("readings_used", "modulus_ratio", "kappa_bar", "confidence")
 
     version: str = key("Version of asterism.")
     strips: str = key("Name of the table of strips.")
@@ -109,8 +79,9 @@ class StripFitRecord(Record):
     confidence: float = key(
         "Probability with which the intervals contain the true values, from 0 to 1.",
         label="intervals",
-        show=lambda record: f"{100 * record.confidence:g} %",
+        show=lambda record: f"{100 * record.confidence:g} %, {record.degrees_of_freedom:.1f} degrees of freedom",
     )
+    degrees_of_freedom: float = key("Degrees of freedom of the interval of E1/E2.")
     modulus_ratio: dict[str, RatioIntervalRecord] = key("E1/E2 for each convention.", label="E1/E2", show=_ratios)
     kappa_bar_kind: str = key("Model of kappa_bar: `constant`, `per-thickness` or `zero`.")
     kappa_bar: list[KappaBarRecord] = key(
@@ -118,33 +89,9 @@ class StripFitRecord(Record):
         label="kappa_bar",
         show=_kappa_bars,
     )
-    reading_error_mm: float = key("Standard deviation of a side of a box.", unit="mm")
-    strip_scatter: float = key(
-        "Standard deviation of the curvature from strip to strip, as a part of it.", label="scatter", show=_scatter
-    )
-    thickness_scatter: float = key(
-        "Standard deviation of the curvature from thickness to thickness, as a part of it, with fabric."
-    )
-    peeled_thickness_scatter_per_mm: float = key(
-        "Standard deviation of the curvature of peeled strips from thickness to thickness.", unit="1/mm"
-    )
-    lack_of_fit_chance: float | None = key(
-        "Probability of such differences between the kinds of strips if the formula holds; null without repeated "
-        "readings, or if these are all equal."
-    )
-    intervals_widened_by: float = key(
-        "Width of the interval of E1/E2 over its width from the scatter of single strips alone."
-    )
-    kappa_bar_contradicted: bool = key("The peeled strips contradict the model of kappa_bar.")
-    thicknesses_apart_mm: list[float] = key(
-        "Thicknesses whose strips differ from the others as a whole. They are used.", unit="mm"
-    )
-    shared_error_percent: SharedErrorRecord = key(
-        "What errors that all strips share would do to E1/E2. The intervals do not contain them.",
-        unit="%",
-        label="if all strips had",
-        show=_shared_errors,
-    )
     readings_used: int = key("Readings that were used.", label="readings", show=_readings)
-    readings_flat: int = key("Flat readings among them, which give a bound only.")
+    readings_flat: int = key("Flat readings among them, which count as straight within a bound.")
     left_out: list[LeftOutReadingRecord] = key("Readings that were not used.")
+    warnings: list[str] = key(
+        "Reasons to doubt the numbers, such as readings that are far from the others. They are used."
+    )

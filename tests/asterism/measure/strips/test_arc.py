@@ -39,18 +39,6 @@ def test_a_flat_box() -> None:
     assert float(arc.curvature(60.0, 0.0)) == 0.0
     assert float(arc.arc_length(60.0, 0.0)) == 60.0
     assert [float(side) for side in arc.box(0.0, 60.0)] == pytest.approx([60.0, 0.0])
-    assert float(arc.reading_sensitivity(0.0, 60.0)) == pytest.approx(8 / 60**2)
-
-
-@pytest.mark.parametrize("angle", [0.1, 1.0, 3.0, 3.3, 5.0])
-def test_sensitivity_is_the_derivative(angle: float) -> None:
-    width, height = (float(side) for side in arc.box(1 / 20, angle * 20))
-    step = 1e-5
-    slopes = [
-        (arc.curvature(width + dx, height + dy) - arc.curvature(width - dx, height - dy)) / (2 * step)
-        for dx, dy in ((step, 0.0), (0.0, step))
-    ]
-    assert float(arc.reading_sensitivity(1 / 20, angle * 20)) == pytest.approx(float(np.hypot(*slopes)), rel=1e-6)
 
 
 @given(angle=st.floats(0.05, 6.0), thickness=st.floats(0.1, 1.5))

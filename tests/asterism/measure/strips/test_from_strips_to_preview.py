@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from asterism.measure.strips.synthetic import synthetic_readings
 from asterism.pattern.design.materials import Plastic
 from tests.asterism.commands import command
+from tests.asterism.measure.strips.synthetic import synthetic_readings
 from tests.asterism.measure.strips.test_fit_strips import table
 
 # the preview of a whole gallery design

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.reading import Reading
-from asterism.measure.strips.strip_table import STRIP_COLUMNS, read_strips
+from asterism.measure.strips.strip_table import STRIP_COLUMNS, Reading, read_strips
 from asterism.results.csv_cells import TableError
 
 HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"

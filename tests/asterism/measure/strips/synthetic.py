@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.specimen import THICKNESSES_MM
+from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 
 
@@ -40,17 +40,29 @@ def synthetic_readings(
     # a random generator of its own keeps tables without these errors unchanged
     fabric = Fabric(stretch=stretch, thickness_mm=fabric_mm)
     errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES_MM))
-    readings = []
-    for i, h1 in enumerate(np.repeat(THICKNESSES_MM, count)):
-        real = h1 + errors[i // count]
-        with_fabric = float(rest_curvature(real, fabric, plastic))
-        alone = float(rest_curvature(real, fabric, plastic.model_copy(update={"rest_curvature": "none"})))
-        for peeled, kappa in ((False, with_fabric), (True, alone)):
-            true = kappa * (1 + scatter * rng.standard_normal())
-            width, height = (float(side) + reading_mm * rng.standard_normal() for side in arc.box(true, length))
-            if step_mm:
-                width, height = (step_mm * round(side / step_mm) for side in (width, height))
-            bent = None if height <= flat_mm else float(arc.curvature(width, height))
-            known = (str(i + 1), i + 2, float(h1), length, stretch, fabric_mm)
-            readings.append(Reading(*known, peeled, bent, step_mm=step_mm))
-    return readings
+    thicknesses = np.repeat(THICKNESSES_MM, count)
+    real = thicknesses + np.repeat(errors, count)
+    bare = plastic.model_copy(update={"rest_curvature": "none"})
+    curvatures = np.column_stack([rest_curvature(real, fabric, plastic), rest_curvature(real, fabric, bare)])
+    noise = rng.standard_normal((*curvatures.shape, 3))
+    sides = np.stack(arc.box(curvatures * (1 + scatter * noise[..., 0]), length)) + reading_mm * np.moveaxis(
+        noise[..., 1:], 2, 0
+    )
+    if step_mm:
+        sides = step_mm * np.round(sides / step_mm)
+    bent = arc.curvature(*sides)
+    return [
+        Reading(
+            str(i + 1),
+            i + 2,
+            float(h),
+            length,
+            stretch,
+            fabric_mm,
+            bool(peeled),
+            None if sides[1, i, peeled] <= flat_mm else float(bent[i, peeled]),
+            step_mm=step_mm,
+        )
+        for i, h in enumerate(thicknesses)
+        for peeled in (0, 1)
+    ]
