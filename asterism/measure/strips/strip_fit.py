@@ -31,8 +31,6 @@ FORMULAS: tuple[StripFormula, ...] = get_args(StripFormula)
 KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
 # strips whose arc is lower count as flat
 FLAT_HEIGHT_MM = 0.5
-# a thickness, or None for all of them
-Key = float | None
 
 
 class NamedReading(NamedTuple):
@@ -61,7 +59,7 @@ class StripFit:
     confidence: float
     flat_height_mm: float
     ratio: dict[StripFormula, Interval]
-    kappa_bar: dict[Key, Interval]
+    kappa_bar: dict[float | None, Interval]
     freedom: float
     used: tuple[Reading, ...]
     left_out: tuple[NamedReading, ...]
@@ -115,7 +113,7 @@ def fit_readings(
             f"every strip with its fabric looks flat: E1/E2 is above {bound:.0f} ({formula}) if kappa_bar is 0, "
             "and no more can be said; print thinner or longer strips"
         )
-    keys: list[Key] = []
+    keys: list[float | None] = []
     if kappa_bar == "constant":
         keys.append(None)
     elif kappa_bar == "per-thickness":
@@ -187,7 +185,7 @@ def _check_kinds(bare: list[Reading], covered: list[Reading], kappa_bar: KappaBa
 
 
 def _with_fabric(
-    strips: StripData, formula: StripFormula, keys: list[Key], kept: Solution | None
+    strips: StripData, formula: StripFormula, keys: list[float | None], kept: Solution | None
 ) -> tuple[Solution, Curve]:
     """E2/E1 of strips with their fabric, and their curve. Values of kappa_bar that are not `kept` follow."""
 
@@ -212,7 +210,7 @@ def _outliers(readings: list[Reading], strips: StripData) -> list[NamedReading]:
     ]
 
 
-def _of_key(strips: StripData, keys: list[Key]) -> Floats:
+def _of_key(strips: StripData, keys: list[float | None]) -> Floats:
     """(n, q), 1 where a value of kappa_bar, for a thickness or for all, is that of a strip."""
     n = len(strips.thickness)
     return np.array([np.ones(n) if h is None else strips.thickness == h for h in keys]).reshape(-1, n).T

@@ -92,6 +92,4 @@ class StripFitRecord(Record):
     readings_used: int = key("Readings that were used.", label="readings", show=_readings)
     readings_flat: int = key("Flat readings among them, which count as straight within a bound.")
     left_out: list[LeftOutReadingRecord] = key("Readings that were not used.")
-    warnings: list[str] = key(
-        "Reasons to doubt the numbers, such as readings that are far from the others. They are used."
-    )
+    warnings: list[str] = key("Reasons to doubt the numbers; readings named here are used.")
