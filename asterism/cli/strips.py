@@ -208,9 +208,8 @@ def overhang(
 ) -> None:
     """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
     from asterism.cli.common.mistake import Mistake
-    from asterism.measure.overhang import bending_stiffness
+    from asterism.measure.overhang import bending_stiffness, read_overhangs
     from asterism.measure.overhang_form import write_overhang_form
-    from asterism.measure.overhang_table import read_overhangs
     from asterism.pattern.design.errors import DesignError
 
     if form is not None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -155,3 +156,14 @@ def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
     """(T,) bool, whether the corners run counterclockwise on the image, so that the plastic side is visible."""
     a, b, c = (places[triangles[:, k]] for k in range(3))
     return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0
+
+
+def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:
+    """The sheet without arms and supports.
+
+    Parameters
+    ----------
+    colour : (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
+    """
+    thing = scene(replace(shape, rods=(), rod_fields={}, held=False))
+    return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))

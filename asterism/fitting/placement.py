@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.flattening.boundary_first import FlatDisk
@@ -30,7 +31,7 @@ def placed(flat: FlatDisk, log_size: float, lattice: Lattice) -> TargetMap:
     start = TargetMap.of(flat, log_size, 0.0, np.zeros(2), lattice.spacing_mm)
     ring = start.printed[flat.disk.border]
     band = _rim_band(ring, lattice.spacing_mm)
-    centre = _centroid(ring)
+    centre = np.array(shapely.Polygon(ring).centroid.coords[0])
     origin = np.asarray(lattice.origin_mm)
     thirds = np.array([[1.0, 1.0], [2.0, 2.0]]) / 3.0
     shifts = np.array([[i, j] for i in range(SHIFTS) for j in range(SHIFTS)]) / SHIFTS
@@ -72,10 +73,3 @@ def _rim_band(ring: Floats, spacing_mm: float) -> Floats:
     points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
     points = points[inside(points, ring)]
     return points[distance_to_outline(points, ring) < RIM_BAND * spacing_mm]
-
-
-def _centroid(ring: Floats) -> Floats:
-    """(2,) mm, centroid of the area of a polygon (B, 2)."""
-    following = np.roll(ring, -1, axis=0)
-    cross = ring[:, 0] * following[:, 1] - ring[:, 1] * following[:, 0]
-    return np.asarray(((ring + following) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()))

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.fitting.decimation import decimated
 from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.errors import TargetError
 from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
@@ -30,6 +29,8 @@ TARGET_SIZES_MM = (10.0, 4000.0)
 MIN_CONVEX_SHARE = 0.02
 # points along the longer side of a height field
 HEIGHT_POINTS = 60
+# a fit uses the target over cells of some mm; 20 000 triangles resolve a target of 4 m to some hundredths of a cell
+MAX_TARGET_TRIANGLES = 20_000
 
 PlasticSide = Literal["auto", "normals", "other"]
 
@@ -87,7 +88,7 @@ class TargetSurface:
         """
         vertices, corners = _arrays(vertices_mm, triangles, name)
         disk = disk_of(vertices, corners, name)
-        disk, note = decimated(disk, name)
+        disk, note = _decimated(disk, name)
         crossings = self_intersections(disk.vertices, disk.triangles)
         if crossings:
             raise TargetError(name, f"passes through itself: {crossings} pairs of triangles cross")
@@ -171,13 +172,10 @@ class TargetSurface:
 
     def interpolate(self, values: Floats, points: Floats, triangle: Ints) -> Floats:
         """(n, ...) values (V, ...) of the vertices at points (n, 3) of the triangles (n,)."""
+        from trimesh.triangles import points_to_barycentric  # slow to import
+
         corners = self.disk.triangles[triangle]
-        a, b, c = (self.disk.vertices[corners[:, k]] for k in range(3))
-        cross = np.cross(b - a, c - a)
-        area = np.einsum("nc,nc->n", cross, cross)
-        second = np.einsum("nc,nc->n", np.cross(points - a, c - a), cross) / area
-        third = np.einsum("nc,nc->n", np.cross(b - a, points - a), cross) / area
-        shares = np.clip(np.column_stack([1.0 - second - third, second, third]), 0.0, 1.0)
+        shares = np.clip(points_to_barycentric(self.disk.vertices[corners], points, method="cross"), 0.0, 1.0)
         return np.asarray(np.einsum("nk,nk...->n...", shares, values[corners]))
 
     def weight_at(self, places: Floats) -> Floats:
@@ -245,3 +243,30 @@ def _turn_to_top(direction: Floats) -> Floats:
         return np.eye(3)
     skew = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
     return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + z))
+
+
+def _decimated(disk: Disk, name: str) -> tuple[Disk, str]:
+    """A disk of at most `MAX_TARGET_TRIANGLES` triangles, and a note about it; a smaller one as it is, without a note.
+
+    Edges are collapsed in the order of their quadric errors (Garland and Heckbert 1997), by fast-simplification.
+
+    Raises
+    ------
+    TargetError
+        The surface loses its form, because its triangles differ too much.
+    """
+    if len(disk.triangles) <= MAX_TARGET_TRIANGLES:
+        return disk, ""
+    from fast_simplification import simplify  # rarely used
+
+    before = len(disk.triangles)
+    triangles = disk.triangles.astype(np.int32)
+    vertices, triangles = simplify(disk.vertices, triangles, target_count=MAX_TARGET_TRIANGLES)
+    try:
+        smaller = disk_of(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=np.int64), name)
+    except TargetError:
+        raise TargetError(name, f"has {before} triangles and cannot be decimated: simplify it") from None
+    some = disk.vertices[:: max(len(disk.vertices) // 20_000, 1)]
+    moved = np.abs(NearestOnSurface(smaller.vertices, smaller.triangles)(some).distance).max()
+    after = len(smaller.triangles)
+    return smaller, f"{before} triangles are decimated to {after}, which moves the surface by at most {moved:.2g} mm"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
+from asterism.results.csv_cells import TableError, read_rows
 
 # slope of the test
 SLOPE_DEG = 41.5
@@ -16,6 +18,9 @@ OVERHANG_RANGE_MM = (10.0, 500.0)
 # A strip of this length over its bending length hangs so far that the line from the edge to its tip falls by 41.5
 # degrees, the slope of the test. The length of a heavy elastic strip over `(D/w)^(1/3)` is 2.0003 there (tests).
 LENGTH_AT_SLOPE = 2.0
+OVERHANG_COLUMNS = ("strip", "end", "face", "overhang_mm")
+ENDS = ("1", "2")
+FACES = ("face", "back")
 
 
 class BendingStiffness(NamedTuple):
@@ -80,3 +85,31 @@ def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float, confidenc
         half = float(student.ppf(0.5 + confidence / 2, len(logs) - 1) * logs.std(ddof=1) / np.sqrt(len(logs)))
     low, middle, high = (float(weight * np.exp(3.0 * (mean + shift))) for shift in (-half, 0.0, half))
     return BendingStiffness(middle, low, high, float(np.exp(mean)))
+
+
+def read_overhangs(path: Path) -> list[float]:
+    """The mean overhang of each strip, mm, of a table as `asterism strips overhang --form` writes it.
+
+    The mean is geometric, over the ends and faces of a strip that were measured. Readings of one strip resemble each
+    other; therefore strips count, and not readings, when the interval is computed (ASTM D1388).
+
+    Raises
+    ------
+    TableError
+        The table is wrong; the message names file, row and column.
+    """
+    readings: dict[str, list[float]] = {}
+    seen: dict[tuple[str, str, str], int] = {}
+    for row in read_rows(path, OVERHANG_COLUMNS, ("strip", "overhang_mm")):
+        value = row.number_in("overhang_mm", *OVERHANG_RANGE_MM)
+        strip, end, face = (row.cells.get(column, "") for column in OVERHANG_COLUMNS[:3])
+        if not strip:
+            raise row.wrong("strip", "every strip needs a name or number")
+        if (end or face) and (strip, end, face) in seen:
+            raise row.wrong("strip", f"{strip}, end {end}, {face} is already in row {seen[strip, end, face]}")
+        seen[strip, end, face] = row.number
+        if value is not None:
+            readings.setdefault(strip, []).append(value)
+    if not readings:
+        raise TableError(path, None, None, "no overhang has been measured yet: fill in overhang_mm")
+    return [float(np.exp(np.log(values).mean())) for values in readings.values()]

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from asterism.measure.overhang import SLOPE_DEG
-from asterism.measure.overhang_table import ENDS, FACES, OVERHANG_COLUMNS
+from asterism.measure.overhang import ENDS, FACES, OVERHANG_COLUMNS, SLOPE_DEG
 from asterism.measure.strips.form import HELP_PEN, TEXT_PEN
 from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.formats.pdf import write_pdf

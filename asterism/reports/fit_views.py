@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.draw.bare_sheet import bare
-from asterism.draw.render import Scene, scene
+from asterism.draw.render import Scene, bare, scene
 from asterism.draw.shading import FABRIC_SIDE
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.result import Fit

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib import colormaps
 
-from asterism.draw.bare_sheet import bare
-from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, bare, camera, render, scene
 from asterism.draw.shading import FABRIC_SIDE
 from asterism.equilibrium.arrays import Floats
 from asterism.shape.comparison import Comparison

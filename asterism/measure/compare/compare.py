@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-import shapely
 
-from asterism.measure.compare import outline
 from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
 from asterism.measure.compare.errors import ScanError, check_file
-from asterism.measure.compare.outline import Outline, read_outline
+from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
 from asterism.measure.compare.scan import extent, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
@@ -63,8 +61,8 @@ class MeasuredComparison:
         if isinstance(self.laid, ScanComparison):
             draw_scan(self.laid, self.title, path_or_file)
         else:
-            rows = self.summary.table(OutlineDistancesRecord.rows)
-            draw_outline(self.laid, self.title, _line(rows), path_or_file)
+            rows = self.summary.table(OutlineDistancesRecord.rows).items()
+            draw_outline(self.laid, self.title, "   ·   ".join(f"{name} {value}" for name, value in rows), path_or_file)
 
 
 def compare(
@@ -98,22 +96,11 @@ def compare(
     --------
     A shape compared with itself:
 
-    >>> import tempfile, numpy as np
-    >>> from pathlib import Path
-    >>> from asterism.measure.compare.compare import compare
-    >>> from asterism.shape.shape import Shape
-    >>> x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-20, 20, 9), np.linspace(-15, 15, 7)))
-    >>> printed, index = np.column_stack([x, y]), np.arange(63).reshape(7, 9)
-    >>> quads = [index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]]
-    >>> a, b, c, d = (corner.ravel() for corner in quads)
-    >>> triangles = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    >>> positions = np.column_stack([x, y, 0.01 * x**2])
-    >>> no_stars = dict(star=np.full(63, -1), star_vertices=np.empty(0, dtype=int), rods=())
-    >>> sheet = Shape(printed=printed, positions=positions, triangles=triangles, **no_stars)
-    >>> lines = [f"v {x} {y} {z}" for x, y, z in positions] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
+    >>> import asterism, tempfile, trimesh
+    >>> shape = asterism.preview(asterism.new("tube"))
     >>> scan = Path(tempfile.mkdtemp()) / "scan.obj"
-    >>> _ = scan.write_text(chr(10).join(lines))
-    >>> compare(sheet, scan).summary["rms_percent"] < 0.5
+    >>> _ = trimesh.Trimesh(shape.positions, shape.triangles).export(scan)
+    >>> compare(shape, scan).summary["rms_percent"] < 0.1
     True
     """
     scan = Path(scan)
@@ -130,27 +117,22 @@ def compare(
         trim=trim,
         units=units or "mm",
     )
-    if scan.suffix.lower() in outline.OUTLINE_FORMATS:
-        return _compare_outline(target, scan, units, view or "above", title, about)
+    if scan.suffix.lower() in OUTLINE_FORMATS:
+        view = view or "above"
+        outlined, seen = read_outline(scan, units), silhouette(target, view)
+        size, expected = (float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, seen))
+        check_size(scan, size, expected, outlined.unit)
+        fitted = fit_outline(outlined.corners, seen, trim)
+        about = about.changed(units=outlined.unit or "its own")
+        distances = fitted.distances(diameter(target.positions))
+        summary = OutlineComparisonRecord(**about, view=view, lines=outlined.lines, **distances)
+        return MeasuredComparison(fitted, summary, f"{title}, seen from {'' if view == 'above' else 'the '}{view}")
     if view is not None:
         raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")
     measured = read_scan(scan, about.units)
     check_size(scan, measured.size_mm, extent(target.positions), about.units)
     laid = compare_scan(target, measured, trim)
     return MeasuredComparison(laid, ScanComparisonRecord(**about, **laid.distances()), title)
-
-
-def _compare_outline(
-    shape: Shape, file: Path, units: str | None, view: str, title: str, about: ComparisonRecord
-) -> MeasuredComparison:
-    """Compare the outline in a file with the silhouette of a shape."""
-    outlined = read_outline(file, units)
-    laid = _fitted(shape, file, outlined, view, about.trim)
-    about = about.changed(units=outlined.unit or "its own")
-    distances = outline_distances(laid, diameter(shape.positions))
-    summary = OutlineComparisonRecord(**about, view=view, lines=outlined.lines, **distances)
-    seen = "above" if view == "above" else f"the {view}"
-    return MeasuredComparison(laid, summary, f"{title}, seen from {seen}")
 
 
 def check_comparison_directory(directory: str | Path, shape: str | Path) -> None:
@@ -179,35 +161,3 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
         comparison.draw(folder / "compare.png")
         (folder / SUMMARY_FILE).write_text(comparison.summary.json_text(), encoding="utf-8")
     return ["compare.png", SUMMARY_FILE]
-
-
-def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> OutlineFit:
-    """The outline of a file in its best pose on the silhouette of a shape."""
-    target = silhouette(shape, view)
-    sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, target)]
-    check_size(file, sizes[0], sizes[1], outlined.unit)
-    return fit_outline(outlined.corners, target, trim)
-
-
-def outline_distances(fitted: OutlineFit, diameter_mm: float) -> OutlineDistancesRecord:
-    """The distances of a fitted outline in numbers; percentages refer to the shape's diameter (mm)."""
-    distance = np.abs(fitted.distance)
-    areas = [shapely.Polygon(points).area for points in (fitted.silhouette, fitted.outline)]
-    rms = float(np.sqrt(np.mean(distance**2)))
-    return OutlineDistancesRecord(
-        rms_mm=rms,
-        rms_percent=100 * rms / diameter_mm,
-        median_mm=float(np.median(distance)),
-        max_mm=float(distance.max()),
-        mean_outwards_mm=float(fitted.distance.mean()),
-        max_from_silhouette_mm=float(fitted.missed.max()),
-        area_of_shape_mm2=areas[0],
-        area_of_outline_mm2=areas[1],
-        diameter_mm=diameter_mm,
-        turn_deg=fitted.turn_deg,
-        shift_mm=fitted.shift.tolist(),
-    )
-
-
-def _line(rows: dict[str, str]) -> str:
-    return "   ·   ".join(f"{name} {value}" for name, value in rows.items())

@@ -15,22 +15,10 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.shape.shape import Shape
 
-# points of the scan that take part
-_MAX_POINTS = 3000
-# Gauss-Newton steps
-_MAX_STEPS = 30
-# the iteration ends at a step below this part of the shape's size
-_STEP_TOLERANCE = 1e-5
 # random points in a half plane: distance of the nearest point from a place on the rim, over the spacing of the points
 _INSIDE_SPACINGS = 2.0 * np.sqrt(2.0) / np.pi
-# part of the rim that must be scanned, because a smaller piece fits a smooth shape in many sizes
-_MIN_SCANNED_RIM = 0.9
-# the iteration stops if a smaller part of the rim remains within reach
-_MIN_REACHED_RIM = 0.1
 # largest distance from the middle of the fabric to the scanned side
 _MAX_LIFT_MM = 2.0
-# points that determine a motion
-_MIN_POINTS = 10
 
 
 @dataclass(frozen=True)
@@ -76,17 +64,17 @@ def _fit(
     """Scale factor of points (n, 3) mm, or with `lift` the lift of the surface in mm; and the rms distance left."""
     places, outwards = rim
     rng = np.random.default_rng(0)
-    some = points[rng.choice(len(points), min(len(points), _MAX_POINTS), replace=False)]
+    some = points[rng.choice(len(points), min(len(points), 3000), replace=False)]
     tree = cKDTree(points)
     inside = _INSIDE_SPACINGS * float(np.median(tree.query(some, k=2)[0][:, 1]))
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     motion, shift, factor, raised = np.eye(3), np.zeros(3), 1.0, 0.0
-    for _ in range(_MAX_STEPS):
+    for _ in range(30):
         here = surface(laid := some @ motion.T + shift)
         # the rim moves to the scan, so that the search tree of the scan stays valid
         gap, last = tree.query((places - shift) @ motion / factor**2)
         of_sheet, scanned = np.abs(here.distance) <= cut_mm, factor * gap <= cut_mm
-        if np.count_nonzero(of_sheet) < _MIN_POINTS or np.mean(scanned) < _MIN_REACHED_RIM:
+        if np.count_nonzero(of_sheet) < 10 or np.mean(scanned) < 0.1:
             return None
         away, side = (laid - here.places)[of_sheet], surface.normals[here.triangle[of_sheet]]
         away -= raised * side
@@ -112,9 +100,10 @@ def _fit(
         motion, shift = turn @ motion, turn @ (shift - centre) + centre + step[3:6]
         factor *= larger
         raised += float(step[6]) if lift else 0.0
-        if np.abs(step[3:]).max() <= _STEP_TOLERANCE * size:
+        if np.abs(step[3:]).max() <= 1e-5 * size:
             break
-    if not lift and np.mean(scanned) < _MIN_SCANNED_RIM:
+    # a piece without all its rim fits a smooth shape in many sizes
+    if not lift and np.mean(scanned) < 0.9:
         return None
     left = surface((some @ motion.T + shift)[of_sheet]).distance - raised
     return raised if lift else factor, float(np.sqrt(np.mean(left**2)))

@@ -10,10 +10,6 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import triangle_normals
 
-# triangles of one size that are tried for each point: those with the nearest centres
-_CANDIDATES_A_SIZE = 12
-# largest ratio of sizes within one group of triangles
-_SIZE_RATIO = 2.0
 # points that are computed in one array
 _POINTS_AT_ONCE = 20_000
 
@@ -38,13 +34,13 @@ class NearestOnSurface:
     """Search for the nearest points on triangles (T, 3) with vertices (V, 3) mm."""
 
     def __init__(self, vertices: Floats, triangles: Ints):
-        self._triangles = triangles
         self._corners = vertices[triangles]
         normals = triangle_normals(vertices, triangles)
         self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
         centres = self._corners.mean(axis=1)
         size = np.linalg.norm(self._corners - centres[:, None], axis=2).max(axis=1)
-        kind = np.floor(np.log(np.maximum(size, 1e-9) / max(size.max(), 1e-9)) / np.log(_SIZE_RATIO)).astype(int)
+        # triangles of one kind differ in size by a factor of 2 at most
+        kind = np.floor(np.log(np.maximum(size, 1e-9) / max(size.max(), 1e-9)) / np.log(2.0)).astype(int)
         self._kinds = [(cKDTree(centres[kind == k]), np.flatnonzero(kind == k)) for k in np.unique(kind)]
 
     def __call__(self, points: Floats) -> Nearest:
@@ -56,48 +52,14 @@ class NearestOnSurface:
         return Nearest(places, triangle, side * np.linalg.norm(away, axis=1))
 
     def _some(self, points: Floats) -> tuple[Floats, Ints]:
-        candidates = np.concatenate([_nearest(tree, among, points) for tree, among in self._kinds], axis=1)
-        places = nearest_in_triangles(points[:, None, :], self._corners[candidates])
-        best = ((places - points[:, None, :]) ** 2).sum(axis=2).argmin(axis=1)
+        from trimesh.triangles import closest_point  # slow to import
+
+        # of each kind, the triangles with the nearest centres
+        near = [among[tree.query(points, k=range(1, min(12, len(among)) + 1))[1]] for tree, among in self._kinds]
+        candidates = np.concatenate(near, axis=1)
+        there = closest_point(self._corners[candidates.ravel()], np.repeat(points, candidates.shape[1], axis=0))
+        places = there.reshape(*candidates.shape, 3)
+        # triangles without area give nan in older releases of trimesh
+        best = np.nan_to_num(((places - points[:, None, :]) ** 2).sum(axis=2), nan=np.inf).argmin(axis=1)
         rows = np.arange(len(points))
         return places[rows, best], candidates[rows, best]
-
-
-def _nearest(tree: cKDTree, among: Ints, points: Floats) -> Ints:
-    """(n, k) triangles of one size with the nearest centres."""
-    count = min(_CANDIDATES_A_SIZE, len(among))
-    return np.asarray(among[tree.query(points, k=count)[1].reshape(len(points), count)])
-
-
-def nearest_in_triangles(points: Floats, corners: Floats) -> Floats:
-    """(..., 3) nearest point on each triangle (..., 3, 3) to its point (..., 3).
-
-    Reference: Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
-    """
-    a, b, c = (corners[..., k, :] for k in range(3))
-    ab, ac = b - a, c - a
-    d1, d2 = _dot(ab, points - a), _dot(ac, points - a)
-    d3, d4 = _dot(ab, points - b), _dot(ac, points - b)
-    d5, d6 = _dot(ab, points - c), _dot(ac, points - c)
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    inside = np.maximum(va + vb + vc, 1e-300)
-    v, w = vb / inside, vc / inside
-    # from the inside outwards: each region replaces the results of earlier ones
-    for region, new_v, new_w in (
-        ((va <= 0) & (d4 - d3 >= 0) & (d5 - d6 >= 0), 1 - _share(d4 - d3, d5 - d6), _share(d4 - d3, d5 - d6)),
-        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), 0.0, _share(d2, -d6)),
-        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), _share(d1, -d3), 0.0),
-        ((d6 >= 0) & (d5 <= d6), 0.0, 1.0),
-        ((d3 >= 0) & (d4 <= d3), 1.0, 0.0),
-        ((d1 <= 0) & (d2 <= 0), 0.0, 0.0),
-    ):
-        v, w = np.where(region, new_v, v), np.where(region, new_w, w)
-    return a + v[..., None] * ab + w[..., None] * ac
-
-
-def _dot(x: Floats, y: Floats) -> Floats:
-    return np.asarray(np.einsum("...i,...i->...", x, y))
-
-
-def _share(one: Floats, other: Floats) -> Floats:
-    return one / np.where(one + other > 0, one + other, 1.0)

@@ -22,20 +22,10 @@ from asterism.results.csv_cells import read_rows
 OUTLINE_FORMATS = (".svg", ".csv")
 # largest coordinate, in the unit of the file
 _MAX_COORDINATE = 1e6
-# mm of a user unit without a viewBox, by the SVG standard
-_MM_PER_PX = 25.4 / 96.0
-# elements whose content is invisible in the drawing
-_INVISIBLE_ELEMENTS = ("marker", "mask")
-# gap between the ends of a closed line over its size: programs round coordinates
-_CLOSED_GAP_PART = 1e-3
 # units of width and height that determine the size of the drawing
 _LENGTH_UNITS = ("mm", "cm", "in", "pt", "pc")
 # all widths and heights that SVG allows
 _SVG_SIZE = re.compile(rf"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?|auto)?")
-# segments of a curve
-_CURVE_SEGMENTS = 100
-# corners whose width over length is smaller lie on a line
-MIN_OUTLINE_ASPECT = 1e-12
 
 
 @dataclass(frozen=True)
@@ -71,7 +61,7 @@ def read_outline(path: str | Path, unit: str | None = None) -> Outline:
     outline = (_from_csv if path.suffix.lower() == ".csv" else _from_svg)(path, unit)
     corners = outline.corners
     length, width = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False) if len(corners) > 2 else (0.0, 0.0)
-    if width <= MIN_OUTLINE_ASPECT * length:
+    if width <= 1e-12 * length:
         raise ScanError(path, "holds no outline: at least three corners, not on a line")
     if not shapely.Polygon(corners).is_valid:
         raise ScanError(path, "the outline crosses itself")
@@ -116,7 +106,8 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
             places = [(p.x, p.y) for piece in svg.Path(part) for p in _points(piece)]
             if len(places) >= 3:
                 line = np.array(places, dtype=float)
-                closed = np.linalg.norm(line[0] - line[-1]) <= _CLOSED_GAP_PART * np.linalg.norm(np.ptp(line, axis=0))
+                # programs round coordinates
+                closed = np.linalg.norm(line[0] - line[-1]) <= 1e-3 * np.linalg.norm(np.ptp(line, axis=0))
                 (lines if closed else opened).append(line)
     if not lines:
         raise ScanError(path, f"holds no {'closed ' if opened else ''}line with three corners or more")
@@ -130,7 +121,8 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
         how = "%" if "%" in "".join(said) else "px"
         raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
-    corners = largest[steps > 1e-9] * [1.0, -1.0] * (MM[unit] if unit else _MM_PER_PX)
+    # svgelements gives pixels, of which the SVG standard has 96 an inch
+    corners = largest[steps > 1e-9] * [1.0, -1.0] * (MM[unit] if unit else MM["in"] / 96.0)
     return Outline(corners, len(lines), unit)
 
 
@@ -140,7 +132,7 @@ def _drawn(path: Path) -> BinaryIO:
     for parent in list(tree.iter()):
         for child in list(parent):
             space, _, name = str(child.tag).rpartition("}")
-            if name in _INVISIBLE_ELEMENTS:
+            if name in ("marker", "mask"):
                 parent.remove(child)
             elif name == "symbol":
                 place = f"{space}}}" if space else ""
@@ -151,10 +143,10 @@ def _drawn(path: Path) -> BinaryIO:
     return BytesIO(ElementTree.tostring(tree))
 
 
-def _points(piece: object) -> list[Any]:
+def _points(piece: Any) -> list[Any]:
     """Points along one piece of a path, with its end."""
     import svgelements as svg
 
     if isinstance(piece, svg.Line | svg.Close | svg.Move):
         return [piece.end] if piece.end is not None else []
-    return [piece.point(k / _CURVE_SEGMENTS) for k in range(1, _CURVE_SEGMENTS + 1)]  # type: ignore[attr-defined]
+    return [piece.point(k / 100) for k in range(1, 101)]

@@ -17,22 +17,10 @@ from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import surface_samples
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
-# points of the scan that take part in each of the three stages
-_COARSE_POINTS = 150
-_MIDDLE_POINTS = 600
-_FINE_POINTS = 3000
 # starts of the first stage with random rotations
 _RANDOM_STARTS = 200
-# poses that enter the second stage
-_PROMISING_POSES = 50
-# poses that enter the third stage
-_REFINED_POSES = 8
 # Tukey's biweight gives no weight to points beyond so many standard deviations
 _TUKEY_CUTOFF = 4.685
-# neighbours that determine the normal at a point of the scan: a patch of some mm
-_NORMAL_NEIGHBOURS = 60
-# points that determine a pose
-_MIN_POINTS = 10
 # key that sorts poses, the best first
 SPREAD = attrgetter("spread_mm")
 # smallest scale of the distances: errors of the shape's triangles and of the scanner
@@ -88,14 +76,14 @@ def register(
     rng = np.random.default_rng(seed)
     surface = NearestOnSurface(vertices, triangles)
     coarse_target, target = (_target(vertices, triangles, surface, count, rng) for count in (2000, 15_000))
-    few, some, many = (_some(points, count, rng) for count in (_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS))
-    starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
-    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)
-    coarse = sorted(
-        (_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING_POSES]), key=SPREAD
+    few, some, many = (
+        points[rng.choice(len(points), min(len(points), count), replace=False)] for count in (150, 600, 3000)
     )
-    coarse = distinct_poses(coarse)[: effort * _REFINED_POSES]
-    middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=SPREAD)
+    starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
+    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)[: effort * 50]
+    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first), key=SPREAD)
+    best = distinct_poses(coarse)[: effort * 8]
+    middle = sorted((_refine(some, pose, target, trim, 25) for pose in best), key=SPREAD)
     fine = [_refine(many, pose, target, trim, 60) for pose in distinct_poses(middle)[:4]]
     exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
     return distinct_poses(sorted(exact, key=SPREAD))
@@ -139,26 +127,18 @@ def _starts(points: Floats, target: _Target, count: int, rng: np.random.Generato
     poses = [Pose(turn, goal - turn @ centre, np.inf) for turn in turns]
 
     some, there = rng.integers(len(points), size=count // 2), rng.integers(len(target.places), size=count // 2)
-    neighbours = points[cKDTree(points).query(points[some], k=min(_NORMAL_NEIGHBOURS, len(points)))[1]]
+    # a patch of some mm determines the normal
+    neighbours = points[cKDTree(points).query(points[some], k=min(60, len(points)))[1]]
     spread = neighbours - neighbours.mean(axis=1, keepdims=True)
     normals = np.linalg.svd(spread, full_matrices=False)[2][:, 2] * rng.choice([-1.0, 1.0], size=count // 2)[:, None]
+    spins = rng.uniform(0, 2 * np.pi, count // 2)
     for point, normal, place, up, spin in zip(
-        points[some],
-        normals,
-        target.places[there],
-        target.normals[there],
-        rng.uniform(0, 2 * np.pi, count // 2),
-        strict=True,
+        points[some], normals, target.places[there], target.normals[there], spins, strict=True
     ):
-        turn = Rotation.from_rotvec(spin * up).as_matrix() @ _onto(normal, up)
+        upright, _ = Rotation.align_vectors(up[None], normal[None])
+        turn = (Rotation.from_rotvec(spin * up) * upright).as_matrix()
         poses.append(Pose(turn, place - turn @ point, np.inf))
     return poses
-
-
-def _onto(one: Floats, other: Floats) -> Floats:
-    """(3, 3) rotation that maps one unit vector to another."""
-    rotation, _ = Rotation.align_vectors(other[None], one[None])
-    return np.asarray(rotation.as_matrix())
 
 
 def _proper(axes: Floats) -> Floats:
@@ -197,7 +177,7 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
         distance = np.where(near, np.abs(offset), reach)
         scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), _MIN_SCALE_MM)
         weight = np.maximum(1 - (distance / (_TUKEY_CUTOFF * scale)) ** 2, 0.0) ** 2 * near
-        if np.count_nonzero(weight) < _MIN_POINTS:
+        if np.count_nonzero(weight) < 10:
             return replace(pose, spread_mm=np.inf)
         # the reach shrinks slowly, so that a step does not lose the surface
         reach = max(2 * _TUKEY_CUTOFF * scale, 3 * target.spacing_mm, reach / 2)
@@ -213,7 +193,3 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
             break
     u, _, vt = np.linalg.svd(rotation)
     return Pose(u @ vt, shift, _trimmed(distance, trim))
-
-
-def _some(points: Floats, count: int, rng: np.random.Generator) -> Floats:
-    return points[rng.choice(len(points), min(len(points), count), replace=False)]

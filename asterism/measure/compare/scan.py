@@ -1,8 +1,10 @@
-"""Scans: meshes and point clouds as points in mm."""
+"""Scans: files of meshes and point clouds, checked and read as points in mm."""
 
 from __future__ import annotations
 
 import logging
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,15 +13,15 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.errors import ScanError, check_file
-from asterism.measure.compare.scan_file import check_scan_file
 from asterism.measure.compare.units import MM
 
 SCAN_FORMATS = (".obj", ".stl", ".ply")
 MAX_SCAN_POINTS = 20_000
 # largest coordinate, in the unit of the file
 MAX_SCAN_COORDINATE = 1e9
-# points whose width over length is smaller lie on a line
-MIN_SCAN_ASPECT = 1e-3
+# types of numbers in a header of PLY, in both spellings
+_PLY_TYPES = ("char", "uchar", "short", "ushort", "int", "uint", "float", "double")
+_PLY_BIT_TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64")
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
     path = Path(path)
     if path.suffix.lower() not in SCAN_FORMATS:
         raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}, or in .svg or .csv for an outline")
-    vertices, triangles = _read_checked(path)
+    vertices, triangles = _read(path)
     vertices = vertices * MM[unit]
     rng = np.random.default_rng(seed)
     if len(triangles) == 0:
@@ -89,20 +91,10 @@ def read_surface(path: str | Path) -> tuple[Floats, Ints]:
     path = Path(path)
     if path.suffix.lower() not in SCAN_FORMATS:
         raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}")
-    vertices, triangles = _read_checked(path)
+    vertices, triangles = _read(path)
     if len(triangles) == 0:
         raise ScanError(path, "holds points without triangles: a surface is needed")
     _check_spread(path, surface_samples(vertices, triangles, MAX_SCAN_POINTS, np.random.default_rng(0))[0])
-    return vertices, triangles
-
-
-def _read_checked(path: Path) -> tuple[Floats, Ints]:
-    """Vertices and triangles of a file, with finite coordinates."""
-    vertices, triangles = _read(path)
-    if len(vertices) == 0:
-        raise ScanError(path, "holds no points")
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > MAX_SCAN_COORDINATE:
-        raise ScanError(path, "holds points that are not finite numbers, or too far away")
     return vertices, triangles
 
 
@@ -111,7 +103,7 @@ def _check_spread(path: Path, points: Floats) -> None:
     if len(np.unique(points, axis=0)) < 10:
         raise ScanError(path, "holds too few points or triangles to be a surface")
     long, wide, _ = _extents(points)
-    if wide <= MIN_SCAN_ASPECT * long:
+    if wide <= 1e-3 * long:
         raise ScanError(path, "has all its points on one line: a surface is needed")
 
 
@@ -135,26 +127,128 @@ def _read(path: Path) -> tuple[Floats, Ints]:
     import trimesh  # slow to import
 
     check_file(path)
-    check_scan_file(path)
+    kind, content = path.suffix[1:].upper(), path.read_bytes()
+    # the parser accepts damaged files, and reads other places from them
+    {"OBJ": _check_obj, "STL": _check_stl, "PLY": _check_ply}[kind](path, content)
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)
     try:
         with path.open("rb") as stream, np.errstate(all="ignore"):
-            loaded: Any = trimesh.load(stream, file_type=path.suffix[1:].lower(), process=False)
+            loaded: Any = trimesh.load(stream, file_type=kind.lower(), process=False)
     except (ImportError, UnicodeDecodeError):  # trimesh tries to import a package that guesses encodings
-        raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: it is not text") from None
+        raise ScanError(path, f"cannot be read as {kind}: it is not text") from None
     except Exception:  # the parser's texts are for programmers
-        problem = f"cannot be read as {path.suffix[1:].upper()}: the file is damaged or cut short"
-        raise ScanError(path, problem) from None
+        raise ScanError(path, f"cannot be read as {kind}: the file is damaged or cut short") from None
     parts: list[Any] = list(loaded.dump()) if isinstance(loaded, trimesh.Scene) else [loaded]
-    vertices: list[Floats] = [np.empty((0, 3))]
-    triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
+    vertices, triangles = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)]
     before = 0
     for part in parts:
-        points = np.asarray(part.vertices, dtype=float).reshape(-1, 3)
-        vertices.append(points)
-        triangles.append(np.asarray(getattr(part, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3) + before)
-        before += len(points)
-    corners = np.concatenate(triangles)
+        vertices.append(np.asarray(part.vertices, dtype=float).reshape(-1, 3))
+        triangles.append(np.asarray(getattr(part, "faces", []), dtype=np.int64).reshape(-1, 3) + before)
+        before += len(vertices[-1])
+    points, corners = np.concatenate(vertices), np.concatenate(triangles)
     if len(corners) and not 0 <= corners.min() <= corners.max() < before:
         raise ScanError(path, "has triangles with corners that it does not hold")
-    return np.concatenate(vertices), corners
+    if before == 0:
+        raise ScanError(path, "holds no points")
+    if not np.isfinite(points).all() or np.abs(points).max() > MAX_SCAN_COORDINATE:
+        raise ScanError(path, "holds points that are not finite numbers, or too far away")
+    return points, corners
+
+
+def _lines(content: bytes) -> Iterator[tuple[int, list[bytes]]]:
+    """Numbers and words of the lines of a text, without comments and empty lines."""
+    for number, line in enumerate(content.splitlines(), 1):
+        if words := line.split(b"#")[0].split():
+            yield number, words
+
+
+def _check_obj(path: Path, content: bytes) -> None:
+    """Every vertex has three numbers, or the parser takes them from the next lines; faces have vertices that exist."""
+    if b"\0" in content:
+        raise ScanError(path, "cannot be read as OBJ: it is not text")
+    vertices = sum(words[0] == b"v" for _, words in _lines(content))
+    for line, words in _lines(content):
+        if words[0] == b"v":
+            _check_place(path, line, words[1:])
+        elif words[0] == b"f":
+            if len(words) < 4:
+                raise ScanError(path, f"line {line}: a face needs 3 corners, not {len(words) - 1}")
+            for corner in words[1:]:  # such as 7 or 7/2/3; -1 is the last vertex
+                try:
+                    vertex = int(corner.split(b"/")[0])
+                except ValueError:
+                    raise ScanError(path, f"line {line}: {_shown(corner)} is no number of a vertex") from None
+                if not 1 <= abs(vertex) <= vertices:
+                    allowed = f"vertices are numbered from 1 to {vertices}" if vertices else "the file has no vertices"
+                    raise ScanError(path, f"line {line}: the face has the vertex {vertex}, but {allowed}")
+
+
+def _check_place(path: Path, line: int, words: list[bytes]) -> None:
+    """A vertex begins with three numbers; a fourth is a weight, and six are a place and a colour."""
+    if len(words) < 3:
+        raise ScanError(path, f"line {line}: a vertex needs 3 numbers, not {len(words)}")
+    _check_numbers(path, f"line {line}", words[:3])
+
+
+def _check_numbers(path: Path, where: str, words: list[bytes]) -> None:
+    for word in words:
+        try:
+            float(word)
+        except ValueError:
+            raise ScanError(path, f"{where}: {_shown(word)} is not a number") from None
+
+
+def _check_stl(path: Path, content: bytes) -> None:
+    """A binary file is as long as its number of triangles requires; a text has whole triangles and its last line."""
+    if b"\0" not in content[:1000] and content.lstrip()[:5].lower() == b"solid":
+        if b"endsolid" not in content.lower():
+            raise ScanError(path, "cannot be read as STL: the file is cut short, its last line is missing")
+        corners = 0
+        for line, words in _lines(content):
+            if words[0].lower() == b"vertex":
+                corners += 1
+                _check_place(path, line, words[1:])
+            elif words[0].lower() == b"endloop":
+                if corners != 3:
+                    raise ScanError(path, f"line {line}: a triangle needs 3 vertices, not {corners}")
+                corners = 0
+        return
+    # 80 bytes of text, the number of triangles, and 50 bytes for each of them
+    if len(content) < 84:
+        raise ScanError(path, f"cannot be read as STL: it has {len(content)} bytes, a header has 84")
+    count, present = int.from_bytes(content[80:84], "little"), (len(content) - 84) // 50
+    if present < count:
+        raise ScanError(path, f"cannot be read as STL: it holds {present} of {count} triangles; is the file cut short?")
+
+
+def _check_ply(path: Path, content: bytes) -> None:
+    """A header names types that exist; a text has as many lines as its header announces, and each is complete."""
+    head, separator, body = content.partition(b"end_header")
+    if content[:3] != b"ply" or not separator:
+        raise ScanError(path, "cannot be read as PLY: it must begin with ply, and its header must end with end_header")
+    for kind in re.findall(rb"^property\s+(?:list\s+(?:\S+)\s+)?(\S+)", head, re.MULTILINE):
+        if kind.decode(errors="replace") not in _PLY_TYPES + _PLY_BIT_TYPES:
+            problem = f"its header has the type {_shown(kind)}; there are {', '.join(_PLY_TYPES)}"
+            raise ScanError(path, f"cannot be read as PLY: {problem}")
+    if not re.search(rb"^format\s+ascii", head, re.MULTILINE):
+        return
+    lines = [line.split() for line in body.splitlines() if line.strip()]
+    elements = re.findall(rb"^element\s+(\S+)\s+(\d+)\s*((?:^(?:property|comment)[^\n]*\n)*)", head, re.MULTILINE)
+    announced = sum(int(count) for _, count, _ in elements)
+    if len(lines) < announced:
+        problem = f"it holds {len(lines)} of {announced} lines; is the file cut short?"
+        raise ScanError(path, f"cannot be read as PLY: {problem}")
+    rest = iter(lines)
+    for name, count, properties in elements:
+        kinds = re.findall(rb"^property\s+(list)?", properties, re.MULTILINE)
+        for number, words in zip(range(1, int(count) + 1), rest, strict=False):
+            where = f"{name.decode(errors='replace')} {number}"
+            _check_numbers(path, where, words)
+            # a list begins with its length; lists among other numbers may stand anywhere in the line
+            needed = 1 + int(float(words[0])) if kinds == [b"list"] else len(words) if b"list" in kinds else len(kinds)
+            if len(words) != needed:
+                raise ScanError(path, f"{where}: has {len(words)} numbers, the file announces {needed}")
+
+
+def _shown(word: bytes) -> str:
+    return repr(word.decode(errors="replace"))

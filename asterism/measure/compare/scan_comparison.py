@@ -21,12 +21,8 @@ from asterism.shape.surface_fields import surface_triangle_areas
 _EQUAL_SPREAD_FACTOR = 1.1
 # ... plus this error of the registration
 _EQUAL_SPREAD_MM = 0.02
-# if the spread exceeds this part of the diameter, the registration is repeated with more starts, ...
-_MAX_CERTAIN_SPREAD = 0.002
-# ... by this factor
+# factor of the number of starts where the registration is hard
 _REPEATED_EFFORT = 3
-# points nearer than this part of the diameter belong to the sheet
-_SHEET_DISTANCE_PART = 0.03
 
 
 @dataclass(frozen=True)
@@ -111,19 +107,12 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
     nearest = NearestOnSurface(shape.positions, shape.triangles)(points)
     distance = np.abs(nearest.distance)
     scatter = 1.4826 * float(np.quantile(distance, (1 - trim) / 2))
-    cut = max(5 * scatter, _SHEET_DISTANCE_PART * diameter(shape.positions))
+    # points nearer than a part of the diameter belong to the sheet in any case
+    cut = max(5 * scatter, 0.03 * diameter(shape.positions))
     used = distance <= cut
+    covered, size = _covered(shape, points[used], 5 * scatter), fitted_size(shape, points, cut)
     return ScanComparison(
-        shape,
-        scan,
-        points,
-        nearest.distance,
-        nearest.triangle,
-        used,
-        cut,
-        _covered(shape, points[used], 5 * scatter),
-        tuple(poses),
-        fitted_size(shape, points, cut),
+        shape, scan, points, nearest.distance, nearest.triangle, used, cut, covered, tuple(poses), size
     )
 
 
@@ -133,11 +122,10 @@ def _laid(shape: Shape, scan: Scan, trim: float, seed: int) -> list[Pose]:
     # a sheet among many other objects needs more starts
     has_other_objects = trim > 0.3
     poses = register(scan.points, *surface, trim, seed, _REPEATED_EFFORT if has_other_objects else 1)
-    if has_other_objects or poses[0].spread_mm < _MAX_CERTAIN_SPREAD * diameter(shape.positions):
+    if has_other_objects or poses[0].spread_mm < 0.002 * diameter(shape.positions):
         return poses
-    return distinct_poses(
-        sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _REPEATED_EFFORT)], key=SPREAD)
-    )
+    more = register(scan.points, *surface, trim, seed + 1, _REPEATED_EFFORT)
+    return distinct_poses(sorted([*poses, *more], key=SPREAD))
 
 
 def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:

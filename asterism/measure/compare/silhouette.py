@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from asterism.draw.render import VIEWS, camera
 from asterism.equilibrium.arrays import Floats
+from asterism.results.records.comparison import OutlineDistancesRecord
 from asterism.shape.shape import Shape
 
 # spacing of the points along outline and silhouette
@@ -43,6 +44,24 @@ class OutlineFit:
     turn_deg: float
     shift: Floats
 
+    def distances(self, diameter_mm: float) -> OutlineDistancesRecord:
+        """The distances in numbers; percentages refer to the shape's diameter (mm)."""
+        distance = np.abs(self.distance)
+        rms = float(np.sqrt(np.mean(distance**2)))
+        return OutlineDistancesRecord(
+            rms_mm=rms,
+            rms_percent=100 * rms / diameter_mm,
+            median_mm=float(np.median(distance)),
+            max_mm=float(distance.max()),
+            mean_outwards_mm=float(self.distance.mean()),
+            max_from_silhouette_mm=float(self.missed.max()),
+            area_of_shape_mm2=shapely.Polygon(self.silhouette).area,
+            area_of_outline_mm2=shapely.Polygon(self.outline).area,
+            diameter_mm=diameter_mm,
+            turn_deg=self.turn_deg,
+            shift_mm=self.shift.tolist(),
+        )
+
 
 def silhouette(shape: Shape, view: str) -> Floats:
     """(m, 2) mm, the outer outline of a shape seen from `above`, the `front` (along y) or the `side` (along x)."""
@@ -60,47 +79,39 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFi
     From many rotations, iterated closest points without the farthest part `trim`. The best result then minimises the
     sum of the distances, with squares of small distances.
     """
-    ours, theirs = along(outline), along(target)
+    ours, theirs = _along(outline), _along(target)
     tree = cKDTree(theirs)
     centre, goal = (np.array(shapely.Polygon(p).centroid.coords[0]) for p in (outline, target))
     few = ours[:: max(len(ours) // 400, 1)]
-    best: tuple[float, float, Floats] = (np.inf, 0.0, np.zeros(2))
-    for start in np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS:
-        candidate = _closest_points(few, start, goal - _turned(centre, start), theirs, tree, trim, 15)
-        best = min(best, candidate, key=lambda entry: entry[0])
-    angle, shift = _settled(ours[:: max(len(ours) // 1000, 1)], best[1], best[2], target)
-    placed = _turned(outline, angle) + shift
-    places = along(placed)
-    distance = _outwards(places, target)
-    missed = shapely.distance(shapely.points(theirs), shapely.LinearRing(placed))
-    return OutlineFit(target, placed, distance, places, missed, float(np.rad2deg(angle)), shift)
+    starts = np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS
+    poses = [_closest_points(few, turn, goal - _turned(centre, turn), theirs, tree, trim) for turn in starts]
+    _, angle, shift = min(poses, key=lambda pose: pose[0])
 
-
-def along(corners: Floats) -> Floats:
-    """Points with equal spacing along a closed line (n, 2) mm."""
-    ring = shapely.LinearRing(corners)
-    count = max(round(ring.length / _POINT_SPACING_MM), 200)
-    return np.asarray(
-        shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
-    )
-
-
-def _settled(points: Floats, angle: float, shift: Floats, target: Floats) -> tuple[float, Floats]:
-    """Rotation and shift at the nearest minimum."""
-    # rotations are scaled to the shifts that they cause
-    size = float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
-    middle = _turned(points.mean(axis=0), angle) + shift
+    # the nearest minimum; rotations are scaled to the shifts that they cause
+    some = ours[:: max(len(ours) // 1000, 1)]
+    middle = some.mean(axis=0)
+    size = float(np.linalg.norm(some - middle, axis=1).max())
 
     def place(motion: Floats) -> tuple[float, Floats]:
         turn = angle + motion[0] / size
-        return turn, middle + motion[1:] - _turned(points.mean(axis=0), turn)
+        return turn, _turned(middle, angle) + shift + motion[1:] - _turned(middle, turn)
 
     def distances(motion: Floats) -> Floats:
         turn, moved = place(motion)
-        return _outwards(_turned(points, turn) + moved, target)
+        return _outwards(_turned(some, turn) + moved, target)
 
-    solution = least_squares(distances, np.zeros(3), loss="soft_l1", f_scale=1.0, diff_step=1e-6, x_scale=1.0)
-    return place(solution.x)
+    turn, moved = place(least_squares(distances, np.zeros(3), loss="soft_l1", diff_step=1e-6).x)
+    placed = _turned(outline, turn) + moved
+    places = _along(placed)
+    missed = shapely.distance(shapely.points(theirs), shapely.LinearRing(placed))
+    return OutlineFit(target, placed, _outwards(places, target), places, missed, float(np.rad2deg(turn)), moved)
+
+
+def _along(corners: Floats) -> Floats:
+    """Points with equal spacing along a closed line (n, 2) mm."""
+    ring = shapely.LinearRing(corners)
+    count = max(round(ring.length / _POINT_SPACING_MM), 200)
+    return shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
 
 
 def _outwards(points: Floats, target: Floats) -> Floats:
@@ -116,11 +127,11 @@ def _turned(points: Floats, angle: float) -> Floats:
 
 
 def _closest_points(
-    points: Floats, angle: float, shift: Floats, target: Floats, tree: cKDTree, trim: float, steps: int
+    points: Floats, angle: float, shift: Floats, target: Floats, tree: cKDTree, trim: float
 ) -> tuple[float, float, Floats]:
     """Cost, rotation and shift after some steps; the rotation has a closed form (Umeyama 1991, without scale)."""
     cost = np.inf
-    for _ in range(steps):
+    for _ in range(15):
         distance, index = tree.query(_turned(points, angle) + shift)
         near = distance <= np.quantile(distance, 1 - trim)
         one, other = points[near], target[index[near]]

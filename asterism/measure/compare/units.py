@@ -9,8 +9,6 @@ from asterism.measure.compare.errors import ScanError
 
 MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "um": 0.001}
 _NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches", "um": "micrometres"}
-# plausible sizes of a scan over that of the shape: a scan may show a part, or the table too
-_LIKELY_SIZE_RATIOS = (0.25, 2.0)
 
 
 def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None) -> None:
@@ -23,16 +21,12 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None)
     unit : unit of the scan's numbers; None for a drawing that gives its size.
     """
     own, unit = unit is None, unit or "mm"
-    ratio = size_mm / expected_mm
-    if _LIKELY_SIZE_RATIOS[0] <= ratio <= _LIKELY_SIZE_RATIOS[1]:
+    ratios = {other: size_mm / expected_mm * MM[other] / MM[unit] for other in MM}
+    # a scan may show a part, or the table too
+    likely = [other for other in sorted(MM, key=lambda o: abs(math.log(ratios[o]))) if 0.25 <= ratios[other] <= 2.0]
+    if unit in likely:
         return
-    size = f"{size_mm:.4g} mm" if unit == "mm" else f"{size_mm / MM[unit]:.4g} {unit}"
-    problem = f"is {size} large, the shape {expected_mm:.4g} mm"
-    sizes = {other: size_mm / MM[unit] * MM[other] / expected_mm for other in MM if other != unit}
-    likely = sorted(
-        (o for o, r in sizes.items() if _LIKELY_SIZE_RATIOS[0] <= r <= _LIKELY_SIZE_RATIOS[1]),
-        key=lambda o: abs(math.log(sizes[o])),
-    )
+    problem = f"is {size_mm / MM[unit]:.4g} {unit} large, the shape {expected_mm:.4g} mm"
     if likely:
         names = " or ".join(_NAMES[other] for other in likely)
         options = "use " + " or ".join(f"--units {other}" for other in likely)

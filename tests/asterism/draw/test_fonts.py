@@ -7,7 +7,7 @@ import io
 import pytest
 
 from asterism.draw import fonts
-from asterism.draw.lettering import FIRST_RARE_LETTER, usual_font
+from asterism.draw.canvas import FIRST_RARE_LETTER, usual_font
 from asterism.draw.picture import draw_shape
 from tests.asterism import sheets
 

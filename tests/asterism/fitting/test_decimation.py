@@ -7,8 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from asterism.fitting.decimation import MAX_TARGET_TRIANGLES
-from asterism.fitting.target import TargetSurface
+from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
 from tests.asterism.fitting.surfaces import spherical_cap
 
 

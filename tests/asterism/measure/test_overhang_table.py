@@ -8,8 +8,8 @@ import numpy as np
 import pypdfium2
 import pytest
 
+from asterism.measure.overhang import read_overhangs
 from asterism.measure.overhang_form import write_overhang_form
-from asterism.measure.overhang_table import read_overhangs
 from asterism.results.csv_cells import TableError
 from asterism.results.files import OutputError
 from tests.asterism.commands import command

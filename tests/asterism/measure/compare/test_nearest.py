@@ -4,20 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from asterism.measure.compare.nearest import NearestOnSurface, nearest_in_triangles
+from asterism.measure.compare.nearest import NearestOnSurface
 from tests.asterism.sheets import saddle, sheet
-
-
-@given(seed=st.integers(0, 10_000))
-def test_in_single_triangles(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    corners, points = rng.normal(size=(200, 3, 3)), 2 * rng.normal(size=(200, 3))
-    expected = trimesh.triangles.closest_point(corners, points)
-    np.testing.assert_allclose(nearest_in_triangles(points, corners), expected, atol=1e-9)
 
 
 def test_on_a_sheet_with_its_side() -> None:
