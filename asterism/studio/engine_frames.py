@@ -82,7 +82,7 @@ class EngineFrames:
     def send_pose(self, preview: Preview | None, seq: int) -> None:
         """Send the motion that lays the target on the last shape."""
         view = self._last_view
-        if preview is None or view is None or self._target is None:
+        if preview is None or view is None or self._target is None or not view.shows(preview):
             self._send(StudioProblem(seq, "no target", "there is no target or no shape to lay it on"))
             return
         positions = view.frame(preview, seq, EQUILIBRIUM).positions

@@ -49,15 +49,16 @@ class SheetView:
 
     def _follow(self, preview: Preview) -> None:
         """See the sheet of a preview that has the same edges and lattice."""
-        self._space = preview.sheet.space
+        # previews of one print share its space, but a lens shows the preview that made it
+        self._preview, self._space = preview, preview.sheet.space
         self._lens = preview.lens(self.printed)
         self._marks = SheetMarks(self.printed, self.triangles)
         self.rotation = np.eye(3)
 
     def shows(self, preview: Preview) -> bool:
-        """Whether the mesh is one of the preview's sheet."""
+        """Whether the mesh is one of the preview's sheet; frames are then of this preview."""
         edges, lattice = self._print
-        if preview.sheet.space is self._space:
+        if preview is self._preview and preview.sheet.space is self._space:
             return True
         if lattice != preview.design.lattice or not edges.equals(preview.sheet.layout.edges):
             return False

@@ -7,6 +7,7 @@ import pytest
 
 import asterism
 from asterism.studio.engine_orders import Cancel, Edit, Flip, ShowForm
+from asterism.studio.messages import Frame, ShapeSummary, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 
@@ -49,6 +50,28 @@ def test_the_form_of_an_opened_design_does_not_depend_on_those_opened_before(eng
         summary = engine.summary(seq)
         assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
         assert [notice.text for notice in summary.warnings] == expected["warnings"]
+
+
+def test_the_shown_sheet_of_an_opened_design_is_its_own_though_it_shares_its_print(engine: EnginePipe) -> None:
+    uniform, decreasing = table("fig8-l-uniform"), table("fig8-l-decreasing")
+    edited = decreasing | {"stars": decreasing["stars"] | {"thickness_mm": 0.5}}  # in another program
+    for seq, design in enumerate((uniform, decreasing, edited, uniform), 1):
+        engine.send(Edit(seq, design, is_opened=True))
+        height = engine.summary(seq).numbers["height_mm"]
+        coarse, fine = [answer for answer in engine.answers if isinstance(answer, Frame)][-2:]
+        assert coarse.height_mm == pytest.approx(height, rel=0.02)
+        assert fine.height_mm == pytest.approx(height, rel=0.005)
+
+
+def test_a_sheet_comes_to_rest_after_a_smaller_one_that_did_not(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table(), is_opened=True))
+    height = engine.summary(1).numbers["height_mm"]
+    engine.send(Edit(2, table(border={"rings": 2})))
+    engine.frame(2)
+    engine.send(Edit(3, table(), is_opened=True))
+    ended = engine.until(lambda answer: isinstance(answer, ShapeSummary | StudioProblem) and answer.seq == 3)
+    assert isinstance(ended, ShapeSummary), ended  # its points are outside of the smaller sheet
+    assert ended.numbers["height_mm"] == pytest.approx(height, rel=1e-9)
 
 
 def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(engine: EnginePipe) -> None:

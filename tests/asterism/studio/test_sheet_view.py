@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 
@@ -10,6 +12,8 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from asterism.homogenize.errors import LawError
+from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
@@ -65,3 +69,21 @@ def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(
         one, other = (replace(each.frame(preview, 1, "linear", stage.x), mesh=0) for each in (view, fresh))
         for name in ARRAYS:
             assert getattr(one, name) == pytest.approx(getattr(other, name), abs=2e-5), name  # numbers of 4 bytes
+
+
+@pytest.mark.slow
+def test_a_view_shows_each_of_the_designs_of_one_outline_whichever_was_shown_before() -> None:
+    groups: dict[bytes, list[Preview]] = defaultdict(list)
+    for name in gallery.names():
+        with suppress(LawError):  # a material without a law has no preview
+            preview = Preview(gallery.load(name))
+            groups[preview.sheet.layout.outline.tobytes()].append(preview)
+    (previews,) = (group for group in groups.values() if len(group) > 1)
+    assert len(previews) > 10
+    heights = {preview: preview.shape().height_mm for preview in previews}
+    view = SheetView(previews[0], is_fine=False)
+    for preview in (*previews, *previews[-2::-1]):  # neighbours follow each other in both orders
+        assert view.shows(preview)
+        view.stand_up(preview)
+        height = view.frame(preview, 0, "equilibrium").height_mm
+        assert height == pytest.approx(heights[preview], rel=0.01), preview.design.name
