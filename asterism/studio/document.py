@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,8 @@ from asterism.studio.painted_field import Brush, PaintedField
 from asterism.studio.thumbnails import Thumbnails
 from asterism.studio.watcher import file_text
 
+_numbers = itertools.count(1)
+
 
 class Document:
     """A design that is being edited.
@@ -36,6 +39,7 @@ class Document:
 
     Attributes
     ----------
+    number : of this document, unlike that of any other one of the session; a saved copy goes on under it.
     path : the design file; it need not exist yet.
     layout : of the last table that was laid out, see `check`.
     thumbnails : small plans of the last states.
@@ -45,7 +49,7 @@ class Document:
     def __init__(
         self, table: Mapping[str, Any], path: Path, text: str | None = None, autosave: Autosave | None = None
     ) -> None:
-        self.path = path
+        self.number, self.path = next(_numbers), path
         self._history = History(dict(table))
         self._gesture: Any = None
         self._texts = DesignTexts(text)

@@ -119,7 +119,7 @@ class EngineRequests:
             case Limits():
                 self.limits = message
                 studio.tell_document()
-            case StudioProblem() if message.kind in ANSWERS:
+            case StudioProblem() if message.kind in ANSWERS and revision >= 0:
                 shown.busy = None
                 studio.tell({**engine_problem_data(message), "revision": revision})
                 studio.tell_state()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
 from typing import Any, Protocol
 
 from asterism.pattern.design.files import plain
@@ -32,7 +31,7 @@ class FitResult:
 
     def __init__(self, studio: FitOwner) -> None:
         self._studio = studio
-        self._path: Path | None = None
+        self._document: Document | None = None
         self._version = -1  # of the target
         self._taking: asyncio.Task[None] | None = None
 
@@ -43,7 +42,7 @@ class FitResult:
 
     def begin(self, document: Document) -> None:
         """A fit has been started for a document and the target of now."""
-        self._path, self._version = document.path, self._studio.parts.version
+        self._document, self._version = document, self._studio.parts.version
 
     def take(self, fitted: Fitted) -> None:
         """Show the fitted design when no request is being worked on."""
@@ -53,7 +52,7 @@ class FitResult:
         studio = self._studio
         async with studio.lock:
             document = studio.document
-            if document is None or document.path != self._path:
+            if document is None or document is not self._document:
                 studio.tell({"type": "note", "text": OTHER_DESIGN})
                 studio.tell({"type": "result", "job": "fit", "failed": True})
                 return

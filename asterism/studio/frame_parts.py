@@ -70,6 +70,11 @@ class FrameParts:
         self._request(self._requested.smooth)
         self._studio.tell_state()
 
+    def forget_target(self) -> None:
+        """Another design is open: the target was for the one before."""
+        if self.target is not None:
+            self.set_target(None)
+
     def place(self, request: ask.TargetRequest) -> None:
         """Do with the target what a page asks for."""
         if self.target is None:

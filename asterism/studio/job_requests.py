@@ -47,6 +47,8 @@ class JobOwner(Protocol):
     parts: FrameParts
     fits: FitResult
 
+    document: Document | None
+
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...
 
@@ -56,6 +58,7 @@ class JobRequests:
 
     def __init__(self, studio: JobOwner) -> None:
         self._studio = studio
+        self._document: Document | None = None  # of the last job
         self._jobs = Jobs(self._tell)
 
     def start(self, request: Request, document: Document) -> None:
@@ -94,6 +97,7 @@ class JobRequests:
                 raise RequestError("the server does not do that")
         if not started:
             raise RequestError("wait for the running job, or cancel it")
+        self._document = document
 
     def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
         options = {"printer": self._studio.printer, **request.options}
@@ -134,6 +138,10 @@ class JobRequests:
                 return
             case StudioProblem():
                 studio.tell({**engine_problem_data(message), "job": job.kind})
+                studio.tell({"type": "result", "job": job.kind, "failed": True})
+            case Verified() | Computed() if self._document is not None and self._document is not studio.document:
+                text = f"The verification of {self._document.path.stem} is done; its files are beside that design."
+                studio.tell({"type": "note", "text": text})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
             case Verified():
                 studio.shown.show_verified(message, job.revision, studio.tabs)

@@ -47,6 +47,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
     history = document.history
     return {
         "type": "document",
+        "number": document.number,
         "revision": document.revision,
         "name": document.path.stem,
         "path": shown_path(document.path),

@@ -21,7 +21,10 @@ class Request(BaseModel):
     Attributes
     ----------
     seq : number of the message in its tab; a problem with the message carries it.
+    document : number of the document that the message is about; the server refuses one about a document that is not
+        open any more.
     """
 
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
     seq: WholeNumber | None = None
+    document: WholeNumber | None = None

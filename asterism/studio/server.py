@@ -154,7 +154,10 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                     stream.write(part)
             try:
                 if kind is UploadKind.TARGET:
-                    studio.parts.load(await asyncio.to_thread(read_target, path, name))
+                    surface = await asyncio.to_thread(read_target, path, name)
+                    number = request.query_params.get("document", "")
+                    studio.open_document(int(number) if number.isdecimal() else None)
+                    studio.parts.load(surface)
                     return JSONResponse({"target": studio.parts.data()})
                 if kind is UploadKind.DRAWING:
                     units = request.query_params.get("units")

@@ -13,7 +13,7 @@ SLOTS = ("A", "B", "C")
 
 
 class Slots:
-    """Three places for a design with its form and its numbers."""
+    """Three places for states of the open design, with their forms and numbers."""
 
     def __init__(self) -> None:
         self._kept: dict[str, tuple[dict[str, Any], bytes | None, dict[str, Any]]] = {}

@@ -30,6 +30,7 @@ from asterism.studio.tab import Tab, Tabs
 from asterism.studio.upkeep import Upkeep
 
 MAX_QUEUED = 1000
+OTHER_DESIGN = "another design is open now; what was asked for the one before is left out"
 
 
 class Studio:
@@ -165,15 +166,33 @@ class Studio:
                 self.engine.link.stop()
             case ask.BumpsRequest():
                 self.parts.show_bumps(tab, request.shown)
+            case _:
+                await self._answer_about(self.open_document(request.document), tab, request)
+
+    def open_document(self, number: int | None) -> Document:
+        """The open document, for a request about the document of a number; without one, about whichever is open.
+
+        Raises
+        ------
+        RequestError
+            Another document is open, or none.
+        """
+        if self.document is None:
+            raise RequestError("open a design first")
+        if number not in (None, self.document.number):
+            raise RequestError(OTHER_DESIGN)
+        return self.document
+
+    async def _answer_about(self, document: Document, tab: Tab, request: Request) -> None:
+        """Do what a page asks for with the open document."""
+        match request:
             case ask.TargetRequest():
                 self.parts.place(request)
-            case _ if self.document is None:
-                raise RequestError("open a design first")
             case GestureRequest():
-                await self._gesture(tab, request)
+                await self._gesture(tab, request, document)
             case _:
-                await asyncio.to_thread(self.document.end_gesture)
-                await self._command(tab, request, self.document)
+                await asyncio.to_thread(document.end_gesture)
+                await self._command(tab, request, document)
 
     async def _command(self, tab: Tab, request: Request, document: Document) -> None:
         """A request that is no gesture; the document is laid out."""
@@ -227,7 +246,9 @@ class Studio:
             self._left[self.document.path] = self.document
         self.document = document = await asyncio.to_thread(opened, self.folder, request)
         self.shown.clear()
+        self.slots = Slots()
         self.engine.forget()
+        self.parts.forget_target()
         for tab in self.tabs:
             tab.gesture = None
             tab.forget_shapes()
@@ -235,10 +256,8 @@ class Studio:
         self.tell_document()
         self.tell_state()
 
-    async def _gesture(self, tab: Tab, request: GestureRequest) -> None:
+    async def _gesture(self, tab: Tab, request: GestureRequest, document: Document) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""
-        document = self.document
-        assert document is not None
         gesture = None if request.gesture is None else (tab.number, request.gesture)
         try:
             if note := apply_gesture(request, document, gesture, self.drawings):

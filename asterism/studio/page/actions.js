@@ -12,7 +12,10 @@ export function createActions(studio) {
   const { store, connection, edits } = studio;
 
   const asked = new Map(); // files that were to be saved, by the number of the message
-  const send = (type, fields) => asked.set(connection.send(type, fields), fields);
+  function send(type, fields) {
+    const about = { document: connection.document, ...fields };
+    asked.set(connection.send(type, about), about);
+  }
 
   /** Has the engine search; the page says so before the server does. */
   function search(what, fields) {
@@ -117,16 +120,18 @@ export function createActions(studio) {
       store.set({ theme: isDark ? "light" : "dark" });
     },
     upload,
-    chooseDrawing: () => choose("drawing", ".svg,.dxf,.3dm", takeDrawing),
-    takeDrawing: (file) => takeDrawing(file),
-    takeTarget: (file) => sendFile("target", file),
+    chooseDrawing: () => choose("drawing", ".svg,.dxf,.3dm", actions.takeDrawing),
+    /** On the first page, a drawing begins a design of its own. */
+    takeDrawing: (file) => takeDrawing(file, !store.get("document") || store.get("startOpen")),
+    takeTarget: (file) => sendFile("target", file, { document: connection.document }),
   };
 
-  /** A file chosen by the person goes to the server, which reads it; its answer becomes an edit. */
+  /** A file chosen by the person goes to the server, which reads it; its answer becomes an edit of the design of then. */
   function upload(kind, accept, use = null) {
+    const { document } = connection;
     choose(kind, accept, async (file) => {
-      const told = await sendFile(kind, file);
-      if (!told) return;
+      const told = await sendFile(kind, file, { document });
+      if (!told || document !== connection.document) return;
       if (use) use(told.value);
       else if (told.border) {
         edits.once(() => edits.design({ border: { ...rest(store.get("sheet").design.border), ...told.border } }));
@@ -167,37 +172,33 @@ export function createActions(studio) {
     return null;
   }
 
-  /** A drawing goes to the server, which may ask for its unit, and then to its dialog; without a design, on a new sheet. */
-  async function takeDrawing(file, more = {}) {
-    if (!store.get("document")) await newSheet();
+  /** A drawing goes to the server, which may ask for its unit, and then to its dialog, on the open sheet or on a new one. */
+  async function takeDrawing(file, isNew, more = {}) {
+    const { document } = connection;
     const told = await sendFile("drawing", file, more);
-    if (told?.units) askUnit(file.name, told.units, (units) => takeDrawing(file, { units }));
-    else if (told) {
-      store.set({ startOpen: false });
-      openDrawing(studio, told.drawing);
-    }
+    if (!told || (!isNew && document !== connection.document)) return;
+    if (told.units) askUnit(file.name, told.units, (units) => takeDrawing(file, isNew, { units }));
+    else if (!isNew || (await newSheet())) openDrawing(studio, told.drawing);
   }
 
+  /** Whether a new sheet is open; false if the connection is lost before. */
   function newSheet() {
+    const before = connection.document;
     return new Promise((resolve) => {
-      const stop = store.on(["document"], ({ document }) => document && (stop(), resolve()));
+      const stop = store.on(["document", "connection"], () => {
+        const isOpen = connection.document !== before;
+        if (!isOpen && store.get("connection") === "open") return;
+        stop();
+        resolve(isOpen);
+      });
       actions.startNew();
     });
   }
 
+  /** The open design stays until another one is there. */
   function leave() {
     edits.drop();
-    studio.view?.reset();
-    store.set({
-      startOpen: false,
-      selection: new Set(),
-      support: null,
-      corner: null,
-      cursor: null,
-      results: {},
-      frame: null,
-    });
-    studio.isNew = true;
+    store.set({ startOpen: false });
   }
 
   return actions;

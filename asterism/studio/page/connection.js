@@ -26,6 +26,7 @@ export class Connection {
   #wait = 250;
   #timer = 0;
   #isClosed = false;
+  document = null; // number of the document that the page shows: the server refuses what is about another one
 
   /** `handlers`: message(object), frame({kind, header, arrays}), status("connecting" | "open" | "lost"). */
   constructor(handlers) {
@@ -70,7 +71,7 @@ export class Connection {
   send(type, fields = {}) {
     if (!this.isOpen) return 0;
     this.#seq += 1;
-    this.#socket.send(JSON.stringify({ type, seq: this.#seq, ...fields }));
+    this.#socket.send(JSON.stringify({ type, seq: this.#seq, document: this.document, ...fields }));
     return this.#seq;
   }
 

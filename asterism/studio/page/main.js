@@ -37,7 +37,7 @@ import { View } from "./view/view.js";
 const $ = (id) => document.getElementById(id);
 
 const store = createStore();
-const studio = { store, isNew: true, opened: 0 };
+const studio = { store, opened: 0 };
 const handlers = {};
 studio.connection = new Connection({
   message: (message) => handlers.message(message),

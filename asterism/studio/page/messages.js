@@ -2,6 +2,7 @@
 
 import { plainField } from "./format.js";
 import { announce, toast } from "./panels/toasts.js";
+import { NO_SYMMETRY } from "./store.js";
 
 export function listen(studio) {
   const { store, connection, edits } = studio;
@@ -9,17 +10,13 @@ export function listen(studio) {
   const takers = {
     document(message) {
       const before = store.get("document");
+      const isOther = before?.number !== message.number;
+      if (isOther && before) forgetDesign();
+      connection.document = message.number;
       edits.arrived(message);
-      const isOther =
-        before && before.path !== message.path && JSON.stringify(before.design) !== JSON.stringify(message.design);
-      if (studio.isNew || isOther) {
-        studio.isNew = false;
+      if (isOther) {
         studio.opened += 1;
         studio.plan.fit();
-        if (before) {
-          studio.view?.reset();
-          store.set({ frame: null }); // a shape of the design before may have come since it was left
-        }
       }
       const comparison = store.get("comparison");
       const isOld = comparison?.revision !== message.revision;
@@ -54,10 +51,6 @@ export function listen(studio) {
     },
     problem(message) {
       if (message.kind?.startsWith("file ")) return offerFile(message);
-      if (studio.isNew && store.get("document")) {
-        studio.isNew = false;
-        connection.send("hello"); // a design that does not open: back to the one before
-      }
       const shown = showProblem(message);
       store.set({ problem: { ...message, isBlocking: false } });
       if (message.kind === "no preview") return; // the note below the view says it
@@ -71,6 +64,30 @@ export function listen(studio) {
     saved: (message) => toast(`Saved as ${message.path}`, { stay: 4000 }),
     note: (message) => toast(message.text),
   };
+
+  /** Another design is open: what was said, chosen, found and begun for the one before goes with it. */
+  function forgetDesign() {
+    Object.values(studio.tools).forEach(({ tool }) => tool.cancel?.());
+    edits.drop();
+    document.querySelectorAll("dialog[open]").forEach((one) => one.close());
+    document.querySelectorAll(".toast").forEach((one) => one.remove());
+    studio.view?.reset();
+    store.set({
+      frame: null,
+      comparison: null,
+      results: {},
+      history: null,
+      problem: null,
+      selection: new Set(),
+      support: null,
+      corner: null,
+      cursor: null,
+      hover: null,
+      measured: null,
+      sizesOf: "",
+      symmetry: NO_SYMMETRY,
+    });
+  }
 
   /** The fitted design is shown; it is one step that can be undone. */
   function fitted({ summary, cancelled, revision }) {

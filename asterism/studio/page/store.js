@@ -41,10 +41,11 @@ export class Store {
 /** Whether the engine works long enough for the page to offer its end. */
 export const isLong = ({ searching, busy, engine }) => Boolean(searching || (busy && engine === "computing"));
 
+export const NO_SYMMETRY = { mirrorX: false, mirrorY: false, sixfold: false };
+
 const REMEMBERED = [
   "brush",
   "weightBrush",
-  "symmetry",
   "snap",
   "grid",
   "planColour",
@@ -86,7 +87,7 @@ export function createStore() {
     brush: { quantity: "length", mode: "set", radius: null, strength: 0.5, target: 9, amount: 1 },
     weightBrush: { mode: "paint", radius: null, strength: 0.5, weight: 5 }, // radii: null follows the sheet, see sheet.js
     inLaw: true,
-    symmetry: { mirrorX: false, mirrorY: false, sixfold: false },
+    symmetry: NO_SYMMETRY,
     snap: true,
     grid: true,
     printArea: false,

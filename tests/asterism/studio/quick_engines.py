@@ -15,7 +15,7 @@ from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
 from asterism.studio.messages import Frame, Ready, ShownMesh, StudioProblem
 from asterism.studio.weights import SheetWeights
 
-# variable of the environment with the file that a fit waits for
+# variable of the environment with the file that a fit, or a verification, waits for
 GATE = "ASTERISM_TEST_GATE"
 
 
@@ -49,6 +49,12 @@ def serve(connection: Connection) -> None:
         connection.send(Frame(message.seq, 1, "equilibrium", *args, snapshot=snapshot))
 
 
+def wait_for_gate() -> None:
+    """Wait until the file of `GATE` is there, if the test names one."""
+    while (gate := os.environ.get(GATE)) and not Path(gate).exists():
+        time.sleep(0.01)
+
+
 def verify(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
     """A verification that waits for its end, unless the design's name says otherwise."""
     connection.send(JobProgress(job, "exact model", 30, 100, 0.1))
@@ -56,6 +62,7 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
         os._exit(3)
     if table["name"] == "wait":
         time.sleep(600)
+    wait_for_gate()
     flat = np.zeros((3, 2), dtype=np.float32)
     none = np.zeros(0, dtype=np.uint32)
     mesh = ShownMesh(-job, flat, np.array([[0, 1, 2]]), np.arange(3), none)
@@ -79,8 +86,7 @@ def fit(
     connection.send(JobProgress(job, "step 1, each star: 0.40 % of the diameter", 0, 0, 0.1))
     if name == "wait.obj":
         time.sleep(600)
-    while (gate := os.environ.get(GATE)) and not Path(gate).exists():
-        time.sleep(0.01)
+    wait_for_gate()
     if name == "wide.obj":
         connection.send(StudioProblem(job, "error", "wide: is out of reach"))
         return

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
+from starlette.testclient import TestClient
 
-from asterism.studio.engine_orders import Edit
+from asterism.pattern import gallery
+from asterism.studio import job_requests
+from asterism.studio.engine_orders import Edit, Parts
 from asterism.studio.studio import Studio
-from tests.asterism.studio.conftest import Page
+from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.quick_engines import GATE
+from tests.asterism.studio.test_target import ROOF, send_roof
 
 
 def last_edit(studio: Studio) -> Edit:
@@ -45,11 +51,74 @@ def test_undo_and_kept_designs_go_back_to_their_form(page: Page, studio: Studio)
     page.send(type="undo")
     page.until("document", can_undo=False)
     assert last_edit(studio).snapshot == b"form"
+    page.send(type="remove", sites=[[1, 0]], gesture=2)
+    page.until("document", gesture=2)
+    page.send(type="show", slot="A")
+    page.until("document", history={"position": 2, "labels": ["opened", "remove", "show A"]})
+    assert last_edit(studio).snapshot == b"form" and last_edit(studio).is_opened
+
+
+def test_what_a_page_asks_for_a_design_is_refused_when_another_one_is_open(
+    client: TestClient, page: Page, studio: Studio, folder: Path
+) -> None:
+    other = folder / "star.toml"
+    text = gallery.path("star").read_text(encoding="utf-8")
+    other.write_text(text, encoding="utf-8")
+    dome = page.until("document")
+    page.send(type="save", name="star", seq=1, document=dome["number"])
+    assert page.until("problem", seq=1)["kind"] == "file exists"
+    page.send(type="open", gallery="cone", document=dome["number"])  # about no document: another tab may open one, too
+    cone = page.until("document", name="cone")
+    requests: list[dict[str, Any]] = [
+        {"type": "save", "name": "star", "over": True},
+        {"type": "sizes", "gesture": 1, "sites": [[0, 0]], "length": [5.0]},
+        {"type": "show", "slot": "A"},
+        {"type": "target", "do": "fit"},
+        {"type": "recover"},
+    ]
+    for seq, request in enumerate(requests, 2):
+        page.send(**request, seq=seq, document=dome["number"])
+        assert "another design is open now" in page.until("problem", seq=seq)["text"]
+    assert other.read_text(encoding="utf-8") == text
+    assert studio.document is not None and studio.document.number == cone["number"] != dome["number"]
+    assert not studio.document.history.can_undo
+    send = f"/{TOKEN}/upload?kind=target&document={dome['number']}"
+    answer = client.post(send, content=ROOF.encode(), headers={"origin": f"http://{HOST}", "x-name": "roof.obj"})
+    assert "another design is open now" in answer.json()["problem"]["text"] and studio.parts.target is None
+    page.send(type="save", name="star", over=True, document=cone["number"])
+    page.until("saved")
+    assert other.read_bytes() == gallery.path("cone").read_bytes()
+
+
+def test_target_and_kept_designs_go_with_their_design(client: TestClient, page: Page, studio: Studio) -> None:
+    page.until("shape")
+    send_roof(client)
+    page.send(type="keep", slot="A")
+    while page.until("state")["slots"]["A"] is None:
+        pass
     page.send(type="open", gallery="cone")
     page.until("document", name="cone")
-    page.send(type="show", slot="A")
-    page.until("document", can_undo=True)
-    assert last_edit(studio).snapshot == b"form" and last_edit(studio).is_opened
+    state = page.until("state")
+    assert state["target"] is None and set(state["slots"].values()) == {None}
+    parts = [each for each in studio.engine.link.edits if isinstance(each, Parts)]  # type: ignore[attr-defined]
+    assert parts[-1].target is None
+
+
+def test_a_verification_of_another_design_is_told_and_not_shown(
+    page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(job_requests, "VERIFICATION_PROCESS", "tests.asterism.studio.quick_engines:verify")
+    monkeypatch.setenv(GATE, str(tmp_path / "gate"))
+    page.until("shape")
+    page.send(type="verify")
+    page.until("progress", stage="exact model")
+    page.send(type="open", gallery="cone")
+    page.until("document", name="cone")
+    (tmp_path / "gate").touch()
+    assert page.until("note")["text"].startswith("The verification of dome is done")
+    assert page.until("result", job="verify")["failed"]
+    (tab,) = studio.tabs
+    assert tab._comparison is None
 
 
 def test_a_shape_that_waits_is_not_sent_as_that_of_the_opened_design(

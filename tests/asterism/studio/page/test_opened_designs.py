@@ -1,0 +1,146 @@
+"""What belongs to a design goes when another one opens: messages, target, symmetry, kept designs, drawings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.asterism.studio.browser import StudioPage, running_studio
+from tests.asterism.studio.page.conftest import pages_of
+from tests.asterism.studio.page.test_view import cap
+from tests.asterism.studio.test_drawings import SVG
+
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
+NAMES = ("first", "second", "third")
+
+
+@pytest.fixture
+def designs(tmp_path: Path) -> dict[str, Path]:
+    """Three design files in a folder of their own."""
+    made = tmp_path / "designs"
+    made.mkdir()
+    for name, length in zip(NAMES, (8.0, 7.0, 6.0), strict=True):
+        text = f'name = "{name}"\n[stars]\nlength_mm = {length}\n[border]\nrings = 1\n'
+        (made / f"{name}.toml").write_text(text, encoding="utf-8")
+    return {name: made / f"{name}.toml" for name in NAMES}
+
+
+@pytest.fixture
+def make(browser: Any, designs: dict[str, Path]) -> Iterator[Callable[[], StudioPage]]:
+    """Makes pages of a studio of these designs."""
+    with running_studio(designs["first"].parent) as url, pages_of(browser, url) as make:
+        yield make
+
+
+def test_a_message_goes_with_its_design_and_its_button_replaces_no_file_by_another_one(
+    make: Callable[[], StudioPage], designs: dict[str, Path]
+) -> None:
+    page = make()
+    page.open("file-first.toml")
+    before = designs["third"].read_text(encoding="utf-8")
+    replace = page.page.get_by_role("button", name="Replace it")
+    page.fill("name", "third")
+    replace.wait_for()
+    # a click that comes before the page knows of the other design: the server refuses it
+    page.page.evaluate(
+        """() => {
+            const buttons = [...document.querySelectorAll(".toast button")];
+            const button = buttons.find((one) => one.textContent === "Replace it");
+            document.querySelector("[data-testid=open]").click();
+            const wait = setInterval(() => {
+                const file = document.querySelector("[data-testid='file-second.toml']");
+                if (!file) return;
+                clearInterval(wait);
+                file.click();
+                button.click();
+            }, 10);
+        }"""
+    )
+    page.wait("studio.document.name === 'second'")
+    page.page.get_by_text("another design is open now").wait_for()
+    assert replace.count() == 0 and designs["third"].read_text(encoding="utf-8") == before
+
+    page.fill("name", "third")
+    replace.wait_for()
+    page.open("file-first.toml")
+    assert replace.count() == 0 and page.item("toast").count() == page.item("problem").count() == 0
+    page.fill("name", "third")
+    replace.click()
+    page.wait("studio.document.name === 'third' && studio.document.saved")
+    assert designs["third"].read_bytes() == designs["first"].read_bytes()
+    assert "second" in designs["second"].read_text(encoding="utf-8")
+
+
+def test_a_drawing_on_the_first_page_is_a_new_design_and_the_open_one_stays(
+    make: Callable[[], StudioPage], designs: dict[str, Path], tmp_path: Path
+) -> None:
+    (tmp_path / "plan.svg").write_text(SVG, encoding="utf-8")
+    page = make()
+    page.open("file-first.toml")
+    page.changed(lambda: page.drag((0, 0), (5, 5)))
+    text, edited = designs["first"].read_text(encoding="utf-8"), page.get("studio.document.design")
+    page.item("open").click()
+    page.upload("new-drawing", tmp_path / "plan.svg")
+    page.item("drawing-use-beside").select_option("none")
+    assert page.get("studio.document.name") == "sheet" and not page.item("start").is_visible()
+    page.item("drawing-go").click()
+    page.wait("studio.document.design.rods")
+    assert page.get("studio.document.name") == "sheet" and not page.get("studio.document.has_file")
+    assert designs["first"].read_text(encoding="utf-8") == text
+    page.open("file-first.toml")
+    assert page.get("studio.document.design.stars") == {"length_mm": 8.0}
+    page.page.get_by_role("button", name="Bring them back").click()
+    page.wait("studio.document.design.stars.override")
+    assert page.get("studio.document.design") == edited
+
+
+def test_an_unreadable_drawing_on_the_first_page_leaves_the_open_design(
+    make: Callable[[], StudioPage], tmp_path: Path
+) -> None:
+    (tmp_path / "plan.svg").write_text("no drawing", encoding="utf-8")
+    page = make()
+    page.open("file-first.toml")
+    page.item("open").click()
+    page.upload("new-drawing", tmp_path / "plan.svg")
+    page.item("problem").wait_for()
+    assert page.item("start").is_visible() and page.get("studio.document.name") == "first"
+    assert "422" in page.complaints.pop()  # the browser notes the refusal
+
+
+def test_target_symmetry_kept_designs_and_a_drawing_go_when_any_page_opens_another_design(
+    make: Callable[[], StudioPage], tmp_path: Path
+) -> None:
+    (tmp_path / "plan.svg").write_text(SVG, encoding="utf-8")
+    page = make()
+    page.open("file-first.toml")
+    page.item("tool-brush").click()
+    page.item("mirrorX").check()
+    page.item("tool-ruler").click()
+    page.drag((0, 0), (5, 5))
+    assert page.get("studio.measured") is not None
+    page.load_target(cap(tmp_path / "cap.stl"))
+    page.item("keep-A").click()
+    page.wait("studio.state.slots.A")
+    page.page.keyboard.press("Control+a")
+    page.upload("import-drawing", tmp_path / "plan.svg")
+    page.item("drawing-dialog").wait_for()
+    assert page.get("studio.selection.length") > 0
+
+    other = make()
+    other.open("file-second.toml")
+    page.wait("studio.document.name === 'second'")
+    page.rest()
+    page.wait("!studio.target && studio.ghost === 0 && !studio.state.slots.A")
+    assert not page.item("drawing-dialog").is_visible() and not page.item("show-A").is_visible()
+    assert page.get("studio.selection") == [] and page.get("studio.measured") is None
+    for one in (page, other):
+        one.item("tool-brush").click()
+        assert not one.item("mirrorX").is_checked()
+    page.changed(lambda: page.drag((15, 0), (16, 0)))
+    assert page.get("studio.document.design.stars.override.length") == 2  # four with a mirror
+    assert page.get("studio.state.slots.A") is None
