@@ -131,16 +131,20 @@ class JobRequests:
             studio.tell_state()
 
     def _pass_on(self, job: RunningJob, message: Any) -> None:
-        studio = self._studio
+        studio, document = self._studio, self._document
+        other = None if document is None or document is studio.document else document.path.stem
         match message:
             case JobProgress():
                 studio.tell({"type": "progress", **job.progress_data})
                 return
             case StudioProblem():
-                studio.tell({**engine_problem_data(message), "job": job.kind})
+                problem = engine_problem_data(message)
+                if other is not None:  # its field, stars and place are not those of the design that is open
+                    problem |= {"text": f"{other}: {message.text}", "field": "", "stars": (), "at_mm": None}
+                studio.tell({**problem, "job": job.kind})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
-            case Verified() | Computed() if self._document is not None and self._document is not studio.document:
-                text = f"The verification of {self._document.path.stem} is done; its files are beside that design."
+            case Verified() | Computed() if other is not None:
+                text = f"The verification of {other} is done; its files are beside that design."
                 studio.tell({"type": "note", "text": text})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
             case Verified():

@@ -97,7 +97,9 @@ export function createActions(studio) {
     /** Plan and view show all of a sheet that gets another outline, as soon as they have a state after `before`. */
     fitSoon(before = store.get("document")?.revision) {
       let isPlanFitted = false;
+      const { document } = connection;
       const fitPlan = () => {
+        if (document !== connection.document) return stop();
         if (isPlanFitted || store.get("document").revision <= before) return;
         isPlanFitted = true;
         studio.plan.fit();
@@ -109,7 +111,6 @@ export function createActions(studio) {
           stop();
           requestAnimationFrame(() => studio.view?.fit());
         }),
-        store.on(["startOpen"], () => stop()), // another design
         store.on(["problem"], ({ problem }) => problem?.isBlocking === false && problem.kind !== "no preview" && stop()), // refused
       ];
       const stop = () => ends.forEach((end) => end());

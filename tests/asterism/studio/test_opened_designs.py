@@ -104,18 +104,24 @@ def test_target_and_kept_designs_go_with_their_design(client: TestClient, page: 
     assert parts[-1].target is None
 
 
+@pytest.mark.parametrize("is_good", [True, False])
 def test_a_verification_of_another_design_is_told_and_not_shown(
-    page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    is_good: bool, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(job_requests, "VERIFICATION_PROCESS", "tests.asterism.studio.quick_engines:verify")
     monkeypatch.setenv(GATE, str(tmp_path / "gate"))
     page.until("shape")
+    if not is_good:
+        page.send(type="edit", gesture=1, changes={"name": "die"})
     page.send(type="verify")
     page.until("progress", stage="exact model")
     page.send(type="open", gallery="cone")
     page.until("document", name="cone")
     (tmp_path / "gate").touch()
-    assert page.until("note")["text"].startswith("The verification of dome is done")
+    if is_good:
+        assert page.until("note")["text"].startswith("The verification of dome is done")
+    else:
+        assert page.until("problem")["text"] == "dome: the verify ended unexpectedly"
     assert page.until("result", job="verify")["failed"]
     (tab,) = studio.tabs
     assert tab._comparison is None

@@ -16,7 +16,11 @@ export function buildTop(element, { store, actions }) {
     event.stopPropagation();
     if (event.key === "Enter") name.blur();
   });
-  name.addEventListener("change", () => name.value.trim() && actions.saveAs(name.value.trim()));
+  name.addEventListener("change", () => {
+    const wanted = name.value.trim();
+    name.value = store.get("document").name; // until the file is written: the server may refuse
+    if (wanted) actions.saveAs(wanted);
+  });
   const saved = h("span", { class: "saved", testid: "saved", role: "status" });
   const undo = button({
     icon: "undo",

@@ -46,6 +46,7 @@ def test_a_message_goes_with_its_design_and_its_button_replaces_no_file_by_anoth
     replace = page.page.get_by_role("button", name="Replace it")
     page.fill("name", "third")
     replace.wait_for()
+    assert page.item("name").input_value() == "first"
     # a click that comes before the page knows of the other design: the server refuses it
     page.page.evaluate(
         """() => {
