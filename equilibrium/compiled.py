@@ -1,4 +1,4 @@
-"""Compiled loops where numba is installed, plain Python otherwise."""
+"""Loops compiled by numba."""
 
 from __future__ import annotations
 
@@ -10,14 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-try:
-    from numba import config, njit
-    from numba.extending import register_jitable
-
-    HAVE_NUMBA = True
-except ImportError:  # numba supports new versions of Python late; everything runs without it, but slower
-    HAVE_NUMBA = False
-
+from numba import config, njit
+from numba.extending import register_jitable
 
 # decorators of formulas, as files contain them
 FORMULA_MARKS = (b"@formula", b"@sum_formula")
@@ -27,7 +21,7 @@ uncached: list[str] = []
 
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
     """Mark a function of one element: plain Python calls it unchanged, and compiled loops call it as well."""
-    return register_jitable(function) if HAVE_NUMBA else function
+    return register_jitable(function)
 
 
 def sum_formula(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -35,7 +29,7 @@ def sum_formula(function: Callable[..., Any]) -> Callable[..., Any]:
 
     The sums then differ by rounding from those of plain Python, and from those of other processors.
     """
-    return register_jitable(fastmath={"reassoc", "contract"})(function) if HAVE_NUMBA else function
+    return register_jitable(fastmath={"reassoc", "contract"})(function)
 
 
 def loop(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -44,8 +38,6 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     numba checks only the file of the loop to see whether the machine code is stale. The formulas that the loop calls
     may be in other files, so the name of the cache folder is a digest of all files with formulas.
     """
-    if not HAVE_NUMBA:
-        return function
     folder = Path(function.__code__.co_filename).parent / "__pycache__" / _folder_name(_package_of(function))
     default_folder = config.CACHE_DIR  # type: ignore[attr-defined]
     try:
@@ -64,7 +56,7 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def has_machine_code(package: Path) -> bool:
     """Whether an earlier run compiled loops of a package, given by its folder, with its present formulas."""
-    return not HAVE_NUMBA or any(package.rglob(f"{_folder_name(package)}/**/*.nbi"))
+    return any(package.rglob(f"{_folder_name(package)}/**/*.nbi"))
 
 
 def _folder_name(package: Path) -> str:

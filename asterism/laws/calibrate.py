@@ -11,7 +11,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism.equilibrium.compiled import HAVE_NUMBA
 from asterism.homogenize.campaign.campaign import CampaignProgress, run_campaign
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.fit_law import fit_law
@@ -111,8 +110,7 @@ def origin(command: str, start: float, cell_seconds: float) -> dict[str, Any]:
 
 def package_versions() -> dict[str, str]:
     """Versions of the packages that compute the cells."""
-    packages = ["numpy", "scipy", *(["numba"] if HAVE_NUMBA else [])]
-    return {"asterism": __version__, **{name: version(name) for name in packages}}
+    return {"asterism": __version__, **{name: version(name) for name in ("numpy", "scipy", "numba")}}
 
 
 class ProgressLine(CountLine):

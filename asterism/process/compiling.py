@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from asterism.equilibrium.compiled import HAVE_NUMBA, uncached
+from asterism.equilibrium.compiled import uncached
 
 # packages whose loops take seconds to compile, in a user's words
 PACKAGE_TITLES = {
@@ -32,9 +32,6 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
 
     numba reports the functions that it compiles, but not those whose machine code it reads from disk.
     """
-    if not HAVE_NUMBA:
-        yield
-        return
     from numba.core import event
 
     announced: set[str] = set()
@@ -61,9 +58,6 @@ def signs_while_compiling(say: Callable[[str], None], every_s: float) -> Iterato
 
     `say` is called in another thread.
     """
-    if not HAVE_NUMBA:
-        yield
-        return
     from numba.core import event
 
     under_way: list[Any] = []
@@ -94,9 +88,6 @@ def signs_while_compiling(say: Callable[[str], None], every_s: float) -> Iterato
 @contextmanager
 def clock_without_compiling() -> Iterator[Callable[[], float]]:
     """Yield a clock (s) that stops while loops are compiled, or their machine code is read from disk."""
-    if not HAVE_NUMBA:
-        yield time.perf_counter
-        return
     from numba.core import event
 
     spent = event.TimingListener()  # type: ignore[no-untyped-call]

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from asterism.discrete.energies.kernel import HAVE_NUMBA
 from asterism.equilibrium.arrays import Array
 
 
@@ -19,7 +18,6 @@ class Elements:
     inputs : (E, m) indices into the packed configuration (positions, then directors) that an element reads.
     dofs : (E, n) indices of the dofs (positions, then twists) by which the energy is differentiated.
     params : (E, p) parameters of each element.
-    compiled : run the compiled loop; otherwise, or without numba, the formulas run on arrays.
 
     Attributes
     ----------
@@ -31,11 +29,10 @@ class Elements:
     formulas: tuple[Callable[..., Any], Callable[..., Any], Callable[..., Any]]
     sweep: Callable[..., None]
 
-    def __init__(self, inputs: Array, dofs: Array, params: Array, compiled: bool = True) -> None:
+    def __init__(self, inputs: Array, dofs: Array, params: Array) -> None:
         self.inputs = np.ascontiguousarray(inputs, dtype=np.int32)
         self.dofs = np.ascontiguousarray(dofs, dtype=np.int32)
         self.params = np.ascontiguousarray(params, dtype=float)
-        self.compiled = compiled and HAVE_NUMBA
 
     def __len__(self) -> int:
         return len(self.inputs)
@@ -47,18 +44,12 @@ class Elements:
 
     def energies(self, configuration: Array) -> Array:
         """(E,) N mm, energy of each element in a packed configuration."""
-        if not self._runs_compiled(configuration):
-            return np.asarray(self.formulas[0](*self._columns(configuration)))
         out = np.empty(len(self))
         self._sweep(configuration, 0, out, _NONE, _NONE)
         return out
 
     def gradients(self, configuration: Array) -> Array:
         """(E, n) N or N mm, derivatives of each element's energy by its dofs."""
-        if not self._runs_compiled(configuration):
-            g = np.zeros((self.dofs_per_element, len(self)), dtype=configuration.dtype)
-            self.formulas[1](*self._columns(configuration), g)
-            return np.ascontiguousarray(g.T)
         out = np.zeros((len(self), self.dofs_per_element))
         self._sweep(configuration, 1, _NONE[0], out, _NONE)
         return out
@@ -70,20 +61,9 @@ class Elements:
         semidefinite one.
         """
         inputs, params = self.inputs[rows], self.params[rows]
-        if not self._runs_compiled(configuration):
-            h = np.zeros((self.dofs_per_element, self.dofs_per_element, len(inputs)), dtype=configuration.dtype)
-            self.formulas[2](configuration[inputs.T], params.T, blend, h)
-            i, j = np.tril_indices(self.dofs_per_element)
-            return np.ascontiguousarray(h[i, j].T)
         out = np.empty((len(inputs), self.dofs_per_element * (self.dofs_per_element + 1) // 2))
         type(self).sweep(configuration, inputs, params, 2, blend, _NONE[0], _NONE, out)
         return out
-
-    def _runs_compiled(self, configuration: Array) -> bool:
-        return self.compiled and configuration.dtype == np.float64
-
-    def _columns(self, configuration: Array) -> tuple[Array, Array]:
-        return configuration[self.inputs.T], self.params.T
 
     def _sweep(self, configuration: Array, order: int, *out: Array) -> None:
         type(self).sweep(configuration, self.inputs, self.params, order, 0.0, *out)

@@ -1,8 +1,8 @@
-"""Element formulas that run in two ways, and the vector operations in which they are written.
+"""The compiled loop over element formulas, and the vector operations in which they are written.
 
 Each energy has one formula, for one element, in plain arithmetic on components. Numba compiles it within a loop over
-the elements. Without numba the same function runs on all elements at once: every number becomes an array over the
-elements. Both agree up to rounding. The second way also accepts complex numbers, by which the tests differentiate.
+the elements. The tests call the same function with arrays over the elements, also of complex numbers, by which they
+differentiate.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from asterism.equilibrium.compiled import HAVE_NUMBA, formula, loop
+from asterism.equilibrium.compiled import formula, loop
 
-__all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "multiply", "point", "sub", "sweep"]
+__all__ = ["combine", "cross", "dot", "formula", "multiply", "point", "sub", "sweep"]
 
 
 @formula

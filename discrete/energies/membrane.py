@@ -119,7 +119,6 @@ class Membrane(Elements):
     rest : (V, 2) mm, the unstretched fabric.
     thickness, modulus, poisson : mm, MPa, 1.
     incompressible : use the incompressible law instead of the neo-Hookean one.
-    compiled : as in `Elements`.
 
     Examples
     --------
@@ -127,7 +126,7 @@ class Membrane(Elements):
     `E/(1 - nu) strain^2` per volume in plane stress:
 
     >>> rest = np.array([[0, 0], [1, 0], [0, 1.0]])
-    >>> fabric = Membrane(np.array([[0, 1, 2]]), rest, 1.0, 7.0, 0.3, compiled=False)
+    >>> fabric = Membrane(np.array([[0, 1, 2]]), rest, 1.0, 7.0, 0.3)
     >>> stretched = np.column_stack([1.01 * rest, np.zeros(3)])
     >>> round(float(fabric.energies(stretched.ravel())[0]), 6), round(0.5 * 7.0 / 0.7 * 0.01**2, 6)
     (0.000497, 0.0005)
@@ -144,11 +143,10 @@ class Membrane(Elements):
         modulus: float,
         poisson: float,
         incompressible: bool = False,
-        compiled: bool = True,
     ) -> None:
         dofs = (3 * triangles[:, :, None] + np.arange(3)).reshape(len(triangles), 9)
         params = membrane_params(triangles, rest, thickness, modulus, poisson, incompressible)
-        super().__init__(dofs, dofs, params, compiled)
+        super().__init__(dofs, dofs, params)
 
 
 def membrane_params(

@@ -40,8 +40,8 @@ class ContactModel(DiscreteModel):
     pattern : sparsity pattern of the last Hessian; another object after new pairs have come into contact.
     """
 
-    def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
-        super().__init__(design, layout, mesh, compiled)
+    def __init__(self, design: Design, layout: Layout, mesh: Mesh) -> None:
+        super().__init__(design, layout, mesh)
         fabric = design.fabric
         distance = min(fabric.thickness_mm, MAX_CONTACT_DISTANCE_FRACTION * self.spacing)
         self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
@@ -100,12 +100,12 @@ class ContactModel(DiscreteModel):
         keys = entry_keys(row[inside], column[inside], len(self.free))
         return keys, np.empty(0) if values is None else values[inside]
 
-    def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:
+    def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states that leaves `state` in `direction`, without intersections, and the largest step along it.
 
         If a state of the curve of `DiscreteModel` cannot be reached on a straight line, `reachable_state` replaces it.
         """
-        curve, longest = super().path(state, direction, straight)
+        curve, longest = super().path(state, direction)
         computed: dict[float, State] = {}
 
         def safe_state_at(a: float) -> State:

@@ -53,7 +53,6 @@ class DiscreteModel(System):
     design : the design.
     layout : its stars, outline and supports, from `pattern.layout.build.layout`.
     mesh : mesh of the layout, from `pattern.mesh.meshing.mesh_layout`.
-    compiled : run compiled loops; otherwise the formulas run on arrays.
 
     Attributes
     ----------
@@ -73,7 +72,7 @@ class DiscreteModel(System):
     >>> from asterism.pattern.mesh.meshing import mesh_layout
     >>> design = gallery.load("star")
     >>> plan = layout(design)
-    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0), compiled=False)
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
     >>> model.bending.name, sorted(model.parts)
     ('paper', ['hinges', 'membrane', 'rod_bending', 'rod_stretch', 'rod_twist'])
     >>> energies = model.energies(model.printed_state())
@@ -81,8 +80,8 @@ class DiscreteModel(System):
     True
     """
 
-    def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
-        self.design, self.layout, self.mesh, self.compiled = design, layout, mesh, compiled
+    def __init__(self, design: Design, layout: Layout, mesh: Mesh) -> None:
+        self.design, self.layout, self.mesh = design, layout, mesh
         self.bending = FABRIC_BENDING[design.fabric.bending]
         self.network, self.joints = _networks(layout.graph, mesh)
         self.edge_thickness = _at_midpoints(self.network, layout.graph, "thickness")
@@ -92,19 +91,19 @@ class DiscreteModel(System):
         edges = self.network.edges
         n_turns = len(edges) + 3 * len(self.joints.vertices)
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(n_turns, dtype=bool)])
-        parts = self._fabric(compiled) | self._rods(compiled)
+        parts = self._fabric() | self._rods()
         super().__init__(parts, len(mesh.points), edges, held, joint_vertices=self.joints.vertices)
         self.load_datum = self.constraints.mean_support
         self._weight = self._dead_load()
         self.set_release(1.0)
         self._reconstruction: Reconstruction | None = None
 
-    def _fabric(self, compiled: bool) -> dict[str, Elements]:
+    def _fabric(self) -> dict[str, Elements]:
         mesh, plate, incompressible = self.mesh, self.fabric_plate, self.design.fabric.model == "incompressible"
-        membrane = Membrane(mesh.triangles, mesh.points, *plate, incompressible, compiled)
-        return {"membrane": membrane} | self.bending.build(BendingMesh(mesh.triangles, mesh.points), plate, compiled)
+        membrane = Membrane(mesh.triangles, mesh.points, *plate, incompressible)
+        return {"membrane": membrane} | self.bending.build(BendingMesh(mesh.triangles, mesh.points), plate)
 
-    def _rods(self, compiled: bool) -> dict[str, Elements]:
+    def _rods(self) -> dict[str, Elements]:
         net, points, plastic = self.network, self.mesh.points, self.design.plastic
         modulus = self.design.fabric.modulus_mpa * plastic.modulus_ratio
         h, w = self.edge_thickness, self.edge_width
@@ -113,13 +112,13 @@ class DiscreteModel(System):
         # set_release sets the rest curvature
         no_rest = np.zeros(len(h))
         parts: dict[str, Elements] = {
-            "rod_bending": RodBend(inputs, dofs, bend_params(net, points, modulus, w, h, no_rest), compiled),
-            "rod_stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(net, points, modulus, w, h), compiled),
-            "rod_twist": RodTwist(inputs, dofs, twist_params(net, points, modulus, plastic.poisson, w, h), compiled),
+            "rod_bending": RodBend(inputs, dofs, bend_params(net, points, modulus, w, h, no_rest)),
+            "rod_stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(net, points, modulus, w, h)),
+            "rod_twist": RodTwist(inputs, dofs, twist_params(net, points, modulus, plastic.poisson, w, h)),
         }
         if len(self.joints.vertices):
             params = joint_params(self.joints, net, points, modulus, plastic.poisson, w, h, no_rest)
-            parts["rod_joints"] = RodJoint(*joint_inputs(self.joints, len(points), len(net.edges)), params, compiled)
+            parts["rod_joints"] = RodJoint(*joint_inputs(self.joints, len(points), len(net.edges)), params)
         return parts
 
     def _residual_curvature_over_the_plastics(self) -> Array:
@@ -240,13 +239,11 @@ class DiscreteModel(System):
             )
         return self._reconstruction
 
-    def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:
+    def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states that leaves `state` in `direction` (free,), and the largest step along it.
 
-        Triangles and rod edges rotate along it; `straight` gives straight steps, which stretch them to second order.
+        Triangles and rod edges rotate along it, which straight steps would stretch to second order.
         """
-        if straight:
-            return super().path(state, direction, straight)
         return self.reconstruction.path(state, *self.displacements_and_twists(direction), self.spins(direction))
 
 

@@ -45,7 +45,7 @@ class System:
 
     >>> from asterism.discrete.energies.rods.stretch import RodStretch
     >>> from asterism.equilibrium.newton.minimise import minimise
-    >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]), compiled=False)
+    >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]))
     >>> edges, held = np.array([[0, 1]]), np.array([True, True, True, False, True, True, True])
     >>> system = System({"spring": spring}, 2, edges, held, load=np.array([0, 0, 0, 1.0, 0, 0]))
     >>> start = State(np.array([[0, 0, 0], [10, 0, 0.0]]), np.array([[0, 0, 1.0]]))
@@ -119,7 +119,7 @@ class System:
         full[self.free] = direction
         return full[3 * self.n_vertices + len(self.edges) :].reshape(-1, 3)
 
-    def path(self, state: State, direction: Array, straight: bool) -> tuple[Callable[[float], State], float]:
+    def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states that leaves `state` in `direction` (free,), and the largest step along it. Here: straight."""
         (move, turn), spin = self.displacements_and_twists(direction), self.spins(direction)
         return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn, a * spin)), 1.0

@@ -23,7 +23,6 @@ from asterism.discrete.release.saddle import leave_saddle_of_model, lowest_mode
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.newton.certificate import Eigenpair
 from asterism.equilibrium.newton.minimise import Iteration, NewtonResult, minimise
-from asterism.equilibrium.newton.regularisation import Method
 
 Report = Callable[[str, Iteration], None]
 
@@ -42,6 +41,7 @@ PROLONGED_BLEND = 1.0
 # iterations of all minimisations on one mesh: designs of the study take 60 to 220, contact takes 463; then the search
 # ends with its last state, which is the lowest
 MAX_RELEASE_ITERATIONS = 3000
+MAX_ITERATIONS = 500  # of each minimisation
 # perturbations along negative modes in each step
 MAX_PERTURBATIONS = 5
 # steps in which pins that act after the release move to their targets
@@ -68,11 +68,8 @@ def gradient_tolerance(model: DiscreteModel) -> float:
 class ReleaseContinuation:
     """Minimises step by step and counts the effort; parameters as in `discrete.release.single_mesh.solve_on_mesh`."""
 
-    def __init__(
-        self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int, coarse: bool = False
-    ) -> None:
-        self.backend, self.method, self.max_iterations = backend, method, max_iterations
-        self.report, self.seed, self.coarse = report, seed, coarse
+    def __init__(self, backend: str, report: Report | None, seed: int, coarse: bool) -> None:
+        self.backend, self.report, self.seed, self.coarse = backend, report, seed, coarse
         self.effort = Effort()
 
     def follow(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
@@ -213,8 +210,7 @@ class ReleaseContinuation:
                 state,
                 factor,
                 tolerance,
-                min(self.max_iterations, left),
-                self.method,
+                min(MAX_ITERATIONS, left),
                 report=stage_report,
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides

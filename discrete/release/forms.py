@@ -16,7 +16,6 @@ from asterism.discrete.release.mesh_level import MeshLevel
 from asterism.discrete.release.release_start import release_starts
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Array
-from asterism.equilibrium.newton.regularisation import Method
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
@@ -108,8 +107,6 @@ def find_minima(
     starts: int,
     seed: int = 0,
     backend: str = "auto",
-    method: Method = "blended",
-    max_iterations: int = 500,
     report: Report | None = None,
 ) -> Minima:
     """Find the forms of a design from a fixed sequence of starts, the start of the design first.
@@ -121,7 +118,7 @@ def find_minima(
     ----------
     model : model on the fine mesh.
     starts : number of starts, see `release_starts`.
-    seed, backend, method, max_iterations, report : as in `solve_on_mesh`.
+    seed, backend, report : as in `solve_on_mesh`.
 
     Raises
     ------
@@ -137,7 +134,7 @@ def find_minima(
     for number, release_start in enumerate(release_starts(len(model.layout.centres), starts, start == "bump", seed)):
         start_report = prefixed_report(report, f"start {number + 1} of {starts}")
         try:
-            end = solve_on_mesh(models[0], release_start, None, seed, backend, method, max_iterations, start_report)
+            end = solve_on_mesh(models[0], release_start, seed, backend, start_report)
         except (DesignError, FloatingPointError):
             # an error of the design's start is an error of the design; other starts may fail
             if number == 0:
@@ -154,9 +151,7 @@ def find_minima(
     fine = []
     for number, form in enumerate(form for form, chosen in zip(coarse, refined, strict=True) if chosen):
         form_report = prefixed_report(report, f"minimum {number + 1}")
-        end, levels = solve_through_levels(
-            models, form.equilibrium, start, seed, backend, method, max_iterations, form_report
-        )
+        end, levels = solve_through_levels(models, form.equilibrium, start, seed, backend, form_report)
         fine.append(replace(form, equilibrium=end, model=model, levels=tuple(levels)))
     certified = [form for form in fine if form.equilibrium.is_minimum] or fine
     return Minima(_best_first(distinct_forms(certified, design_symmetries)), coarse, refined, lost, design_symmetries)

@@ -22,7 +22,6 @@ from asterism.discrete.release.prolongation import fit_to_surface, prolong
 from asterism.discrete.release.shared_search import SharedSearch
 from asterism.discrete.release.single_mesh import StartKind, solve_on_mesh
 from asterism.equilibrium.arrays import Array
-from asterism.equilibrium.newton.regularisation import Method
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.meshing import mesh_layout
 
@@ -39,8 +38,6 @@ def solve_on_meshes(
     start: StartKind = "bump",
     seed: int = 0,
     backend: str = "auto",
-    method: Method = "blended",
-    max_iterations: int = 500,
     report: Report | None = None,
     near: SurfaceMap | None = None,
     coarser: bool = True,
@@ -50,7 +47,7 @@ def solve_on_meshes(
 
     Parameters
     ----------
-    model, start, seed, backend, method, max_iterations, report : as in `solve_on_mesh`.
+    model, start, seed, backend, report : as in `solve_on_mesh`.
     near : surface, bumps included, from which the coarsest mesh starts at full release, with all supports in place. If
         the model has contact and the surface intersects itself, the search starts from the print.
     coarser : search on coarser meshes first. A surface that is nearly an equilibrium of the fine mesh does without.
@@ -72,8 +69,8 @@ def solve_on_meshes(
         on_surface = fit_to_surface(models[0], near(models[0].mesh.points))
         first = on_surface if is_intersection_free(models[0], on_surface) else start
     coarse = len(models) > 1
-    coarsest = solve_on_mesh(models[0], first, None, seed, backend, method, max_iterations, level_report, coarse)
-    return solve_through_levels(models, coarsest, start, seed, backend, method, max_iterations, report, search)
+    coarsest = solve_on_mesh(models[0], first, seed, backend, level_report, coarse)
+    return solve_through_levels(models, coarsest, start, seed, backend, report, search)
 
 
 def solve_through_levels(
@@ -82,8 +79,6 @@ def solve_through_levels(
     start: StartKind,
     seed: int,
     backend: str,
-    method: Method,
-    max_iterations: int,
     report: Report | None,
     search: SharedSearch | None = None,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
@@ -111,7 +106,7 @@ def solve_through_levels(
         prepared = time.perf_counter() - begun
         level_report = prefixed_report(report, f"{fine.n_vertices} vertices")
         last = fine is models[-1]
-        equilibrium = solve_on_mesh(fine, state, None, seed, backend, method, max_iterations, level_report, not last)
+        equilibrium = solve_on_mesh(fine, state, seed, backend, level_report, not last)
         path += equilibrium.path
         ends.append(equilibrium)
         levels.append(_level(fine, equilibrium, {"prolongation": prepared, **equilibrium.seconds}))
@@ -169,7 +164,7 @@ def coarser_models(model: DiscreteModel) -> list[DiscreteModel]:
     >>> from asterism.pattern.layout.build import layout
     >>> design = gallery.load("star")
     >>> plan = layout(design)
-    >>> coarser_models(DiscreteModel(design, plan, mesh_layout(plan, 4.0), compiled=False))
+    >>> coarser_models(DiscreteModel(design, plan, mesh_layout(plan, 4.0)))
     []
     """
     ratio = model.n_vertices / COARSE_VERTICES
@@ -185,5 +180,5 @@ def coarser_models(model: DiscreteModel) -> list[DiscreteModel]:
         except MeshError:  # arms too short for this mesh: the search starts on a finer one
             continue
         if len(mesh.points) < MAX_COARSE_VERTEX_FRACTION * model.n_vertices:
-            models.append(type(model)(model.design, model.layout, mesh, model.compiled))
+            models.append(type(model)(model.design, model.layout, mesh))
     return models

@@ -25,7 +25,7 @@ def model_with_pins_until(model: DiscreteModel, step: int) -> DiscreteModel:
         return copy.copy(model)  # `attach_pins` replaces the constraints of the copy
     layout = replace(model.layout, pins=tuple(model.layout.pins[i] for i in kept))
     mesh = replace(model.mesh, pin_vertices=tuple(model.mesh.pin_vertices[i] for i in kept))
-    return type(model)(model.design, layout, mesh, model.compiled)
+    return type(model)(model.design, layout, mesh)
 
 
 def attach_pins(model: DiscreteModel, state: State, was_free: bool) -> State:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal, get_args
 
 from asterism.discrete.evidence.equilibrium import Equilibrium
@@ -12,7 +10,6 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import ReleaseContinuation, Report
 from asterism.discrete.release.release_start import ReleaseStart
-from asterism.equilibrium.newton.regularisation import Method
 
 StartKind = Literal["bump", "flat"]
 
@@ -20,11 +17,8 @@ StartKind = Literal["bump", "flat"]
 def solve_on_mesh(
     model: DiscreteModel,
     start: StartKind | ReleaseStart | State = "bump",
-    releases: Sequence[float] | None = None,
     seed: int = 0,
     backend: str = "auto",
-    method: Method = "blended",
-    max_iterations: int = 500,
     report: Report | None = None,
     coarse: bool = False,
 ) -> Equilibrium:
@@ -36,11 +30,8 @@ def solve_on_mesh(
     start : `bump`: every star starts 2 mm to the side that its layout prescribes (up by default), and flat stars are
         nudged to that side between the steps. `flat`: as printed. A `ReleaseStart`: as it states. A state: minimised
         at full release with all pins in place.
-    releases : releases of the continuation, from above 0 to 1; those of the start by default.
     seed : seed of the noise (standard deviation 0.001 mm) that breaks the symmetry of the start.
     backend : linear solver, see `equilibrium.linear.backends`.
-    method : treatment of indefinite Hessians, see `equilibrium.newton.minimise`.
-    max_iterations : of each minimisation.
     report : called after every iteration with the name of the stage.
     coarse : a finer mesh follows. The result is only as accurate as it needs, and usually has no certificate.
 
@@ -51,8 +42,7 @@ def solve_on_mesh(
     Raises
     ------
     ValueError
-        The releases do not grow from 0 to 1, or are given with a state; the start or method has no such name; or a
-        given state intersects itself and the model has contact.
+        The start has no such name, or a given state intersects itself and the model has contact.
 
     Examples
     --------
@@ -63,17 +53,13 @@ def solve_on_mesh(
     >>> from asterism.pattern.mesh.meshing import mesh_layout
     >>> design = gallery.load("star")
     >>> plan = layout(design)
-    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0), compiled=False)
-    >>> equilibrium = solve_on_mesh(model, releases=[0.3, 1.0], backend="superlu")
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
+    >>> equilibrium = solve_on_mesh(model, ReleaseStart(releases=(0.3, 1.0)), backend="superlu")
     >>> equilibrium.is_minimum, equilibrium.stars_up, [step.release for step in equilibrium.path]
     (True, 1, [0.3, 1.0, 1.0])
     """
-    if method not in get_args(Method):
-        raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
-    continuation = ReleaseContinuation(backend, method, max_iterations, report, seed, coarse)
+    continuation = ReleaseContinuation(backend, report, seed, coarse)
     if isinstance(start, State):
-        if releases is not None:
-            raise ValueError("releases: a state is minimised at full release; give one or the other")
         model.set_release(1.0)
         state = model.apply_supports(start)
         if not is_intersection_free(model, state):
@@ -83,8 +69,6 @@ def solve_on_mesh(
         if start not in get_args(StartKind):
             raise ValueError(f"start = {start!r}: must be one of {', '.join(get_args(StartKind))}")
         start = ReleaseStart(bumps=start == "bump", seed=seed)
-    if releases is not None:
-        start = replace(start, releases=tuple(releases))
     try:
         return continuation.follow(model, start)
     except BaseException:

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.equilibrium.compiled import HAVE_NUMBA, loop
+from asterism.equilibrium.compiled import loop
 
 ENTRIES_PER_BATCH = 1 << 22  # while a pattern is built; tens of MB
 
@@ -67,12 +67,7 @@ class SparsePattern:
     def _slots_at(self, low: Ints, high: Ints) -> Ints:
         """Slots of the entries in columns `low` and rows `high`; the last slot where `low` is -1 (a held dof)."""
         slots = np.empty(len(low), dtype=np.int32)
-        if HAVE_NUMBA:
-            _search_slots(low, high, self.indptr, self.indices, slots)
-        else:
-            column = np.repeat(np.arange(self.size), np.diff(self.indptr))
-            slots[:] = np.searchsorted(column * self.size + self.indices, low.astype(np.int64) * self.size + high)
-            slots[low < 0] = self.nnz
+        _search_slots(low, high, self.indptr, self.indices, slots)
         return slots
 
     @property
@@ -89,11 +84,7 @@ class SparsePattern:
         start = 0
         for values in element_values:
             flat = np.ascontiguousarray(values).ravel()
-            slots = self._slots[start : start + len(flat)]
-            if HAVE_NUMBA:
-                _scatter(flat, slots, data)
-            else:
-                data += np.bincount(slots, weights=flat, minlength=len(data))
+            _scatter(flat, self._slots[start : start + len(flat)], data)
             start += len(flat)
         return data[:-1]
 

@@ -1,10 +1,7 @@
 """Newton's method for the minimum of an energy.
 
-Two methods handle an indefinite Hessian H:
-
-- `blended` (default): the matrix `(1 - b) H + b H_psd`, with the smallest b that the factorisation accepts, and steps
-  along the path of the problem, which may rotate what a straight step would stretch.
-- `shifted`: the matrix `H + tau I` and straight steps (Nocedal and Wright 2006, section 3.4), as in the paper.
+Where the Hessian H is indefinite, the matrix is `(1 - b) H + b H_psd`, with the smallest b that the factorisation
+accepts. Steps are along the path of the problem, which may rotate what a straight step would stretch.
 """
 
 from __future__ import annotations
@@ -18,7 +15,7 @@ from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.newton.line_search import line_search, rounding_error
 from asterism.equilibrium.newton.problem import AnyState, Problem
-from asterism.equilibrium.newton.regularisation import Method, Regularisation
+from asterism.equilibrium.newton.regularisation import Regularisation
 
 MAX_IDLE_ITERATIONS = 10  # in a row without progress; then rounding errors allow no further progress
 MIN_GRADIENT_PROGRESS = 0.9  # of the smallest gradient norm so far; a norm below counts as progress
@@ -32,7 +29,7 @@ class Iteration:
     ----------
     number : from 0, the initial state.
     energy, gradient_norm : at the present state.
-    blend : regularisation, b or tau.
+    blend : regularisation, b.
     step : length of the step that led here.
     """
 
@@ -80,7 +77,6 @@ def minimise(
     factor: Factor,
     tolerance: float,
     max_iterations: int = 300,
-    method: Method = "blended",
     shift: float = 1e-9,
     report: Callable[[Iteration], None] | None = None,
     blend: float = 0.0,
@@ -96,7 +92,6 @@ def minimise(
     factor : solver for the Hessians, see `equilibrium.linear.backends.make_solver`.
     tolerance : of the gradient's 2-norm.
     max_iterations : largest number of iterations.
-    method : see the module.
     shift : added to the diagonal of every matrix.
     report : called after every iteration.
     blend : first regularisation. A good guess saves the factorisations of matrices that would be refused.
@@ -115,7 +110,7 @@ def minimise(
     first_energy = abs(energy)
     gradient = clock("gradient", problem.gradient, state)
     norm = float(np.linalg.norm(gradient))
-    regularisation = Regularisation(problem, factor, method, shift, clock, blend)
+    regularisation = Regularisation(problem, factor, shift, clock, blend)
     step = 0.0
     line_search_failed = settled = False
     lowest_energy, smallest_norm, last_progress = energy, norm, 0
@@ -134,7 +129,7 @@ def minimise(
         if ended or stagnated or settled:
             break
         direction = regularisation.direction(state, gradient)
-        path, longest = problem.path(state, direction, method == "shifted")
+        path, longest = problem.path(state, direction)
         slope = float(gradient @ direction)
         accepted = clock(
             "line search", line_search, problem, path, energy, first_energy, slope, norm, min(1.0, longest)

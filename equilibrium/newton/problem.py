@@ -30,7 +30,7 @@ class Problem(Protocol):
     def support(self, state: AnyState) -> Ints:
         """Free dofs (k,) of an isostatic support: it stops the remaining rigid motions and causes no forces."""
 
-    def path(self, state: AnyState, direction: Floats, straight: bool) -> tuple[Callable[[float], AnyState], float]:
+    def path(self, state: AnyState, direction: Floats) -> tuple[Callable[[float], AnyState], float]:
         """Curve of states that leaves `state` in `direction` (size,), and the largest step along it."""
 
 

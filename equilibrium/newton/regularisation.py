@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
@@ -13,41 +11,35 @@ from asterism.equilibrium.linear.factor import Factor, IterativeFactor
 from asterism.equilibrium.linear.rigid_support import stiffen
 from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
 
-Method = Literal["blended", "shifted"]
-
 # Factor on the regularisation after a refused matrix. A refused matrix costs as much as an accepted one, so the blend,
 # which ends at 1, gets there from 1e-3 in three refusals.
-REGULARISATION_GROWTH = {"blended": 30.0, "shifted": 10.0}
+REGULARISATION_GROWTH = 30.0
 # Stiffness added to the convex model where it has none, over the median diagonal entry of the exact Hessian.
 CONVEX_STIFFNESS_FRACTION = 1e-3
 MIN_REGULARISATION = 1e-3  # first amount after a refused matrix; amounts below become zero
 MIN_AFTER_LINE_SEARCH = 1e-2  # first amount after a failed line search
-MAX_SHIFT = 1e12  # of the method "shifted"
 MAX_FORCING_TERM = 1e-2  # largest relative residual of an iterative solution
 MIN_FORCING_TERM = 1e-10
 
 
 class Regularisation:
-    """Makes the matrix positive definite with as little change as the factorisation accepts.
+    """Makes the matrix `(1 - b) H + b H_psd` positive definite with the smallest b that the factorisation accepts.
 
     Parameters
     ----------
     problem, factor : the energy and the solver for its Hessians.
-    method : `blended`, `(1 - b) H + b H_psd`, or `shifted`, `H + tau I`.
     shift : added to the diagonal of every matrix.
     clock : takes the time of each part.
-    amount : first b or tau.
+    amount : first b.
 
     Attributes
     ----------
-    amount : present b or tau; 0 is the exact Hessian.
+    amount : present b; 0 is the exact Hessian.
     factorisations : matrices given to the factor so far.
     """
 
-    def __init__(
-        self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock, amount: float
-    ) -> None:
-        self._problem, self._factor, self._method, self._shift, self._clock = problem, factor, method, shift, clock
+    def __init__(self, problem: Problem, factor: Factor, shift: float, clock: Clock, amount: float) -> None:
+        self._problem, self._factor, self._shift, self._clock = problem, factor, shift, clock
         self._iterative = factor if isinstance(factor, IterativeFactor) else None
         self.amount = amount
         self.factorisations = 0
@@ -72,10 +64,7 @@ class Regularisation:
         added = CONVEX_STIFFNESS_FRACTION * float(np.median(np.abs(exact[diagonal])))
         self._was_refused = False
         while True:
-            if self._method == "shifted":
-                data = exact.copy()
-                data[diagonal] += self.amount
-            elif self.amount == 0.0:
+            if self.amount == 0.0:
                 data = exact
             else:
                 if convex is None:
@@ -94,7 +83,7 @@ class Regularisation:
             if not np.isfinite(data).all():
                 raise FloatingPointError("the Hessian is not finite")
             self._was_refused = True
-            self.amount = max(REGULARISATION_GROWTH[self._method] * self.amount, MIN_REGULARISATION)
+            self.amount = max(REGULARISATION_GROWTH * self.amount, MIN_REGULARISATION)
 
     def is_definite(self, state: AnyState) -> bool:
         """Whether the exact Hessian with the shift, on its support, is positive definite; one factorisation."""
@@ -114,7 +103,7 @@ class Regularisation:
 
     def increase(self) -> bool:
         """After a failed line search: increase the amount; False if it is at its limit."""
-        if self.amount >= (1.0 if self._method == "blended" else MAX_SHIFT):
+        if self.amount >= 1.0:
             return False
         self.amount = max(10.0 * self.amount, MIN_AFTER_LINE_SEARCH)
         return True

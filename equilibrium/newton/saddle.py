@@ -35,7 +35,7 @@ def _lowest_along(
     problem: Problem, state: AnyState, energy: float, vector: Floats, max_change: float
 ) -> tuple[AnyState, float]:
     lowest_state, lowest = state, energy
-    path, longest = problem.path(state, vector, False)
+    path, longest = problem.path(state, vector)
     step = min(longest, max_change / float(np.abs(vector).max()))
     for _ in range(MAX_HALVINGS):
         trial = path(step)

@@ -286,7 +286,7 @@ class Shell(SupportedSheet):
         low, x = self._flat_lower, moves.ravel()
         return self.restrict(low @ x + self._flat_upper @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
 
-    def path(self, x: Floats, direction: Floats, straight: bool) -> tuple[Callable[[float], Floats], float]:
+    def path(self, x: Floats, direction: Floats) -> tuple[Callable[[float], Floats], float]:
         """States along a straight line from x, as a function of the step, and the longest step."""
         step = (self.reduction.map @ direction).reshape(-1, 3)
         return (lambda a: x + a * step), 1.0

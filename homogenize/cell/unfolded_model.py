@@ -44,7 +44,7 @@ def unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | None
     model = DiscreteModel(unbent, layout, mesh)
     model.bending = FABRIC_BENDING[fabric.bending]
     model.parts |= model.bending.build(
-        BendingMesh(torus.triangles, torus.points, torus.hinges, torus.around), model.fabric_plate, True
+        BendingMesh(torus.triangles, torus.points, torus.hinges, torus.around), model.fabric_plate
     )
     model.set_release(1.0)  # the parts that were added are those of the print so far
     return model

@@ -198,7 +198,7 @@ class UnitCell(System):
         """The same state on the unfolded mesh."""
         return State(self.images.unfold(state.positions), state.directors, self.images.unfold_frames(state.frames))
 
-    def path(self, state: State, direction: Array, straight: bool = True) -> tuple[Callable[[float], State], float]:
+    def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
         """Straight steps of the positions; parallel transport carries the directors along the unfolded rod edges."""
         (move, turn), spin = self.displacements_and_twists(direction), self.spins(direction)
 

@@ -1,17 +1,20 @@
 """V1: gradients and Hessians of every energy, at random states and at states bent by more than 90 degrees.
 
-Both come from complex steps through the plain numpy path, which have no truncation error: the tolerance is rounding.
+Both come from complex steps through the formulas on arrays, which have no truncation error: the tolerance is rounding.
 For rods the derivative of the gradient is not symmetric away from equilibrium (transporting a director around a loop
 turns it); the Hessian is its symmetric part (Bergou et al. 2010).
 """
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from asterism.discrete.model.state import edge_tangents
 from asterism.equilibrium.arrays import Array
+from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
 from tests.discrete.samples import COUNT, SAMPLES, Sample
 
 STEP = 1e-30
@@ -54,7 +57,7 @@ def complex_steps(sample: Sample, n: int, function) -> Array:
 def test_gradient(name, bent):
     sample = make(name, bent)
     n = sample.elements.dofs_per_element
-    expected = complex_steps(sample, n, sample.elements.energies)
+    expected = complex_steps(sample, n, partial(plain_energies, sample.elements))
     assert relative(sample.elements.gradients(sample.state.packed), expected) < 1e-11
 
 
@@ -63,7 +66,7 @@ def test_gradient(name, bent):
 def test_hessian(name, bent):
     sample = make(name, bent)
     n = sample.elements.dofs_per_element
-    derivative = complex_steps(sample, n, sample.elements.gradients)
+    derivative = complex_steps(sample, n, partial(plain_gradients, sample.elements))
     expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
     assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-11
     if not name.startswith("rod"):
@@ -93,13 +96,10 @@ def test_hessian_is_the_slope_of_the_gradient_in_real_arithmetic(name, bent):
 @pytest.mark.parametrize("blend", [0.0, 0.3, 1.0])
 def test_compiled_and_plain_paths_agree(name, bent, blend):
     sample = make(name, bent)
-    assert sample.elements.compiled, "numba is a dependency"
-    packed = sample.state.packed
-    compiled = [sample.elements.energies(packed), sample.elements.gradients(packed)]
-    compiled.append(sample.elements.hessians(packed, blend))
-    sample.elements.compiled = False
-    plain = [sample.elements.energies(packed), sample.elements.gradients(packed)]
-    plain.append(sample.elements.hessians(packed, blend))
+    elements, packed = sample.elements, sample.state.packed
+    compiled = [elements.energies(packed), elements.gradients(packed), elements.hessians(packed, blend)]
+    plain = [plain_energies(elements, packed), plain_gradients(elements, packed)]
+    plain.append(plain_hessians(elements, packed, blend))
     for one, other in zip(compiled, plain, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
 

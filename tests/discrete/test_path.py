@@ -95,21 +95,15 @@ def test_an_unstable_state_is_left_along_its_negative_mode() -> None:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"releases": [0.3]}, "the last must be 1"),
-        ({"releases": []}, "the last must be 1"),
-        ({"releases": [float("nan"), 1.0]}, "must grow from 0"),
-        ({"releases": [-5.0, 1.0]}, "must grow from 0"),
-        ({"releases": [0.8, 0.3, 1.0]}, "must grow from 0"),
-        ({"start": ReleaseStart(branch=(1, -1))}, "must be of 1 stars, not 2"),
-        ({"method": "newton"}, "must be one of blended, shifted"),
-        ({"start": "Bump"}, "must be one of bump, flat"),
+        (ReleaseStart(branch=(1, -1)), "must be of 1 stars, not 2"),
+        ("Bump", "must be one of bump, flat"),
     ],
 )
-def test_invalid_starts_are_refused(wrong: dict, said: str) -> None:
+def test_invalid_starts_are_refused(wrong: ReleaseStart | str, said: str) -> None:
     data = gallery.load("star").to_dict()
     plan = layout(design := Design.from_dict(data))
     with pytest.raises(ValueError, match=said):
-        solve_on_mesh(DiscreteModel(design, plan, mesh_layout(plan, 4.0)), **wrong)
+        solve_on_mesh(DiscreteModel(design, plan, mesh_layout(plan, 4.0)), wrong)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="must be one of none, roll, dome, saddle"):
         ReleaseStart(bend="rol")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="a bend needs one above 0"):
@@ -118,10 +112,19 @@ def test_invalid_starts_are_refused(wrong: dict, said: str) -> None:
         ReleaseStart(branch=(2,))
 
 
-def test_a_state_with_releases_is_refused() -> None:
-    m = model(rings=0)
-    with pytest.raises(ValueError, match="one or the other"):
-        solve_on_mesh(m, m.flat_state(), releases=[0.3, 1.0])
+@pytest.mark.parametrize(
+    ("releases", "said"),
+    [
+        ((0.3,), "the last must be 1"),
+        ((), "the last must be 1"),
+        ((float("nan"), 1.0), "must grow from 0"),
+        ((-5.0, 1.0), "must grow from 0"),
+        ((0.8, 0.3, 1.0), "must grow from 0"),
+    ],
+)
+def test_releases_must_grow_to_one(releases: tuple[float, ...], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        ReleaseStart(releases=releases)
 
 
 def test_an_interrupted_release_leaves_the_model_released() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
+from asterism.discrete.model.system import System
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern import gallery
@@ -80,7 +81,7 @@ def test_a_small_step_has_the_rounding_of_its_coordinates(plate: DiscreteModel, 
     """It differs from a straight step at second order, 1e-18 mm here; a larger difference is rounding."""
     assert np.linalg.norm(np.diff(plate.mesh.points[plate.edges], axis=1), axis=2).min() < 0.11
     d = direction(plate, 1e-9)
-    turned, straight = (plate.path(relaxed, d, way)[0](1.0) for way in (False, True))
+    turned, straight = (way.path(plate, relaxed, d)[0](1.0) for way in (DiscreteModel, System))
     apart = np.abs(turned.positions - straight.positions).max()
     assert apart <= 2.0 * np.spacing(np.abs(relaxed.positions).max())
 

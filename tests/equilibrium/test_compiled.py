@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asterism.equilibrium.compiled import HAVE_NUMBA, has_machine_code, loop, sum_formula
+from asterism.equilibrium.compiled import has_machine_code, loop, sum_formula
 
 LOOPS = """
 from asterism.equilibrium.compiled import formula
@@ -26,7 +26,6 @@ def total(values):
 """
 
 
-@pytest.mark.skipif(not HAVE_NUMBA, reason="nothing is compiled without numba")
 def test_changed_formulas_have_no_machine_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package = tmp_path / "sums"
     package.mkdir()
@@ -42,7 +41,6 @@ def test_changed_formulas_have_no_machine_code(tmp_path: Path, monkeypatch: pyte
     assert not has_machine_code(package)
 
 
-@pytest.mark.skipif(not HAVE_NUMBA, reason="nothing is compiled without numba")
 def test_sums_in_another_order_differ_by_rounding_and_keep_nan() -> None:
     @sum_formula
     def total(values):  # type: ignore[no-untyped-def]

@@ -41,7 +41,6 @@ def total(module: str) -> float:
     return float(out[0])
 
 
-@pytest.mark.skipif(not compiled.HAVE_NUMBA, reason="needs numba")
 def test_without_a_folder_that_can_be_written(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     from numba.core import caching
 
@@ -50,7 +49,6 @@ def test_without_a_folder_that_can_be_written(module: str, monkeypatch: pytest.M
     assert compiled.uncached == ["total"]
 
 
-@pytest.mark.skipif(not compiled.HAVE_NUMBA, reason="needs numba")
 def test_on_a_full_disk(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     from numba.core import caching
 

@@ -23,6 +23,7 @@ from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
+from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
 
 FOLDER = Path(__file__).parent.parent / "data" / "reference"
 SPACING = 10.0 * np.sqrt(3.0)
@@ -59,8 +60,17 @@ class ReferenceStretch(Elements):
     """`c l/8 (|e|^2/l^2 - 1)^2`; params (N, 2): c (N), printed length l (mm)."""
 
     def __init__(self, dofs: Array, params: Array) -> None:
-        super().__init__(dofs, dofs, params, compiled=False)
+        super().__init__(dofs, dofs, params)
         self.formulas = (_stretch_energy, _stretch_gradient, _stretch_hessian)
+
+    def energies(self, configuration: Array) -> Array:
+        return plain_energies(self, configuration)
+
+    def gradients(self, configuration: Array) -> Array:
+        return plain_gradients(self, configuration)
+
+    def hessians(self, configuration: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
+        return plain_hessians(self, configuration, blend)[rows]
 
 
 def _edge(q: Array, p: Array) -> tuple[Array, Array]:

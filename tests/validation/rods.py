@@ -26,7 +26,6 @@ from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue
 from asterism.equilibrium.newton.minimise import NewtonResult, minimise
-from asterism.equilibrium.newton.regularisation import Method
 
 
 @dataclass(frozen=True)
@@ -119,13 +118,13 @@ def cantilever(edges: int, length: float, material: Material, kappa: float = 0.0
     return Cantilever(rod_system(network, printed, material, held, kappa=kappa), printed, length, material)
 
 
-def solve(system: System, state: State, loads: Sequence[Array], method: Method = "blended") -> NewtonResult:
+def solve(system: System, state: State, loads: Sequence[Array]) -> NewtonResult:
     """The equilibrium under the last of some dead loads (V, 3), N, reached through the others."""
     factor = make_factor(system.pattern, "superlu")  # quickest to set up, for some hundred dofs
     stiffest = max(float(part.params[:, 0].max()) for part in system.parts.values())
     for load in loads:
         system.load = np.asarray(load, dtype=float).ravel()
-        result = minimise(system, state, factor, 1e-11 * stiffest, 400, method)
+        result = minimise(system, state, factor, 1e-11 * stiffest, 400)
         assert result.converged, result.history[-1]
         state = result.state
     return result

@@ -79,8 +79,9 @@ def test_a_saddle_is_left_not_reported() -> None:
     assert np.ptp(found.state.positions[:, 2]) > 1.0
 
 
-def test_an_unconverged_state_is_not_an_equilibrium() -> None:
-    found = solve_on_mesh(model(), max_iterations=1)
+def test_an_unconverged_state_is_not_an_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_ITERATIONS", 1)
+    found = solve_on_mesh(model())
     assert not found.converged and not found.is_minimum
 
 

@@ -15,11 +15,11 @@ from asterism.discrete.energies.elements import Elements
 from asterism.equilibrium.arrays import Array
 
 
-def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:
+def _build(mesh: BendingMesh, plate: FabricPlate) -> dict[str, Elements]:
     hinges = mesh.hinges
     return {
-        "plate": Plate(mesh.triangles, mesh.printed, *plate, compiled=compiled, surrounding=mesh.surrounding),
-        "folds": Hinges(hinges, 0.0, compiled, fold_coefficients(hinges, mesh.printed, *plate)),
+        "plate": Plate(mesh.triangles, mesh.printed, *plate, surrounding=mesh.surrounding),
+        "folds": Hinges(hinges, 0.0, fold_coefficients(hinges, mesh.printed, *plate)),
     }
 
 

@@ -50,7 +50,7 @@ class FabricBending:
     ----------
     name : value of `fabric.bending` in the design file.
     parts : names of its energies in the model.
-    build : builds these energies from the mesh and the plate; the last argument is True for compiled loops.
+    build : builds these energies from the mesh and the plate.
     set_rest : sets the ratio of rest area to printed area and, if the rest shape is not similar to the print, the rest
         shape (V, 2) mm up to its size.
     crease_factor : stiffness at a straight crease over that of a plate of the fabric's thickness.
@@ -59,7 +59,7 @@ class FabricBending:
 
     name: str
     parts: tuple[str, ...]
-    build: Callable[[BendingMesh, FabricPlate, bool], dict[str, Elements]]
+    build: Callable[[BendingMesh, FabricPlate], dict[str, Elements]]
     set_rest: Callable[[Mapping[str, Elements], FabricPlate, float, Array | None], None]
     crease_factor: float
     needs_neighbours: bool = False

@@ -115,7 +115,6 @@ class Hinges(Elements):
     ----------
     hinges : (H, 4) vertices: the edge, the apex on its left, and the apex on its right.
     coefficient : (H,) N mm, c.
-    compiled : as in `Elements`.
     fold : (H,) N mm, f.
 
     Examples
@@ -123,19 +122,17 @@ class Hinges(Elements):
     Two triangles folded by 90 degrees, `W = c (2 tan(45 deg))^2`:
 
     >>> fold = np.array([[0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])
-    >>> Hinges(np.array([[0, 1, 2, 3]]), 0.5, compiled=False).energies(fold.ravel()).round(6)
+    >>> Hinges(np.array([[0, 1, 2, 3]]), 0.5).energies(fold.ravel()).round(6)
     array([2.])
     """
 
     formulas = (hinge_energy, hinge_gradient, hinge_hessian)
     sweep = staticmethod(sweep(12, 12, *formulas))
 
-    def __init__(
-        self, hinges: Array, coefficient: Array | float, compiled: bool = True, fold: Array | float = 0.0
-    ) -> None:
+    def __init__(self, hinges: Array, coefficient: Array | float, fold: Array | float = 0.0) -> None:
         dofs = (3 * hinges[:, :, None] + np.arange(3)).reshape(len(hinges), 12)
         params = np.column_stack(np.broadcast_arrays(coefficient, fold, hinges[:, 0])[:2])
-        super().__init__(dofs, dofs, params, compiled)
+        super().__init__(dofs, dofs, params)
 
     @property
     def vertices(self) -> Array:

@@ -11,9 +11,9 @@ from asterism.discrete.energies.elements import Elements
 from asterism.equilibrium.arrays import Array
 
 
-def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:
+def _build(mesh: BendingMesh, plate: FabricPlate) -> dict[str, Elements]:
     hinges = mesh.hinges
-    return {"hinges": Hinges(hinges, paper_coefficients(hinges, mesh.printed, *plate), compiled)}
+    return {"hinges": Hinges(hinges, paper_coefficients(hinges, mesh.printed, *plate))}
 
 
 def _set_rest(parts: Mapping[str, Elements], plate: FabricPlate, area_ratio: float, shape: Array | None) -> None:

@@ -215,7 +215,6 @@ class Plate(Elements):
     printed : (V, 2) mm; any affine image of the rest shape gives the same curvatures.
     thickness, modulus, poisson : mm, MPa, 1.
     area_ratio : rest area over printed area.
-    compiled : as in `Elements`.
     surrounding : (R, 3) triangles next to these, whose vertices belong to patches; they have no energy.
 
     Raises
@@ -230,7 +229,7 @@ class Plate(Elements):
     >>> h = 3.0**0.5
     >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
     >>> triangles = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
-    >>> plate = Plate(triangles[:1], points, 1.0, 96.0, 0.0, compiled=False, surrounding=triangles[1:])
+    >>> plate = Plate(triangles[:1], points, 1.0, 96.0, 0.0, surrounding=triangles[1:])
     >>> sheet = np.column_stack([points, 0.0005 * (points**2).sum(axis=1)])
     >>> round(float(plate.energies(sheet.ravel())[0] / (8.0 * h * 0.001**2)), 3)
     1.0
@@ -247,7 +246,6 @@ class Plate(Elements):
         modulus: float,
         poisson: float,
         area_ratio: float = 1.0,
-        compiled: bool = True,
         surrounding: Array | None = None,
     ) -> None:
         patch = patches(triangles, printed, surrounding)
@@ -258,7 +256,7 @@ class Plate(Elements):
             [self._printed, np.full(count, poisson), patch.first.reshape(count, 6), patch.second.reshape(count, 18)]
         )
         dofs = (3 * patch.vertices[:, :, None] + np.arange(3)).reshape(count, 18)
-        super().__init__(dofs, dofs, params, compiled)
+        super().__init__(dofs, dofs, params)
         self.set_rest_area(area_ratio)
 
     def set_rest_area(self, area_ratio: float) -> None:

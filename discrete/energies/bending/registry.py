@@ -11,7 +11,7 @@ from asterism.discrete.energies.bending.fabric_bending import FabricBending
 from asterism.discrete.energies.bending.paper import PAPER
 
 NO_BENDING = FabricBending(
-    "none", (), lambda mesh, plate, compiled: {}, lambda parts, plate, area_ratio, shape: None, crease_factor=0.0
+    "none", (), lambda mesh, plate: {}, lambda parts, plate, area_ratio, shape: None, crease_factor=0.0
 )
 
 FABRIC_BENDING = {bending.name: bending for bending in (PAPER, CONSISTENT, NO_BENDING)}

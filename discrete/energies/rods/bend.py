@@ -145,7 +145,7 @@ class RodBend(Elements):
     A straight stencil with rest curvature k_b0 = 0.1 rad and B_b/L = 5 N mm; bent by that angle it has no energy:
 
     >>> params = np.array([[5.0, 50.0, 0.1, 0.0, 1.0, 1.0]])
-    >>> rod = RodBend(np.arange(15)[None], np.arange(11)[None], params, compiled=False)
+    >>> rod = RodBend(np.arange(15)[None], np.arange(11)[None], params)
     >>> rod.energies(np.array([0, 0, 0, 1, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 1.0])).round(6)
     array([0.05])
     >>> c, s = np.cos(0.05), np.sin(0.05)  # each edge falls by 0.05 rad: both tips down

@@ -148,7 +148,7 @@ class RodJoint(Elements):
     An edge that leaves its joint at an angle of 0.1 rad out of the sheet, B/l = 5 N mm:
 
     >>> params = np.array([[5.0, 50.0, 5.0, 0.0, 1.0, 0.0, 1.0, 0.0]])
-    >>> joint = RodJoint(np.arange(15)[None], np.arange(10)[None], params, compiled=False)
+    >>> joint = RodJoint(np.arange(15)[None], np.arange(10)[None], params)
     >>> c, s = np.cos(0.1), np.sin(0.1)
     >>> ends, director, frame = [0, 0, 0, c, 0, -s], [s, 0, c], [1, 0, 0, 0, 0, 1]
     >>> joint.energies(np.array([*ends, *director, *frame])).round(3)

@@ -65,7 +65,7 @@ class RodStretch(Elements):
     An edge of 10 mm with EA = 100 N, stretched by 1 %, stores `EA/2 l strain^2`:
 
     >>> edge = np.arange(6)[None]
-    >>> rod = RodStretch(edge, edge, np.array([[100.0, 10.0]]), compiled=False)
+    >>> rod = RodStretch(edge, edge, np.array([[100.0, 10.0]]))
     >>> rod.energies(np.array([0, 0, 0, 10.1, 0, 0])).round(6)
     array([0.05])
     >>> round(float(rod.gradients(np.array([0, 0, 0, 10.1, 0, 0]))[0, 3]), 6)  # axial force, N

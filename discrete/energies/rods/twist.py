@@ -92,7 +92,7 @@ class RodTwist(Elements):
     Two edges in a line, the second director rotated by 0.1 rad, GJ/L = 5 N mm:
 
     >>> points, directors = [0, 0, 0, 1, 0, 0, 2, 0, 0], [0, 0, 1, 0, -np.sin(0.1), np.cos(0.1)]
-    >>> rod = RodTwist(np.arange(15)[None], np.arange(11)[None], np.array([[5.0, 1.0, 1.0, 0.0]]), compiled=False)
+    >>> rod = RodTwist(np.arange(15)[None], np.arange(11)[None], np.array([[5.0, 1.0, 1.0, 0.0]]))
     >>> rod.energies(np.array([*points, *directors])).round(6)
     array([0.05])
     """

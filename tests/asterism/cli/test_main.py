@@ -331,10 +331,7 @@ def test_an_empty_output_is_not_the_working_directory(
 @pytest.mark.usefixtures("blank_pictures")
 def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     """A state that is not converged is written, said to be none, and ends with status 1."""
-    from asterism.discrete.release import levels
-
-    find = levels.solve_on_meshes
-    monkeypatch.setattr("asterism.exact.simulation.solve_on_meshes", lambda *a, **k: find(*a, **k, max_iterations=1))
+    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_ITERATIONS", 1)
     (tmp_path / "d.toml").write_text(SMALL)
     stopped = command(["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")], capsys, monkeypatch)
     assert stopped.status == 1

@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 import csv
-import functools
 import io
 import json
 import signal
 import subprocess
 import sys
 import time
-from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
+from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord
 from asterism.homogenize.law.law_file import load_law
-from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import CellTask
-from asterism.laws import calibrate as calibrate_command
 from asterism.laws.calibrate import ProgressLine
 from tests.asterism.commands import command
-from tests.homogenize import fake, same_process
+from tests.homogenize import same_process
 
 PLAN = """
 name = "small"
@@ -74,24 +70,6 @@ def test_the_same_plan_gives_the_same_law_from_the_start(
     monkeypatch.chdir(tmp_path)
     assert command(["calibrate", "m.toml", "--jobs", "1"], capsys, monkeypatch).status == 0
     assert law_digest(load_law(tmp_path / "m.npz")) == law_digest(load_law(place / "m.npz"))
-
-
-def test_a_law_is_made_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its version is not asked for where it is not installed."""
-    same_process.use(monkeypatch)
-
-    def version(name: str) -> str:
-        if name == "numba":
-            raise PackageNotFoundError(name)
-        return "1.0"
-
-    monkeypatch.setattr(calibrate_command, "version", version)
-    monkeypatch.setattr(calibrate_command, "HAVE_NUMBA", False)
-    monkeypatch.setattr(calibrate_command, "run_campaign", functools.partial(run_campaign, respond=fake.solve_cell))
-    plan = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
-    law = calibrate_command.calibrate(Material.from_dict({"name": "test", "plan": plan}), tmp_path / "law.npz")
-    assert sorted(law.made["versions"]) == ["asterism", "numpy", "scipy"]
-    assert load_law(tmp_path / "law.npz").made["versions"] == law.made["versions"]
 
 
 def test_show_writes_a_picture_and_a_table(

@@ -11,6 +11,7 @@ from asterism.discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, Contac
 from asterism.discrete.model.contact_model import ContactModel
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, moved_state
+from asterism.discrete.model.system import System
 from asterism.discrete.release.levels import solve_on_meshes
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Array
@@ -143,13 +144,12 @@ def test_paths_are_free_of_intersections() -> None:
     move = np.zeros_like(state.positions)
     move[:, 2] = -20.0 * np.sign(state.positions[:, 2])
     direction = np.concatenate([move.ravel(), np.zeros(len(sheet.edges))])[sheet.free]
-    plain, _ = DiscreteModel.path(sheet, state, direction, straight=True)
+    plain, _ = System.path(sheet, state, direction)
     assert sheet.contact.collision_free_fraction(state.positions, plain(1.0).positions) < 0.1
-    for straight in (True, False):
-        path, longest = sheet.path(state, direction, straight)
-        for a in (longest, 0.3 * longest, 0.01 * longest):
-            assert sheet.reachable_state(state, path(a)) is path(a)
-            assert sheet.contact.is_intersection_free(path(a).positions)
+    path, longest = sheet.path(state, direction)
+    for a in (longest, 0.3 * longest, 0.01 * longest):
+        assert sheet.reachable_state(state, path(a)) is path(a)
+        assert sheet.contact.is_intersection_free(path(a).positions)
 
 
 def test_rigid_motions_cause_no_contact() -> None:

@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release import continuation
+from asterism.discrete.release.release_start import ReleaseStart
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
@@ -204,7 +206,9 @@ def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
     monkeypatch.setattr(multigrid, "MIN_UNKNOWNS", 0)
     monkeypatch.setattr(MultigridFactor.__init__, "__defaults__", (0,))
     model, _ = sheet
-    start = solve_on_mesh(model, releases=(0.5, 1.0), max_iterations=6).state
+    with monkeypatch.context() as patch:
+        patch.setattr(continuation, "MAX_ITERATIONS", 6)
+        start = solve_on_mesh(model, ReleaseStart(releases=(0.5, 1.0))).state
     one, other = solve_on_mesh(model, start), solve_on_mesh(model, start, backend="amg")
     assert other.is_minimum and other.backend == "amg"
     assert other.energy == pytest.approx(one.energy, rel=1e-9)

@@ -37,7 +37,7 @@ def model(lines: list[dict[str, Any]] = LINES, edge_mm: float = 0.5, **plastic: 
         }
     )
     plan = print_layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge_mm), compiled=False)
+    return DiscreteModel(design, plan, mesh_layout(plan, edge_mm))
 
 
 def on_surface(of: DiscreteModel, curvature: np.ndarray) -> State:
