@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asterism.fem.search.sides import side_of
+from asterism.fem.search.mean_fields import side_of
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import AnyPreviewState

@@ -8,7 +8,7 @@ from typing import Any
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
-from asterism.fem.search.sides import Side
+from asterism.fem.search.mean_fields import Side
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole

@@ -6,7 +6,7 @@ from typing import Any
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.evidence import ShellEquilibrium
-from asterism.fem.search.sides import Side
+from asterism.fem.search.mean_fields import Side
 from asterism.fem.shell.shell import Shell
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import Symmetry

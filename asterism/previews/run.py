@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from asterism.fem.search.sides import Side
+from asterism.fem.search.mean_fields import Side
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout

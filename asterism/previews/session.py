@@ -10,8 +10,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.fem.search.mean_fields import mean_fields
-from asterism.fem.search.sides import Side, check_side, side_of
+from asterism.fem.search.mean_fields import Side, check_side, mean_fields, side_of
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.search.sides import Side
+from asterism.fem.search.mean_fields import Side
 from asterism.pattern.design.design import Design
 
 

@@ -16,8 +16,8 @@ from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.watched_factor import WatchedFactor
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.linear_response import Response, linear_response
+from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.relax import factorise, follow, softest_shell_modes
-from asterism.fem.search.sides import Side
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.search.apply_supports import apply_supports

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fem.search.linear_response import stress_responses, stress_under
 from asterism.fem.search.relax import factorise
-from asterism.fem.search.sensitivity import stress_responses, stress_under
 from asterism.homogenize.law.axes import AXES
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars

@@ -14,7 +14,7 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.evidence import ShellEquilibrium
-from asterism.fem.search.sides import Side
+from asterism.fem.search.mean_fields import Side
 from asterism.fem.shell.shell import Shell
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.fem.search.stiffness_response import STIFFNESSES
+from asterism.fem.search.linear_response import STIFFNESSES
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.overstretched_stars import overstretched_stars

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.fem.search.stiffness_response import STIFFNESSES
+from asterism.fem.search.linear_response import STIFFNESSES
 from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.elements.tabulation import Evaluation, Tabulation
 
 Jets = Callable[[Floats], Floats]
+
+
 """Map from printed points (n, 2) mm to (n, 6, 3): position and its derivatives 1, 2, 11, 22, 12."""
 
 
@@ -47,3 +51,13 @@ class Space(Protocol):
 
     def interpolate(self, jets: Jets) -> Floats:
         """(N, 3) coefficients of the interpolant of a map of the printed sheet into space."""
+
+
+def flat_positions(space: Space) -> Floats:
+    """(N, 3) mm, coefficients of the printed sheet in the plane z = 0."""
+    return space.interpolate(flat().jets)
+
+
+def constant(space: Space) -> Floats:
+    """(N,) coefficients of the function one."""
+    return np.ascontiguousarray(space.interpolate(affine(np.zeros((3, 2)), (1.0, 0.0, 0.0)).jets)[:, 0])

@@ -17,8 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.fem.search.mean_fields import MeanFields
-from asterism.fem.search.sides import Side, check_side
+from asterism.fem.search.mean_fields import MeanFields, Side, check_side
 from asterism.fem.search.simple_shapes import SimpleShape
 
 ARC_DIRECTIONS = 12  # the six axes of a hexagonal lattice and the directions halfway between them

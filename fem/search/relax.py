@@ -25,8 +25,8 @@ from asterism.equilibrium.newton.soft_modes import softest_modes as softest
 from asterism.fem.search.evidence import ShellEquilibrium, Trial
 from asterism.fem.search.guess_builder import InitialGuess
 from asterism.fem.search.initial_guesses import initial_guesses
+from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.mixed_newton import mixed_newton
-from asterism.fem.search.sides import Side
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 

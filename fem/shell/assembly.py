@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.fem.elements.tabulation import Tabulation
-from asterism.fem.shell import koiter, koiter_tangent
+from asterism.fem.shell import koiter
 
 
 class Assembly:
@@ -83,7 +83,7 @@ class Assembly:
     def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
         """(nnz,) entries of `int [B' A B + S : e'']` with `B = e'(x)`, stiffness A (T, Q, 6, 6), stress S (T, Q, 6)."""
         data = np.zeros(self.pattern.nnz)
-        koiter_tangent.tangent(
+        koiter.tangent(
             self._table, self.dofs, self.weights, x, stiffness, stress, self._places, self.pattern.indptr, data
         )
         return data

@@ -6,8 +6,11 @@ The total energy of a state x, over the printed domain, is
 
 with the strains E and K of `fem.shell.koiter`, the density W of `fem.shell.density`, dead loads, further conservative
 potentials P_i, and a penalty on slope jumps if the space is not C1 (`fem.elements.lifted`). An equilibrium is a zero
-of the gradient over the free unknowns q of `fem.shell.supported_sheet`; it is stable if the Hessian over q is positive
-definite.
+of the gradient over the free unknowns q; it is stable if the Hessian over q is positive definite.
+
+A state is `x` (N, 3), the coefficients of the position in the basis of the space. The supports write it as
+`x = T q + c(progress)` with n free unknowns q (`fem.supports.conditions.Reduction`). In a space with derivatives among
+its dofs only some rows of `x` are positions: those whose coefficient in the constant function one is not zero.
 """
 
 from __future__ import annotations
@@ -20,23 +23,22 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import loop
 from asterism.equilibrium.errors import BackendError
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.rigid_support import independent_dofs
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.fem.elements.space import Space
+from asterism.fem.elements.space import Space, constant, flat_positions
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields
-from asterism.fem.shell.matrix_reduction import MatrixReduction
-from asterism.fem.shell.reduced_mass import ReducedMass
-from asterism.fem.shell.supported_sheet import SupportedSheet
 from asterism.fem.shell.tension import tensile_part
-from asterism.fem.supports.conditions import Condition
-from asterism.fem.supports.rigid import neutral_motions
+from asterism.fem.supports.conditions import Condition, Reduction, impose_conditions
+from asterism.fem.supports.rigid import admissible_motions, neutral_motions, span_a_plane
 
 # 1: stiffness of a rigid motion over the sum of its absolute terms, below which the motion is neutral. Rounding leaves
 # 1e-13, and up to 1e-10 on nearly degenerate triangles; the weight gives a swinging sheet about 1e-6.
@@ -45,6 +47,185 @@ QUADRATURE_ORDER = (
     6  # degree, exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
 )
 PRINTED_REST = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])  # rest values (a/2, b) of the printed sheet
+
+
+class SupportedSheet:
+    """States of a printed sheet that meet its supports.
+
+    Parameters
+    ----------
+    space : discretisation of the printed sheet.
+    conditions : supports, see `fem.supports.conditions`.
+
+    Attributes
+    ----------
+    flat : (N, 3) mm, the printed sheet.
+    reduction : map from the free unknowns to the states.
+    progress : share of the way from the printed to the target positions that moved supports have gone, 0 to 1.
+
+    Raises
+    ------
+    fem.supports.conditions.ConditionError
+        A support cannot be met.
+    """
+
+    def __init__(self, space: Space, conditions: Sequence[Condition] = ()) -> None:
+        self.space = space
+        self.flat = flat_positions(space)
+        self._ones = constant(space)
+        self.reduction: Reduction = impose_conditions(space, conditions)
+        self.progress = 1.0
+
+    def constrain(self, x: Floats) -> Floats:
+        """(N, 3) the state with the free unknowns of x that meets the supports at this progress."""
+        return self.reduction.positions(self.reduction.project(x), self.progress)
+
+    def restrict(self, forces: Floats) -> Floats:
+        """(n,) forces on the free unknowns, from forces (N, 3) on the dofs."""
+        return np.asarray(self.reduction.transposed @ forces.ravel())
+
+    def move(self, x: Floats, direction: Floats) -> Floats:
+        """(N, 3) the state x moved along a direction (n,) of the free unknowns."""
+        return np.asarray(x + (self.reduction.map @ direction).reshape(-1, 3))
+
+    def translated(self, x: Floats, by: Floats) -> Floats:
+        """(N, 3) the state x translated by (3,) mm."""
+        return np.asarray(x + self._ones[:, None] * by)
+
+    def node_positions(self, x: Floats) -> Floats:
+        """(k, 3) mm, the rows of x that are positions."""
+        return np.asarray(x[self._ones != 0.0])
+
+    @cached_property
+    def extent(self) -> float:
+        """Longer side of the printed sheet's bounding box in mm."""
+        return float(np.ptp(self.node_positions(self.flat), axis=0).max())
+
+    @cached_property
+    def fixed_points(self) -> Ints:
+        """(k,) dofs that are positions with all three components fixed."""
+        return np.flatnonzero(self._fixed.all(axis=1))
+
+    @cached_property
+    def _fixed(self) -> NDArray[np.bool_]:
+        """(N, 3) whether a component of a position is fixed."""
+        free = np.diff(self.reduction.map.indptr).reshape(-1, 3) > 0
+        return np.asarray(~free & (self._ones != 0.0)[:, None])
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the sheet has no supports at all."""
+        return bool(self.reduction.map.shape[1] == self.flat.size)
+
+    @property
+    def support_level(self) -> Floats:
+        """(3,) mm, mean target of the fixed components; 0 for a component that is free everywhere."""
+        fixed = self._fixed * self.reduction.target.reshape(-1, 3)
+        return np.asarray(fixed.sum(axis=0) / np.maximum(self._fixed.sum(axis=0), 1))
+
+    def shifted_to_ground(self, x: Floats) -> Floats:
+        """(N, 3) the state x with its lowest supported point at z = 0 if the supports leave the height free."""
+        supported = self._fixed.any(axis=1)
+        if self._fixed[:, 2].any() or not supported.any():
+            return x
+        return self.translated(x, np.array([0.0, 0.0, -x[supported, 2].min()]))
+
+    def rigid_motions(self, x: Floats) -> Floats:
+        """(n, k) orthonormal rigid motions of the state x that the supports leave free, k from 0 to 6."""
+        if span_a_plane(x[self.fixed_points]):
+            return np.empty((self.reduction.map.shape[1], 0))
+        motions = admissible_motions(x, self._ones, self.reduction.map, self.reduction.free)
+        return np.asarray(np.linalg.qr(motions)[0])
+
+
+class ReducedMass:
+    """The operator `T' (M x I) T`, applied without assembling it.
+
+    Parameters
+    ----------
+    scalar : (N, N) mm^2, mass matrix M of one component.
+    reduction : supports, with the map T (3N, n).
+    """
+
+    def __init__(self, scalar: sp.csr_matrix, reduction: Reduction) -> None:
+        self._scalar, self._reduction = scalar, reduction
+
+    def __matmul__(self, vectors: Floats) -> Floats:
+        """(n, k) product with vectors (n, k)."""
+        full = np.asarray(self._reduction.map @ vectors)
+        product = self._scalar @ full.reshape(len(full) // 3, -1)
+        return np.asarray(self._reduction.transposed @ product.reshape(full.shape))
+
+
+class MatrixReduction:
+    """Computes `T' H T` for symmetric matrices H in a given pattern.
+
+    Parameters
+    ----------
+    pattern : sparsity pattern of H, of size n.
+    columns : (n, k) the map T from the free unknowns.
+
+    Attributes
+    ----------
+    pattern : sparsity pattern of `T' H T`, of size k.
+    """
+
+    def __init__(self, pattern: SparsePattern, columns: sp.csr_matrix) -> None:
+        self._map: sp.csr_matrix | None = None
+        self.pattern = pattern
+        size = columns.shape[1]
+        if size == columns.shape[0] and (columns != sp.identity(size, format="csr")).nnz == 0:
+            return
+        column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
+        count = np.diff(columns.indptr)
+        total = size + int((count[pattern.indices].astype(np.int64) * count[column]).sum())
+        # all diagonal entries with value zero, then the products
+        keys, source, weight = np.empty(total, dtype=np.int64), np.zeros(total, dtype=np.int32), np.zeros(total)
+        keys[:size] = np.arange(size, dtype=np.int64) * (size + 1)
+        _products(
+            pattern.indices, column, columns.indptr, columns.indices, columns.data,
+            size, keys[size:], source[size:], weight[size:],
+        )  # fmt: skip
+        order = np.argsort(keys, kind="stable")  # fast, since long runs are sorted
+        keys = keys[order]
+        starts = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
+        keys = keys[starts]
+        lower = sp.csc_matrix(
+            (
+                np.ones(len(keys)),
+                (keys % size).astype(np.int32),
+                np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size).astype(np.int32),
+            ),
+            shape=(size, size),
+        )
+        self.pattern = SparsePattern.from_lower(lower)
+        self._map = sp.csr_matrix((weight[order], source[order], np.r_[starts, total]), shape=(len(keys), pattern.nnz))
+
+    def __call__(self, data: Floats) -> Floats:
+        """Entries of `T' H T` in its pattern, from the entries (nnz,) of H."""
+        return data if self._map is None else self._map @ data
+
+
+@loop
+def _products(row, column, indptr, indices, values, size, keys, source, weight):  # type: ignore[no-untyped-def]
+    """Write all products `T_ri T_cj` of entries (r, c) of a lower triangle: key in `T' H T`, entry number, product.
+
+    An entry off the diagonal stands for two entries of the symmetric matrix.
+    """
+    k = 0
+    for entry in range(row.size):
+        r, c = row[entry], column[entry]
+        for a in range(indptr[r], indptr[r + 1]):
+            for b in range(indptr[c], indptr[c + 1]):
+                i, j = indices[a], indices[b]
+                product = values[a] * values[b]
+                if i == j and r != c:
+                    product *= 2.0
+                if i != j and r == c:
+                    product *= 0.5
+                keys[k] = min(i, j) * size + max(i, j)
+                source[k], weight[k] = entry, product
+                k += 1
 
 
 class Potential(Protocol):

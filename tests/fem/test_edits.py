@@ -7,8 +7,7 @@ import pytest
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.search.compliance import compliance
-from asterism.fem.search.linear_response import linear_response
+from asterism.fem.search.linear_response import compliance, linear_response
 from asterism.fem.search.mixed_newton import MAX_STEP
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch

@@ -11,7 +11,7 @@ from skfem import MeshTri
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.lifted import Lifted
-from asterism.fem.elements.plain_maps import constant, flat_positions
+from asterism.fem.elements.space import constant, flat_positions
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.density import Density, isotropic, on_metric
 from tests.fem.bell import Bell

@@ -19,9 +19,8 @@ from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.guess_builder import GuessBuilder
 from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO
-from asterism.fem.search.mean_fields import MeanFields
+from asterism.fem.search.mean_fields import FLAT_SAG_MM, MeanFields, Side
 from asterism.fem.search.relax import MAX_ITERATIONS_OF_FURTHER_GUESSES, factorise, follow, softest_shell_modes
-from asterism.fem.search.sides import FLAT_SAG_MM, Side
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 

@@ -9,7 +9,7 @@ The preview is a minimum of an energy that is wrong. Its error is a sum of indep
   the Hessian.
 - **Stiffnesses.** Membrane, bending, sixfold term and Gaussian modulus have the relative standard deviation
   s = `stiffness_uncertainty`. With the linear response r_p of the sheet to each
-  (`fem.search.stiffness_response`), they move it by s r_p.
+  (`fem.search.linear_response`), they move it by s r_p.
 - **Narrow sheets.** Supports that hold a sheet narrower than its natural size, by the share 1 - q of it, let it buckle,
   and the exact sheet may buckle at other places: n (1 - q) with n = `buckling_share`.
 - **Other forms.** A minimum that the search met, d away and a share g of the energy higher, is the lower one with the

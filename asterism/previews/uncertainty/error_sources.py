@@ -8,8 +8,8 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
+from asterism.fem.search.linear_response import STIFFNESSES, rms_of, stiffness_responses
 from asterism.fem.search.mean_fields import mean_fields
-from asterism.fem.search.stiffness_response import STIFFNESSES, rms_of, stiffness_responses
 from asterism.pattern.layout.free_rotations import count_free_tilts
 from asterism.previews.search.near_zero_modes import amplitudes_percent
 from asterism.previews.state import AnyPreviewState
@@ -27,7 +27,7 @@ class ErrorSources:
     ----------
     diameter_mm : of the shape.
     amplitudes_percent : (k,) of the near-zero modes, the largest first.
-    stiffness_percent : (4,) responses per relative error of each of `fem.search.stiffness_response.STIFFNESSES`.
+    stiffness_percent : (4,) responses per relative error of each of `fem.search.linear_response.STIFFNESSES`.
     size_ratio : size that the supports allow over the natural size; inf unless two points are fixed in all directions.
     other_forms : minima that are not the one shown, the lowest first.
     height : of the height; None without a certain height.

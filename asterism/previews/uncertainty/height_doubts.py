@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.search.compliance import compliance
+from asterism.fem.search.linear_response import compliance
 from asterism.fem.supports.loads import point_load
 from asterism.previews.state import AnyPreviewState
 from asterism.shape.shape import Shape

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.search.compliance import compliance
+from asterism.fem.search.linear_response import compliance
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.search.directions import SYMMETRY_BREAKING_ANGLE, distinct_shapes, energy_minima
+from asterism.fem.search.initial_guesses import SYMMETRY_BREAKING_ANGLE, distinct_shapes, energy_minima
 from asterism.fem.search.relax import relax
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.fields import of_stretch

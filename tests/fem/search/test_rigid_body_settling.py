@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.guess_builder import settle_rigid_body
 from asterism.fem.search.relax import relax
-from asterism.fem.search.rigid_body_settling import settle_rigid_body
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load, point_load

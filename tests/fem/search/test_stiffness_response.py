@@ -9,8 +9,8 @@ import pytest
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.linear_response import STIFFNESSES, part_stresses, rms_of, stiffness_responses
 from asterism.fem.search.relax import follow, relax
-from asterism.fem.search.stiffness_response import STIFFNESSES, part_stresses, rms_of, stiffness_responses
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.mean_fields import mean_fields, side_of
 from asterism.fem.search.relax import follow, relax
-from asterism.fem.search.sides import side_of
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.pattern import gallery

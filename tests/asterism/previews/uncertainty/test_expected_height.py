@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.fem.search.compliance import compliance
-from asterism.fem.search.stiffness_response import rms_of, stiffness_responses
+from asterism.fem.search.linear_response import compliance, rms_of, stiffness_responses
 from asterism.fem.supports.loads import point_load
 from asterism.pattern import gallery
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
