@@ -18,17 +18,16 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report
 from asterism.discrete.release.forms import find_minima, stars_off_branch
 from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.mesh_level import MeshLevel
-from asterism.discrete.release.shared_search import SharedSearch
+from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.pattern.layout.weight_support import check_weight_is_supported
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__

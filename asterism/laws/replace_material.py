@@ -9,9 +9,9 @@ from asterism.homogenize.law.material import Material, load_material
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.material_files import material_path
+from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.load_design import load_design
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.pattern.layout.weight_support import check_weight_is_supported
 
 Note = Callable[[str], None]
 

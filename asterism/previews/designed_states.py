@@ -12,8 +12,8 @@ from asterism.fem.search.mean_fields import Side
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.weight_support import check_weight_is_supported
 from asterism.previews.kept_prints import keep_print, kept_print
 from asterism.previews.kinds import kind_of, serves
 from asterism.previews.model import PreviewModel

@@ -6,14 +6,14 @@ Each function returns a state, and leaves the one it was given as it is, but for
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
-from asterism.equilibrium.linear.watched_factor import WatchedFactor
+from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.linear_response import Response, linear_response
 from asterism.fem.search.mean_fields import Side
@@ -169,3 +169,31 @@ def with_near_zero_modes(state: AnyPreviewState, clock: Clock) -> AnyPreviewStat
         stiffness, _ = clock("soft modes", softest_shell_modes, state.shell, shown.x, state.factor)
         state = replace(state, result=replace(shown, soft_modes=stiffness))
     return state
+
+
+@dataclass
+class WatchedFactor:
+    """Calls `watch` before each factorisation and solution of another factor; an error of `watch` ends the search.
+
+    Every Newton iteration solves at least once.
+    """
+
+    factor: Factor
+    watch: Callable[[], None]
+
+    def __post_init__(self) -> None:
+        self.name = self.factor.name
+
+    def factorise(self, data: Floats) -> bool:
+        """See `Factor.factorise`."""
+        self.watch()
+        return self.factor.factorise(data)
+
+    def solve(self, b: Floats) -> Floats:
+        """See `Factor.solve`."""
+        self.watch()
+        return self.factor.solve(b)
+
+    def close(self) -> None:
+        """Free the memory."""
+        self.factor.close()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asterism.pattern.layout.free_rotations import count_free_tilts
+from asterism.pattern.layout.free_motions import count_free_tilts
 from asterism.pattern.layout.layout import Layout
 
 # size of the supports in space over their size in print, above which a warning appears

@@ -7,7 +7,7 @@ from typing import Any
 
 from asterism.exact.star_sides import off_branch
 from asterism.exact.warnings import passes_through
-from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.cell.point_group import aligned_lines
 from asterism.pattern.design.design import Design
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import Protocol
 
 import numpy as np
 
 from asterism.discrete.energies.contact import ContactBarrier
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.equilibrium.arrays import Array
-from asterism.equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
+from asterism.equilibrium.arrays import Array, Floats, Ints
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.linear.reanalysing_factor import ReanalysingFactor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.rigid_fit import rigid_fit
@@ -97,7 +99,7 @@ class ContactModel(DiscreteModel):
         """(K,) keys of the entries in the lower triangle over the free dofs, and their values."""
         row, column = self._free_index[rows], self._free_index[columns]
         inside = (column >= 0) & (row >= column)
-        keys = entry_keys(row[inside], column[inside], len(self.free))
+        keys = _entry_keys(row[inside], column[inside], len(self.free))
         return keys, np.empty(0) if values is None else values[inside]
 
     def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
@@ -159,3 +161,101 @@ class ContactModel(DiscreteModel):
             return target
         rotation, shift = rigid_fit(target, positions)
         return target @ rotation.T + shift
+
+
+class ExtendedPattern(SparsePattern):
+    """A fixed pattern and further entries. The base pattern assembles, and its entries are copied into place.
+
+    Parameters
+    ----------
+    base : the fixed pattern.
+    extra : (K,) keys of the further entries of the lower triangle, see `_entry_keys`.
+    """
+
+    def __init__(self, base: SparsePattern, extra: Ints) -> None:
+        self._base = base
+        self.free, self.size = base.free, base.size
+        column = np.repeat(np.arange(base.size, dtype=np.int64), np.diff(base.indptr))
+        fixed = column * base.size + base.indices
+        self._keys = sorted_union(fixed, extra)
+        self._places = np.searchsorted(self._keys, fixed)
+        self.indices = (self._keys % self.size).astype(np.int32)
+        self.indptr = np.searchsorted(self._keys, np.arange(self.size + 1) * self.size).astype(np.int32)
+        self.diagonal = self.indptr[:-1]
+
+    def contains(self, keys: Ints) -> bool:
+        """The pattern has an entry for each of the keys (K,)."""
+        places = np.minimum(np.searchsorted(self._keys, keys), self.nnz - 1)
+        return bool((self._keys[places] == keys).all())
+
+    def assemble(self, element_values: Iterable[Floats]) -> Floats:
+        """Sum (nnz,) of the element matrices of the base pattern; further entries are zero."""
+        data = np.zeros(self.nnz)
+        data[self._places] = self._base.assemble(element_values)
+        return data
+
+    def add(self, data: Floats, keys: Ints, values: Floats) -> None:
+        """Add values (K,) at unique keys (K,) to `data` (nnz,), in place."""
+        data[np.searchsorted(self._keys, keys)] += values
+
+
+def sorted_union(first: Ints, second: Ints) -> Ints:
+    """Numbers (K,) in either of two arrays, sorted and unique; faster than `np.union1d`, which hashes.
+
+    >>> sorted_union(np.array([5, 1]), np.array([1, 3])).tolist()
+    [1, 3, 5]
+    """
+    both = np.sort(np.concatenate([first, second]), kind="stable")
+    return np.asarray(both[np.diff(both, prepend=both[:1] - 1) > 0])
+
+
+def _entry_keys(rows: Ints, columns: Ints, size: int) -> Ints:
+    """One number (K,) for each matrix entry, in column-major order (CSC)."""
+    return columns.astype(np.int64) * size + rows
+
+
+class HasPattern(Protocol):
+    """A problem that replaces its `pattern` by another object whenever the entries change."""
+
+    @property
+    def pattern(self) -> SparsePattern:
+        """Sparsity pattern of the present Hessian."""
+
+
+class ReanalysingFactor:
+    """A `Factor` that analyses the problem's sparsity pattern again after each change, and only then.
+
+    Parameters
+    ----------
+    problem : its `pattern` is that of the next matrix.
+    backend : a factorisation, see `equilibrium.linear.backends`.
+
+    Raises
+    ------
+    BackendError
+        The backend is multigrid: its coarse level cannot follow a changing pattern.
+    """
+
+    def __init__(self, problem: HasPattern, backend: str = "auto") -> None:
+        if backend == "amg":
+            raise BackendError("backend: 'amg' does not work with contact; use auto, pardiso, cholmod or superlu")
+        self._problem, self._backend = problem, backend
+        self._pattern = problem.pattern
+        self._factor = make_factor(self._pattern, backend)
+        self.name = self._factor.name
+
+    def factorise(self, data: Floats) -> bool:
+        """As in `Factor`, for entries (nnz,) in the present pattern of the problem."""
+        if self._problem.pattern is not self._pattern:
+            self._factor.close()
+            self._pattern = self._problem.pattern
+            self._factor = make_factor(self._pattern, self._backend)
+        return self._factor.factorise(data)
+
+    def solve(self, b: Floats) -> Floats:
+        """As in `Factor`."""
+        return self._factor.solve(b)
+
+    def close(self) -> None:
+        """As in `Factor`."""
+        self._factor.close()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -14,16 +14,14 @@ from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane, membrane_params
 from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
-from asterism.discrete.energies.rods.joint_network import (
+from asterism.discrete.energies.rods.network import (
     JointNetwork,
+    RodNetwork,
+    bend_params,
     fitted_frames,
     joint_inputs,
     joint_network,
     joint_params,
-)
-from asterism.discrete.energies.rods.network import (
-    RodNetwork,
-    bend_params,
     rod_network,
     stencil_inputs,
     stretch_params,
@@ -31,7 +29,6 @@ from asterism.discrete.energies.rods.network import (
 )
 from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
-from asterism.discrete.model.constraints import pin_constraints
 from asterism.discrete.model.reconstruction import Reconstruction
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
@@ -43,6 +40,45 @@ from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.rods.graph import RodGraph
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """Held components of vertices and their prescribed motion.
+
+    Attributes
+    ----------
+    held : (V, 3) bool.
+    printed : (V, 3) mm, positions before the release; for pins that act after it, positions at which they take hold.
+    target : (V, 3) mm, positions of the held components at the end.
+    """
+
+    held: Array
+    printed: Array
+    target: Array
+
+    def positions_at(self, progress: float) -> Array:
+        """(V, 3) mm, positions of held components at a progress from 0 (printed) to 1 (target), on a straight line."""
+        return self.printed + progress * (self.target - self.printed)
+
+    @property
+    def mean_support(self) -> Array:
+        """(3,) mm, mean target of the held components along x, y and z; 0 along an axis without supports."""
+        total = np.where(self.held, self.target, 0.0).sum(axis=0)
+        return np.asarray(total / np.maximum(self.held.sum(axis=0), 1))
+
+
+def pin_constraints(layout: Layout, mesh: Mesh) -> Constraints:
+    """The supports of a layout on the vertices of its mesh."""
+    printed = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    held = np.zeros(printed.shape, dtype=bool)
+    target = printed.copy()
+    for pin, vertices in zip(layout.pins, mesh.pin_vertices, strict=True):
+        fixed = np.asarray(pin.fixed)
+        places = pin.places(mesh.points[vertices])
+        held[vertices] |= fixed
+        target[vertices] = np.where(fixed, places, target[vertices])
+    return Constraints(held, printed, target)
 
 
 class DiscreteModel(System):

@@ -13,8 +13,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from asterism.discrete.model.rotations import rotate_vectors, rotation_remainder
-from asterism.discrete.model.state import State, edge_tangents, moved_state, parallel_transport
+from asterism.discrete.model.state import (
+    State,
+    edge_tangents,
+    moved_state,
+    parallel_transport,
+    rotate_vectors,
+    rotation_remainder,
+)
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor

@@ -6,26 +6,26 @@ path becomes unstable; final minimisation and certificate.
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 
-from asterism.discrete.evidence.effort import Effort, PathStep
-from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.evidence.equilibrium import Effort, Equilibrium, PathStep
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import bump_heights
 from asterism.discrete.model.state import State
-from asterism.discrete.release.pin_steps import attach_pins, model_with_pins_until
-from asterism.discrete.release.release_start import ReleaseStart
-from asterism.discrete.release.saddle import leave_saddle_of_model, lowest_mode
-from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.newton.certificate import Eigenpair
+from asterism.discrete.release.release_start import ReleaseStart, spacing_ratio
+from asterism.equilibrium.linear.factor import Factor, IterativeFactor
+from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 from asterism.equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from asterism.equilibrium.newton.saddle import leave_saddle
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 Report = Callable[[str, Iteration], None]
-
 # 1: gradient norm over the force scale, at the equilibrium
 EQUILIBRIUM_TOLERANCE = 1e-8
 # 1: gradient norm over the force scale, at the steps before it
@@ -46,6 +46,11 @@ MAX_ITERATIONS = 500  # of each minimisation
 MAX_PERTURBATIONS = 5
 # steps in which pins that act after the release move to their targets
 PIN_LOAD_STEPS = 5
+# 1: total weight of the free vertices over that of the held ones, in the rigid fit of a free sheet to its pins; it
+# decides a rotation that the pins leave undetermined
+FREE_VERTEX_WEIGHT = 1e-6
+# mm, largest displacement when a saddle is left, at the paper's spacing of the stars and in proportion at others
+MAX_SADDLE_MOVE_MM = 2.0
 
 
 def prefixed_report(report: Report | None, name: str) -> Report | None:
@@ -96,7 +101,7 @@ class ReleaseContinuation:
         """State at the end of a pin step; `before` is the end of the step before, and whether the sheet was free."""
         if before is None:
             return self._release_fabric(model, start, factor)
-        return self._move_pins(model, attach_pins(model, *before), step, factor)
+        return self._move_pins(model, _attach_pins(model, *before), step, factor)
 
     def _release_fabric(self, model: DiscreteModel, start: ReleaseStart, factor: Factor) -> State:
         model.set_release(start.releases[0])
@@ -129,7 +134,7 @@ class ReleaseContinuation:
             if pair.value >= -threshold - pair.error:
                 break
             kicks += 1
-            perturbed = leave_saddle_of_model(model, result.state, pair)
+            perturbed = _leave_saddle_of_model(model, result.state, pair)
             result = self._minimise(model, perturbed, tolerance, factor, "release", f"{name}, off a saddle")
             iterations += result.iterations
         place = (step, model.release, model.pin_progress, model.n_vertices)
@@ -152,7 +157,7 @@ class ReleaseContinuation:
             if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == MAX_PERTURBATIONS:
                 break
             saddles += 1
-            perturbed = leave_saddle_of_model(model, result.state, pair)
+            perturbed = _leave_saddle_of_model(model, result.state, pair)
             result = self._minimise(model, perturbed, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
         place = (model.layout.pin_steps[-1], model.release, model.pin_progress, model.n_vertices)
@@ -219,3 +224,55 @@ class ReleaseContinuation:
         )
         self.effort.add(result)
         return result
+
+
+def model_with_pins_until(model: DiscreteModel, step: int) -> DiscreteModel:
+    """The model with the pins of the steps up to `step`; the model itself if all its pins act from the print on."""
+    if model.layout.pin_steps == (0,):
+        return model
+    kept = [i for i, pin in enumerate(model.layout.pins) if pin.is_active(step)]
+    if len(kept) == len(model.layout.pins):
+        return copy.copy(model)  # `_attach_pins` replaces the constraints of the copy
+    layout = replace(model.layout, pins=tuple(model.layout.pins[i] for i in kept))
+    mesh = replace(model.mesh, pin_vertices=tuple(model.mesh.pin_vertices[i] for i in kept))
+    return type(model)(model.design, layout, mesh)
+
+
+def _attach_pins(model: DiscreteModel, state: State, was_free: bool) -> State:
+    """Attach the pins of the model to a state. From there they move to their targets with `model.pin_progress`.
+
+    A sheet without supports (`was_free`) first moves rigidly to where its pins are nearest to their targets.
+    """
+    model.set_release(1.0)
+    if was_free:
+        state = _fitted_to_pins(model, state)
+    start = np.where(model.constraints.held, state.positions, model.constraints.printed)
+    model.constraints = replace(model.constraints, printed=start)
+    model.pin_progress = 0.0
+    return state
+
+
+def _fitted_to_pins(model: DiscreteModel, state: State) -> State:
+    """The state moved rigidly so that the vertices with most held components are closest to their targets (Kabsch).
+
+    If the pins leave a rotation undetermined, the printed positions of the other vertices decide: the plastic is up.
+    """
+    components = model.constraints.held.sum(axis=1)
+    fitted = components == components.max()
+    weight = np.where(fitted, 1.0 / fitted.sum(), FREE_VERTEX_WEIGHT / model.n_vertices)
+    rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
+    return state.rotated(rotation, shift)
+
+
+def lowest_mode(model: DiscreteModel, state: State, factor: Factor, seed: int) -> Eigenpair:
+    """Smallest eigenvalue of the exact Hessian and its mode, without the rigid motions; `seed` starts Lanczos."""
+    data = model.hessian(state, 0.0)
+    if isinstance(factor, IterativeFactor):
+        factor.set_near_nullspace(*model.near_nullspace(state))
+    return smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(state), seed=seed)
+
+
+def _leave_saddle_of_model(model: DiscreteModel, state: State, pair: Eigenpair) -> State:
+    """The state moved along a negative mode to its lower side, while the energy falls and no further than the limit."""
+    lower: State = leave_saddle(model, state, pair.vector, spacing_ratio(model) * MAX_SADDLE_MOVE_MM)
+    return lower

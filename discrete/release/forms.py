@@ -12,8 +12,8 @@ from asterism.discrete.evidence.roll_axis import roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report, prefixed_report
 from asterism.discrete.release.levels import coarser_models, solve_through_levels
-from asterism.discrete.release.mesh_level import MeshLevel
 from asterism.discrete.release.release_start import release_starts
+from asterism.discrete.release.shared_search import MeshLevel
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError

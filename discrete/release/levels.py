@@ -1,4 +1,8 @@
-"""Search from coarse to fine: a mesh of about 1100 vertices finds the form, and each finer mesh corrects it."""
+"""Search from coarse to fine: a mesh of about 1100 vertices finds the form, and each finer mesh corrects it.
+
+Soft sheets change from mesh to mesh, mostly in the same direction. Extrapolation of the states on two meshes saves
+iterations on the next finer mesh.
+"""
 
 from __future__ import annotations
 
@@ -13,23 +17,20 @@ from asterism.discrete.evidence.creases import measure_creases
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.contact_model import ContactModel, is_intersection_free
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.model.state import State
-from asterism.discrete.release.contact_prolongation import prolong_without_intersection
+from asterism.discrete.model.state import State, edge_tangents, rotate_vectors
 from asterism.discrete.release.continuation import Report, prefixed_report
-from asterism.discrete.release.extrapolation import extrapolate
-from asterism.discrete.release.mesh_level import MeshLevel
-from asterism.discrete.release.prolongation import fit_to_surface, prolong
-from asterism.discrete.release.shared_search import SharedSearch
+from asterism.discrete.release.prolongation import fit_to_surface, plastic_normals, prolong, prolong_linearly
+from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
 from asterism.discrete.release.single_mesh import StartKind, solve_on_mesh
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.mesh.meshing import mesh_layout
 
 COARSE_VERTICES = 1100  # vertices of the coarsest mesh, about; more if the design has many stars
 MIN_EDGES_PER_SPACING = 4.0  # edges between two adjacent stars of the coarsest mesh
 MAX_VERTEX_RATIO = 3.0  # 1: vertices of a level over those of the level before; large changes of a soft shape are slow
 MAX_COARSE_VERTEX_FRACTION = 0.6  # 1: vertices of a coarse mesh over those of the finest, if it is worth its time
-
 SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) mm to points in space (n, 3) mm
 
 
@@ -145,7 +146,7 @@ def _prolonged(
     With contact, a state that would intersect itself on the fine mesh is replaced by the start.
     """
     if isinstance(fine, ContactModel):
-        return prolong_without_intersection(coarse, state, fine) or start
+        return _prolong_without_intersection(coarse, state, fine) or start
     state_on_fine = prolong(coarse, state, fine)
     if before is None or measure_creases(coarse, state).resolved:  # from here on shapes change little between meshes
         return state_on_fine
@@ -182,3 +183,70 @@ def coarser_models(model: DiscreteModel) -> list[DiscreteModel]:
         if len(mesh.points) < MAX_COARSE_VERTEX_FRACTION * model.n_vertices:
             models.append(type(model)(model.design, model.layout, mesh))
     return models
+
+
+def _prolong_without_intersection(coarse: DiscreteModel, state: State, fine: ContactModel) -> State | None:
+    """The state of `prolong`, or the part of it that is reachable from the coarse triangles; None if neither exists.
+
+    The smooth surface is the better start, but its parts may intersect between the vertices of the coarse mesh. The
+    coarse triangles do not intersect; yet fine triangles across their edges may come closer than contact allows.
+    """
+    smooth = prolong(coarse, state, fine)
+    if fine.contact.is_intersection_free(smooth.positions):
+        return smooth
+    linear = prolong_linearly(coarse, state, fine)
+    if fine.contact.is_intersection_free(linear.positions):
+        return fine.reachable_state(linear, smooth)
+    return None
+
+
+def extrapolate(model: DiscreteModel, before: State, state: State, share: float) -> State:
+    """Extrapolate from the state `before` beyond `state`, both on the mesh of the model.
+
+    Every triangle and rod edge rotates on about the axis of its rotation between the two states, without stretch, as in
+    a sheet that rolls up to a tube. Positions follow by least squares.
+
+    Parameters
+    ----------
+    share : rotation beyond `state` over the rotation from `before` to `state`.
+    """
+    rotation, shift = rigid_fit(before.positions, state.positions)
+    old = before.rotated(rotation, shift)
+    (f0, _), (f1, e1) = (model.reconstruction.gradients(s.positions) for s in (old, state))
+    spin = share * rotation_vectors(_spatial(f0), _spatial(f1))
+    edge_spin = share * rotation_vectors(*(_frames(model, s) for s in (old, state)))
+    columns = f1.transpose(0, 2, 1)
+    change = (rotate_vectors(spin, columns) - columns).transpose(0, 2, 1)
+    edge_change = rotate_vectors(edge_spin, e1[:, None])[:, 0] - e1
+    positions = state.positions + model.reconstruction.displacements(change, edge_change)
+    return model.with_fitted_frames(State(positions, plastic_normals(model, positions)))
+
+
+def rotation_vectors(before: Array, after: Array) -> Array:
+    """(E, 3) rad, vectors of the rotations in the polar decompositions of `after before^-1`, matrices (E, 3, 3).
+
+    Examples
+    --------
+    >>> quarter = np.array([[[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]])
+    >>> (rotation_vectors(np.eye(3)[None], quarter) / np.pi).round(6) + 0.0
+    array([[0. , 0. , 0.5]])
+    """
+    u, _, vt = np.linalg.svd(after @ np.linalg.inv(before))
+    q = u @ vt
+    skew = np.stack([q[:, 2, 1] - q[:, 1, 2], q[:, 0, 2] - q[:, 2, 0], q[:, 1, 0] - q[:, 0, 1]], axis=1)
+    sine = 0.5 * np.linalg.norm(skew, axis=1)
+    angle = np.arctan2(sine, 0.5 * (np.trace(q, axis1=1, axis2=2) - 1.0))
+    # a rotation by pi has no axis in this formula and gives zero; no element rotates so far between two meshes
+    return np.asarray((0.5 * angle / np.maximum(sine, 1e-12))[:, None] * skew)
+
+
+def _spatial(f: Array) -> Array:
+    """(T, 3, 3) deformation gradients (T, 3, 2) with the unit normal as third column."""
+    normal = np.cross(f[:, :, 0], f[:, :, 1])
+    return np.concatenate([f, (normal / np.linalg.norm(normal, axis=1, keepdims=True))[:, :, None]], axis=2)
+
+
+def _frames(model: DiscreteModel, state: State) -> Array:
+    """(R, 3, 3) tangent, director and their cross product of every rod edge, as columns."""
+    t = edge_tangents(state.positions, model.edges)
+    return np.stack([t, state.directors, np.cross(t, state.directors)], axis=2)

@@ -4,19 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from asterism.discrete.evidence.effort import PathStep
-from asterism.discrete.evidence.equilibrium import Equilibrium
+from asterism.discrete.evidence.equilibrium import Equilibrium, PathStep
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.release.mesh_level import MeshLevel
+from asterism.equilibrium.arrays import Array
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # 1: difference of two energies over the elastic energy, below which two states of one mesh may be one
 SAME_STATE_ENERGY = 1e-8
 # 1: rms distance of these states after the best rigid motion over the rms radius of the sheet
 SAME_STATE_DISTANCE = 1e-4
+
+
+@dataclass(frozen=True)
+class MeshLevel:
+    """The shape on one mesh, and its effort.
+
+    Attributes
+    ----------
+    vertices, iterations, factorisations : their numbers.
+    seconds : wall time by stage.
+    printed, positions : (V, 2) and (V, 3) mm, the shape.
+    """
+
+    vertices: int
+    iterations: int
+    factorisations: int
+    seconds: dict[str, float]
+    printed: Array = field(repr=False)
+    positions: Array = field(repr=False)
+
+    @property
+    def cost(self) -> dict[str, Any]:
+        """All attributes but the shape, for the summary."""
+        names = ("vertices", "iterations", "factorisations", "seconds")
+        return {name: getattr(self, name) for name in names}
 
 
 @dataclass

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from asterism.homogenize.campaign.solve_missing import solve_missing
+from asterism.homogenize.campaign.workers import solve_missing
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.axes import sizes_text
 from asterism.homogenize.law.material import Material

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.aligned_lines import aligned_lines
+from asterism.homogenize.cell.point_group import aligned_lines
 from asterism.homogenize.law.axes import AXES, Axis
 from asterism.homogenize.law.law import WITHOUT_BENDING
 from asterism.homogenize.law.material import Material

@@ -10,9 +10,8 @@ from pathlib import Path
 from asterism.homogenize.campaign.campaign import CampaignProgress, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.errors import CampaignError
-from asterism.homogenize.law.axes import LENGTH, THICKNESS, WIDTH
+from asterism.homogenize.law.axes import LENGTH, MAX_BRIDGED_LENGTH_RATIO, THICKNESS, WIDTH
 from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_range import MAX_BRIDGED_LENGTH_RATIO
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.mesh_edges import EdgeTables
 from asterism.homogenize.law.plan import MIN_CELL_EDGE_MM

@@ -16,7 +16,7 @@ from asterism.homogenize.campaign.campaign import CampaignProgress
 from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES, sources_hash
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
 from asterism.homogenize.campaign.motif_sample import responses_to_data
-from asterism.homogenize.campaign.solve_missing import solve_missing
+from asterism.homogenize.campaign.workers import solve_missing
 from asterism.homogenize.cell.motif_responses import MotifResponses, motif_responses
 from asterism.homogenize.law.motif_plan import MotifPlan, MotifTask
 from asterism.pattern.design.design import Design

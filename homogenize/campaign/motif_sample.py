@@ -7,11 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
 from asterism.homogenize.cell.larger_cell import CellComparison
 from asterism.homogenize.cell.motif_responses import MotifResponses, RolledDirection
-from asterism.homogenize.cell.tube_bending import bending_of_tubes
+from asterism.homogenize.cell.rod_bending import completed_by_rods
+from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, voigt_matrices
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
+
+# of the largest bending stiffness, at least
+MIN_STIFFNESS_RATIO = 0.01
 
 
 def responses_to_data(responses: MotifResponses) -> dict[str, Any]:
@@ -40,7 +45,7 @@ def motif_tensors(responses: MotifResponses) -> SheetTensors:
     stiffness = np.zeros((6, 6))
     membrane = responses.linear.stiffness[:3, :3]
     stiffness[:3, :3] = 0.5 * (membrane + membrane.T)
-    stiffness[3:, 3:], moment = bending_of_tubes(responses)
+    stiffness[3:, 3:], moment = _bending_of_tubes(responses)
     metric = responses.deformation @ responses.deformation
     # plastic outside: edges go down
     curvature = -np.linalg.solve(stiffness[3:, 3:], moment) / TO_VOIGT
@@ -55,3 +60,22 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
     return value
+
+
+def _bending_of_tubes(responses: MotifResponses) -> tuple[Floats, Floats]:
+    """Q (3, 3) N mm and m (3,) N, in curvatures K of the print: the energy `K . Q K/2 - m . K` nearest to the tubes.
+
+    Tubes leave Q12 open up to Q33 (`homogenize.cell.rod_bending`): the mean of Q12 over all axes is that of the rods.
+    The linear cell does not know it either: see `homogenize.cell.effective_stiffness`.
+    """
+    angle = np.array([tube.direction_rad for tube in responses.directions])
+    along = np.stack([np.cos(angle) ** 2, np.sin(angle) ** 2, np.sin(2.0 * angle)], axis=-1)
+    hoop = np.array([tube.hoop for tube in responses.directions])
+    curvature = np.array([tube.curvature for tube in responses.directions]) * hoop**2
+    bending = np.array([tube.bending for tube in responses.directions]) / hoop**4
+    pairs = np.array([along[:, i] * along[:, j] * (1.0 if i == j else 2.0) for i, j in VOIGT_ENTRIES]).T
+    of_tubes = voigt_matrices(np.linalg.lstsq(pairs, bending, rcond=None)[0])
+    sizes, axes = np.linalg.eigh(completed_by_rods(of_tubes, responses.rods))
+    q = (axes * np.maximum(sizes, MIN_STIFFNESS_RATIO * sizes.max())) @ axes.T
+    moment = np.linalg.lstsq(along, bending * curvature, rcond=None)[0]
+    return q, moment

@@ -8,7 +8,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
-from asterism.homogenize.cell.isotropy import isotropic_constants
+from asterism.homogenize.cell.effective_stiffness import isotropic_constants
 from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.law.anisotropy import sample_anisotropy
 from asterism.homogenize.law.axes import named_sizes

@@ -14,16 +14,16 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any
 
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.errors import AddressError, CampaignError
 
 Arrivals = Iterator[tuple[int, Any]]
 SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]
-
 # between two looks at a cluster
 POLL_INTERVAL_S = 0.05
 # time without any worker, after which a campaign gives up its cluster
@@ -40,6 +40,7 @@ WORKER_ENVIRONMENT = {
     "NUMBA_NUM_THREADS": "1",
     "MKL_CBWR": "AUTO,STRICT",
 }
+Cell = tuple[Mapping[str, Any], tuple[Any, ...]]
 
 
 def default_jobs() -> int:
@@ -174,3 +175,41 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def solve_missing(
+    kept: KeptSamples,
+    function: Callable[..., Outcome],
+    cells: Sequence[Cell],
+    jobs: int,
+    dask: str | None,
+    begin: Callable[[], None],
+) -> Generator[tuple[int, Outcome, float], None, None]:
+    """Solve cells, and yield their numbers and outcomes as they are kept, with an estimate of the seconds left.
+
+    The workers end with the generator: close it (`contextlib.closing`), also after an interruption.
+
+    Parameters
+    ----------
+    function : solves a cell. Other processes must be able to import it.
+    cells : for each the inputs that its file is named by, and the arguments of the function.
+    jobs : number of processes on this machine.
+    dask : address of a Dask scheduler, whose workers take the place of these processes.
+    begin : called when the workers are there, and at once if there is no cell.
+
+    Raises
+    ------
+    CampaignError, AddressError
+        See `homogenize.campaign.workers`.
+    """
+    if not cells:
+        begin()
+        return
+    start, processes = time.perf_counter(), min(jobs, len(cells))
+    workers: AbstractContextManager[SubmitAll] = local_workers(processes) if dask is None else dask_workers(dask)
+    with workers as submit_all:
+        begin()
+        arrivals = submit_all(function, [arguments for _, arguments in cells])
+        for count, (number, outcome) in enumerate(arrivals, 1):
+            left = (time.perf_counter() - start) / count * (len(cells) - count)
+            yield number, kept.write(cells[number][0], outcome), left

@@ -7,10 +7,9 @@ import numpy as np
 from asterism.discrete.energies.bending.registry import FABRIC_BENDING
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
 from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
-from asterism.homogenize.cell.point_group import arm_directions, point_group
+from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines, arm_directions, point_group
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.rods.arms import check_clear

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 # of unit vectors, and of lattice coordinates
 POINT_GROUP_TOLERANCE = 1e-6
+GRADED_OFF_LINES = "cells have graded meshes only if all arms lie on lattice lines and the grid has their symmetry"
 
 
 def arm_directions(lattice: Lattice) -> Floats:
@@ -92,3 +93,17 @@ def mirror_lines(vectors: Floats, group: Floats) -> list[MirrorLine]:
         if step > 0.75 * height:  # otherwise a centred lattice shifts the line to the middle
             lines.append(MirrorLine(0.5 * height * normal, direction, length, step))
     return lines
+
+
+def aligned_lines(lattice: Lattice) -> Ints | None:
+    """(arms,) the grid line of each arm, an index into `GRID_DIRECTIONS`; None if the aligned mesh does not fit.
+
+    It fits if all arms lie on such lines, and if the grid has the symmetry of star and lattice. The grid of a square
+    lattice has one of its two diagonals only.
+    """
+    if not keeps_grid_lines(lattice):
+        return None
+    along = GRID_DIRECTIONS @ np.asarray(lattice.vectors)
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    match = np.asarray(lattice.arm_directions) @ along.T
+    return match.argmax(axis=1) if (match.max(axis=1) > 1.0 - 1e-9).all() else None

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.discrete.energies.rods.section import torsion_constant
+from asterism.discrete.energies.rods.network import torsion_constant
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.anisotropy import mean_q12
 from asterism.pattern.design.design import Design

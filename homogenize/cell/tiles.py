@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Ints
-from asterism.homogenize.cell.image_numbering import ImageNumbering, new_triangles
 from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles
-from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.periodic_mesh import ImageNumbering, PeriodicMesh, new_triangles
 
 
 @dataclass(frozen=True)

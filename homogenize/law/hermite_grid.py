@@ -1,20 +1,28 @@
 """Interpolation on a grid: cubic along each axis, with exact first derivatives.
 
 In every box of the grid a function is the tensor product of cubic Hermite polynomials. The slopes at the nodes come
-from the data along grid lines (`homogenize.law.grid_slopes`). With the rule "monotone" the function is monotone along
+from the data along grid lines. With the rule "monotone" the function is monotone along
 every grid line on which the data are; the rule "smooth" follows a smooth maximum more closely. Mixed derivatives at the
 nodes are slopes of slopes. The function and its first derivatives are continuous.
+
+The rules for the slopes at the nodes are local, and exact for straight lines. scipy has interpolators with these slopes
+(`PchipInterpolator`, `Akima1DInterpolator`), but their import takes half a second, which every preview would pay. The
+tests compare the slopes with scipy's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from typing import Literal
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.homogenize.law.grid_slopes import SlopeRule, node_slopes
+
+SlopeRule = Literal["monotone", "smooth", "spline"]
+# relative weights of both sides below this are rounding errors: the values around the node lie on a line
+MIN_RELATIVE_WEIGHT = 1e-9
 
 
 class HermiteGrid:
@@ -104,3 +112,95 @@ def _cubics(t: Floats) -> tuple[Floats, Floats]:
     values = np.stack([(1 + 2 * t) * u * u, (1 + 2 * u) * t * t, t * u * u, -u * t * t], axis=-1)
     slopes = np.stack([-6 * t * u, 6 * t * u, u * (1 - 3 * t), t * (3 * t - 2)], axis=-1)
     return values, slopes
+
+
+def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Floats:
+    """Slopes of functions at their nodes along one axis.
+
+    Parameters
+    ----------
+    nodes : (n,) increasing, at least two.
+    values : values of the functions, n along the axis.
+    axis : the axis along which the nodes lie.
+    rule : "monotone" takes the slopes of Fritsch and Butland (1984) with the ends of Moler (Numerical Computing with
+        MATLAB, 2004, section 3.6): the cubics between the nodes are monotone where the values are. "smooth" takes
+        those of the modified Akima spline (Akima 1970; Moler and Ionita 2019). "spline" takes those of the cubic spline
+        without knots next to the ends (de Boor, A practical guide to splines, 1978, chapter IV), which are linear in
+        the values; three nodes have a parabola.
+
+    Returns
+    -------
+    Array of the shape of `values`.
+
+    Examples
+    --------
+    >>> node_slopes(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 4.0]), 0, "smooth")
+    array([0., 2., 4.])
+    """
+    values = np.moveaxis(values, axis, 0)
+    steps = np.diff(nodes).reshape(-1, *[1] * (values.ndim - 1))
+    secants = np.diff(values, axis=0) / steps
+    if len(secants) == 1:
+        slopes = np.concatenate([secants, secants])
+    elif rule == "monotone":
+        slopes = _monotone(steps, secants)
+    elif len(secants) == 2:  # the parabola through the three nodes
+        slopes = np.asarray(np.gradient(values, nodes, axis=0, edge_order=2))
+    elif rule == "spline":
+        slopes = _spline(np.diff(nodes), secants)
+    else:
+        slopes = _smooth(secants)
+    return np.moveaxis(slopes, 0, axis)
+
+
+def _monotone(steps: Floats, secants: Floats) -> Floats:
+    """Inside, the weighted harmonic mean of both secants, and 0 where they have no common sign."""
+    before, after = 2 * steps[1:] + steps[:-1], steps[1:] + 2 * steps[:-1]
+    agree = secants[1:] * secants[:-1] > 0
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        mean = (before + after) / (before / secants[:-1] + after / secants[1:])
+    inside = np.where(agree, mean, 0.0)
+    first = _at_end(steps[0], steps[1], secants[0], secants[1])
+    last = _at_end(steps[-1], steps[-2], secants[-1], secants[-2])
+    return np.concatenate([first[None], inside, last[None]])
+
+
+def _at_end(step: Floats, next_step: Floats, secant: Floats, next_secant: Floats) -> Floats:
+    """The parabola through three nodes, bounded so that the first cubic keeps the shape of the values."""
+    slope = ((2 * step + next_step) * secant - step * next_secant) / (step + next_step)
+    turns = np.sign(secant) != np.sign(next_secant)
+    slope = np.where(turns & (np.abs(slope) > 3 * np.abs(secant)), 3 * secant, slope)
+    return np.where(np.sign(slope) != np.sign(secant), 0.0, slope)
+
+
+def _smooth(secants: Floats) -> Floats:
+    """Mean of both secants at a node: the side on which the slope changes less weighs more."""
+    left, right = 2 * secants[0] - secants[1], 2 * secants[-1] - secants[-2]
+    left, right = [2 * left - secants[0], left], [right, 2 * right - secants[-1]]
+    m = np.concatenate([left, secants, right])
+    change = np.abs(np.diff(m, axis=0)) + np.abs(m[1:] + m[:-1]) / 2
+    before, after = change[2:], change[:-2]  # weights of the secants before and after a node
+    total = before + after
+    known = total > MIN_RELATIVE_WEIGHT * total.max()
+    share = np.where(known, after, 0.0) / np.where(known, total, 1.0)
+    return np.where(known, m[1:-2] + share * (m[2:-1] - m[1:-2]), (m[3:] + m[:-3]) / 2)
+
+
+def _spline(steps: Floats, secants: Floats) -> Floats:
+    """Slopes that make the second derivative continuous, and the third one at the nodes next to the ends."""
+    count = len(steps) + 1
+    matrix = np.zeros((count, count))
+    flat = secants.reshape(len(secants), -1)
+    right = np.empty((count, flat.shape[1]))
+    for node in range(1, count - 1):
+        before, after = steps[node - 1], steps[node]
+        matrix[node, node - 1 : node + 2] = after, 2.0 * (before + after), before
+        right[node] = 3.0 * (after * flat[node - 1] + before * flat[node])
+    for end, (step, next_step), (secant, next_secant), places in (
+        (0, steps[:2], flat[:2], (0, 1)),
+        (count - 1, steps[:-3:-1], flat[:-3:-1], (count - 1, count - 2)),
+    ):
+        both = step + next_step
+        matrix[end, list(places)] = next_step, both
+        right[end] = ((step + 2.0 * both) * next_step * secant + step**2 * next_secant) / both
+    return np.asarray(np.linalg.solve(matrix, right)).reshape(count, *secants.shape[1:])

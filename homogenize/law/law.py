@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.errors import ForeignLaw, LawError
-from asterism.homogenize.law.cell_stability_table import CellStabilityTable
+from asterism.homogenize.law.axes import AXES, coordinates
 from asterism.homogenize.law.law_table import QUANTITIES, LawTable, LawValues
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.mesh_edges import EdgeTables, table_at_edge, whole_edge
@@ -161,7 +161,7 @@ class Law:
     def size_ranges(self, stretch: float) -> dict[str, tuple[float, float]]:
         """Smallest and largest size in mm that the table of a stretch covers, by the keys of design files.
 
-        Shorter arms than the shortest are covered too if the bare fabric is near, see `homogenize.law.law_range`.
+        Shorter arms than the shortest are covered too if the bare fabric is near, see `homogenize.law.axes`.
 
         Raises
         ------
@@ -268,3 +268,53 @@ def _lattice(lattice: Lattice, like: Lattice | None = None) -> dict[str, Any]:
 
 def _list(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
+
+
+@dataclass(frozen=True)
+class CellStabilityTable:
+    """Smallest eigenvalues on 2 x 2 stars of the cells at one stretch. A law from other sources may have no such cells.
+
+    Attributes
+    ----------
+    sizes : (n, A) of the stars, in the order of `homogenize.law.axes.AXES`.
+    flat, rolled : (n,) N/mm, of the flat cell and of its natural tubes (smallest over the directions).
+
+    Examples
+    --------
+    >>> table = CellStabilityTable(np.array([[10.0, 0.3, 1.2]]), np.array([-15.0]), np.array([7.0]))
+    >>> table.eigenvalues(np.array([[10.0, 0.3, 1.2]] * 3), np.array([0.0, 0.5, 1.0])).tolist()
+    [-15.0, -4.0, 7.0]
+    """
+
+    sizes: Floats
+    flat: Floats
+    rolled: Floats
+
+    @classmethod
+    def of(cls, samples: Sequence[dict[str, Any]], stretch: float) -> Self:
+        """The cells with arms and an answer among samples as in a law's file."""
+        known = [
+            each for each in samples if each["problem"] is None and each["length_mm"] > 0 and each["stretch"] == stretch
+        ]
+        return cls(
+            np.array([[each[axis.key] for axis in AXES] for each in known]).reshape(-1, len(AXES)),
+            np.array([each["sample"]["supercell_eigenvalue"] for each in known]),
+            np.array([min(each["sample"]["natural_supercell_eigenvalue"]) for each in known]),
+        )
+
+    def eigenvalues(self, sizes: Floats, part: Floats) -> Floats:
+        """(S,) N/mm, of the nearest cell of each star, linear between its flat and its natural state; infinite if the
+        table has no cells.
+
+        Parameters
+        ----------
+        sizes : (S, A) of the stars.
+        part : (S,) curvature of the sheet over the natural curvature, limited to 0 to 1.
+        """
+        if not len(self.sizes):
+            return np.full(len(sizes), np.inf)
+        known, asked = coordinates(self.sizes), coordinates(sizes)
+        span = np.maximum(np.ptp(known, axis=0), 1e-9)
+        nearest = np.linalg.norm((asked[:, None] - known) / span, axis=2).argmin(axis=1)
+        flat, rolled = self.flat[nearest], self.rolled[nearest]
+        return np.asarray(flat + np.clip(part, 0.0, 1.0) * (rolled - flat))

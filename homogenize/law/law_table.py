@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Bools, Floats
-from asterism.homogenize.law.axes import AXES, coordinates, named_sizes
+from asterism.homogenize.law.axes import AXES, coordinates, min_length, named_sizes
 from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule
-from asterism.homogenize.law.law_range import min_length
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, model_validator
 
-from asterism.homogenize.cell.aligned_lines import GRADED_OFF_LINES, aligned_lines
+from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines
 from asterism.homogenize.law.axes import AXES, LENGTH, named_sizes
 from asterism.homogenize.law.plan import CampaignPlan, CellTask
 from asterism.pattern.design.design import Design

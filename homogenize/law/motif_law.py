@@ -12,11 +12,9 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_plan import ROD_SIZE_KEYS, MotifPlan
-from asterism.homogenize.law.motif_problem import problem_of_motif
 from asterism.homogenize.law.motif_table import SIZE_TOLERANCE, MotifTable
 from asterism.homogenize.law.tensor_forms import SheetTensors
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.leading_field import leading_field
+from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.sizing.profile import Profile
 
 
@@ -156,3 +154,16 @@ class MotifLaw:
             f"{size.key} = {value:g}" for size, value in zip(self.plan.sizes, nearest["sizes"], strict=True)
         )
         return problem_of_motif(nearest["problem"]) + (f" ({place})" if place else "")
+
+
+def problem_of_motif(problem: str) -> str:
+    """The problem of a cell after the field that it is about: its own, or that of the motif.
+
+    Examples
+    --------
+    >>> problem_of_motif("the motif has no law of one cell")
+    'rods.motif: the motif has no law of one cell'
+    >>> problem_of_motif("rods: motif[0] has a piece of 0.50 mm at [1.00, 0.00]: 1 or more")
+    'rods: motif[0] has a piece of 0.50 mm at [1.00, 0.00]: 1 or more'
+    """
+    return problem if leading_field(problem) else f"rods.motif: {problem}"

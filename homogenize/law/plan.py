@@ -12,8 +12,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.axes import AXES, LENGTH, Axis
-from asterism.homogenize.law.law_range import min_length
+from asterism.homogenize.law.axes import AXES, LENGTH, Axis, min_length
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Point, Section, Whole
 from asterism.pattern.design.stars import MIN_ARM_MM

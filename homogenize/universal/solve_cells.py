@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -13,18 +13,22 @@ from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.campaign import CampaignProgress
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
-from asterism.homogenize.campaign.solve_missing import solve_missing
+from asterism.homogenize.campaign.sample_rows import sample_quantities
+from asterism.homogenize.campaign.workers import solve_missing
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.tube_directions import THREEFOLD_ANGLES_RAD
-from asterism.homogenize.universal.cell_rows import cell_row, row_problem
-from asterism.homogenize.universal.groups import REFERENCE_SPACING_MM, reference_cell
-from asterism.homogenize.universal.row_names import ROW_NAMES
+from asterism.homogenize.universal.groups import GROUP_KEYS, REFERENCE_MODULUS_MPA, REFERENCE_SPACING_MM, reference_cell
+from asterism.homogenize.universal.row_names import ANISOTROPY, ROW_NAMES, quantity_scales
 from asterism.homogenize.universal.solved_cells import SolvedCells
 from asterism.pattern.design.errors import DesignError, MeshError
 
 # the law holds the mean over these directions, and the difference between them
 _ANGLES = (THREEFOLD_ANGLES_RAD[0], THREEFOLD_ANGLES_RAD[-1])
 SolveGroups = Callable[[list[float]], tuple[dict[str, Any] | None, str | None]]
+# cells of stars that keep their symmetry are isotropic up to rounding; those whose fabric buckles between stars are not
+MAX_ANISOTROPY = 0.02
+# natural curvature times spacing, above which stars wrap and a law has no use
+MAX_USEFUL_CURL = 3.0
 
 
 def solve_groups(groups: list[float]) -> tuple[dict[str, Any] | None, str | None]:
@@ -33,8 +37,8 @@ def solve_groups(groups: list[float]) -> tuple[dict[str, Any] | None, str | None
     sample = solve_cell(*reference_cell(row), _ANGLES).to_dict()
     if sample["failed"]:
         return None, sample["failed"]
-    answer = cell_row(sample, row)
-    problem = row_problem(answer, min(sample["natural_bump_mm"]) / REFERENCE_SPACING_MM)
+    answer = _cell_row(sample, row)
+    problem = _row_problem(answer, min(sample["natural_bump_mm"]) / REFERENCE_SPACING_MM)
     return {"row": answer.tolist(), "problem": problem}, None
 
 
@@ -123,3 +127,32 @@ def _progress(
 ) -> CampaignProgress:
     failed = sum(outcomes[key].failed is not None for key in keys if key in outcomes)
     return CampaignProgress(done, total, failed, left, None)
+
+
+def _cell_row(sample: Mapping[str, Any], groups: Floats) -> Floats:
+    """(R,) the dimensionless values of `ROW_NAMES`, from the sample of a reference cell with these groups (G,)."""
+    stretch, plate = (float(groups[GROUP_KEYS.index(key)]) for key in ("stretch", "fabric"))
+    force, d = REFERENCE_MODULUS_MPA * plate * REFERENCE_SPACING_MM, REFERENCE_SPACING_MM
+    quantities = sample_quantities(dict(sample), stretch) / quantity_scales(d, force)
+    waves = np.array(sample["relief"], dtype=float) / np.array([[d], [d**2]])
+    eigenvalues = [sample["supercell_eigenvalue"] / force, min(sample["natural_supercell_eigenvalue"]) / force]
+    return np.concatenate([quantities, waves.ravel(), eigenvalues, [sample["anisotropy"]]])
+
+
+def _row_problem(row: Floats, bump: float) -> str | None:
+    """Why a cell cannot make the law, in one line; None if it can.
+
+    Parameters
+    ----------
+    bump : smallest height of the star's centre over its tips on the natural tubes, over the spacing.
+    """
+    values = dict(zip(ROW_NAMES, row, strict=True))
+    if not np.isfinite(row).all() or not all(values[name] > 0.0 for name in ("lam", "lam_n", "bending", "a11")):
+        return "a response is no answer"
+    if values[ANISOTROPY] > MAX_ANISOTROPY:
+        return "the fabric buckles between the stars"
+    if not bump > 0.0:
+        return "the star is not up"
+    if abs(values["kappa"]) > MAX_USEFUL_CURL:
+        return "the star wraps"
+    return None

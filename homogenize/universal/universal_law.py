@@ -22,8 +22,7 @@ from asterism.homogenize.universal.groups import (
     coordinates_of_groups,
     mismatch,
 )
-from asterism.homogenize.universal.kriging import Kriging
-from asterism.homogenize.universal.likelihood import likely_covariance
+from asterism.homogenize.universal.kriging import Kriging, likely_covariance
 from asterism.homogenize.universal.row_names import WAVE_NAMES
 from asterism.homogenize.universal.solved_cells import SolvedCells
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, Self, get_args
@@ -28,6 +29,7 @@ GRAVITY_M_S2 = 9.81
 MEANT_KEYS = {
     ("plastic", "modulus_mpa"): "unknown key here, use modulus_ratio: the plastic's modulus over the fabric's"
 }
+_FIELD = re.compile(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )")
 
 
 class Gravity(Section):
@@ -224,3 +226,17 @@ def save_design(design: Design, path: str | Path) -> None:
     """
     check_type(design, Design, "load_design reads one from a file, new one from the gallery")
     write_table(design.to_dict(), Path(path))
+
+
+def leading_field(message: str) -> str:
+    """The field that a message names before all else; empty if it names none.
+
+    Examples
+    --------
+    >>> leading_field("rods.motif[0].width_mm = 9: must be at most 5")
+    'rods.motif[0].width_mm'
+    >>> leading_field("the motif has no law of one cell: 2 x 2 cells relax to 90 % of its energy")
+    ''
+    """
+    found = _FIELD.match(message)
+    return found[0] if found and found[1] in Design.model_fields else ""

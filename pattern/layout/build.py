@@ -18,12 +18,10 @@ from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.stars import MIN_ARM_MM
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.outline import outline
-from asterism.pattern.layout.pin_conflicts import check_conflicts
+from asterism.pattern.layout.pin_conflicts import check_conflicts, check_reach
 from asterism.pattern.layout.pin_placement import pin_set, snapped_to_arms
-from asterism.pattern.layout.pin_reach import check_reach
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.layout.star_cells import star_cells, star_margin_mm
+from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm
 from asterism.pattern.layout.star_sizes import star_sizes
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.arms import check_clear, cut

@@ -21,7 +21,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.support_samples import SupportSamples
 
 RIGID_MOTION_TOLERANCE = 1e-6  # of the supports' size: smaller motions leave them in place
@@ -175,3 +178,50 @@ def _turning(arm: Floats) -> Floats:
     """(3, 3) matrix of w -> w x arm."""
     x, y, z = arm
     return np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+
+
+def free_rotation_axes(layout: Layout) -> Floats:
+    """(k, 3) orthonormal axes of the rotations, with or without a translation, that all supports together leave free.
+
+    All three axes for a free sheet, no axis where the supports determine how it lies. Gravity plays no part.
+    """
+    printed, places, _ = layout.support_samples
+    fixed = ~np.isnan(places)
+    if not fixed.any():
+        return np.eye(3)
+    # where the sheet slides, assume places near those of the print, at heights that no plane has
+    x, y = (printed - printed.mean(axis=0)).T / max(float(np.ptp(printed, axis=0).max()), 1e-9)
+    assumed = np.column_stack([printed, np.ptp(printed) * (0.07 * x**2 + 0.13 * y**2 + 0.09 * x * y)])
+    points = np.where(fixed, places, assumed)
+    free = FreeMotions(points, fixed).basis(points, points.mean(axis=0)).T
+    _, sizes, axes = np.linalg.svd(free[:, 3:])
+    return np.asarray(axes[: np.count_nonzero(sizes > RIGID_MOTION_TOLERANCE)])
+
+
+def count_free_tilts(layout: Layout) -> int:
+    """Number of independent horizontal axes about which the supports let the sheet rotate.
+
+    If it is above 0, only gravity determines how the sheet lies.
+    """
+    return int(np.linalg.matrix_rank(free_rotation_axes(layout)[:, :2], RIGID_MOTION_TOLERANCE))
+
+
+def check_weight_is_supported(design: Design, layout: Layout) -> None:
+    """Refuse a sheet that falls: its first pins must support it along every axis along which gravity acts.
+
+    Raises
+    ------
+    DesignError
+        Gravity is on, and the sheet is free along x, y or z. The message names the axes.
+    """
+    if not design.gravity.on:
+        return
+    if not layout.pins:
+        raise DesignError("gravity.on", "needs [[pins]] to support the sheet: a free sheet falls", True)
+    first = min(pins.step for pins in layout.pins)
+    held = np.array([pins.fixed for pins in layout.pins if pins.step == first]).any(axis=0)
+    falls = ~held & (np.abs(design.gravity.direction) > 1e-6 * np.linalg.norm(design.gravity.direction))
+    if falls.any():
+        along = " and ".join(axis for axis, free in zip("xyz", falls, strict=True) if free)
+        problem = f"needs [[pins]] that do not slide along {along}, among the first: the sheet falls"
+        raise DesignError("gravity.on", problem, True)

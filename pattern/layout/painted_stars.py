@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.stars import Override, Site
-from asterism.pattern.layout.outline import outline
-from asterism.pattern.layout.star_cells import star_cells
+from asterism.pattern.layout.star_cells import outline, star_cells
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
 NO_SIZES = (None, None, None)

@@ -10,6 +10,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.holes import Hole
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import check_mesh_size, check_pins, layout, sheet_outline
@@ -17,7 +18,6 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.pin_placement import pin_set, snapped_to_lines
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.graph import RodGraph
-from asterism.pattern.rods.star_clearance import check_beside
 
 if TYPE_CHECKING:
     from asterism.pattern.rods.drawn_graph import DrawnPattern
@@ -91,7 +91,7 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
     border = design.border.model_copy(update=changes)
     alone = layout(design.model_copy(update={"rods": None, "border": border, "pins": ()}))
     arms = alone.graph
-    check_beside(arms, drawn.graph)
+    _check_beside(arms, drawn.graph)
     count = len(arms.nodes)
     moved = tuple(replace(rod, start=rod.start + count, end=rod.end + count) for rod in drawn.graph.rods)
     graph = RodGraph(np.concatenate([arms.nodes, drawn.graph.nodes]), (*arms.rods, *moved), arms.paired)
@@ -105,3 +105,26 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
         holes=drawn.holes,
         hole_rims=tuple(tuple(rod + first for rod in rim) for rim in drawn.hole_rims),
     )
+
+
+def _check_beside(stars: RodGraph, drawn: RodGraph) -> None:
+    """Refuse arms of stars nearer to drawn rods than half the sum of their widths.
+
+    Raises
+    ------
+    DesignError
+        The message names the star, the rod and the place.
+    """
+    arms = np.array([shapely.LineString(rod.points) for rod in stars.rods])
+    lines = np.array([shapely.LineString(rod.points) for rod in drawn.rods])
+    widest = max(float(rod.width.max()) for rod in (*stars.rods, *drawn.rods))
+    near_arm, near_line = shapely.STRtree(lines).query(arms, predicate="dwithin", distance=widest)
+    for i, j in zip(near_arm, near_line, strict=True):
+        arm, rod = stars.rods[i], drawn.rods[j]
+        gap = float(shapely.distance(arms[i], lines[j]))
+        if gap < 0.5 * (arm.width.max() + rod.width.max()):
+            place = shapely.get_coordinates(shapely.shortest_line(arms[i], lines[j])).mean(axis=0)
+            at, centre = (f"[{x:.2f}, {y:.2f}]" for x, y in (place, arm.points[0]))
+            what = "crosses" if gap == 0.0 else f"is {gap:.2f} mm from"
+            problem = f"an arm of the star at {centre} {what} {rod.name} at {at}: shorten it, remove the star, or move"
+            raise DesignError("stars", f"{problem} the line", stars=[arm.group], place_mm=place)

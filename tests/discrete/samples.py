@@ -13,8 +13,7 @@ from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
-from asterism.discrete.energies.rods.joint_network import JointNetwork, joint_inputs
-from asterism.discrete.energies.rods.network import RodNetwork, stencil_inputs
+from asterism.discrete.energies.rods.network import JointNetwork, RodNetwork, joint_inputs, stencil_inputs
 from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
 from asterism.discrete.model.state import State, moved_state

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.model.rigid import rigid_modes
 from asterism.discrete.model.state import State, moved_state
+from asterism.discrete.model.system import rigid_modes
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

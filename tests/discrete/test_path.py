@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.release.pin_steps import model_with_pins_until
+from asterism.discrete.release.continuation import model_with_pins_until
 from asterism.discrete.release.release_start import ReleaseStart
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern import gallery

@@ -24,4 +24,4 @@ def workers(jobs: int) -> Iterator[SubmitAll]:
 
 def use(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let campaigns solve their cells in this process until the test ends."""
-    monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", workers)
+    monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", workers)

@@ -8,13 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from asterism.homogenize.cell.arm_segments import arm_segments
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
-from asterism.homogenize.cell.effective_stiffness import effective_stiffness
+from asterism.homogenize.cell.effective_stiffness import (
+    distance_from_isotropy,
+    effective_stiffness,
+    isotropic_constants,
+)
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
-from asterism.homogenize.cell.isotropy import distance_from_isotropy, isotropic_constants
 from asterism.homogenize.cell.rolling import heights_over_mean_surface, roll_cell, unrolled_flat_cell
-from asterism.homogenize.cell.sample import Sample, solve_cell
+from asterism.homogenize.cell.sample import Sample, arm_segments, solve_cell
 from asterism.homogenize.cell.tube_membrane import tube_membrane_stiffness
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.lattice import Lattice

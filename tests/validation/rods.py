@@ -15,9 +15,9 @@ from asterism.discrete.energies.rods.network import (
     rod_network,
     stencil_inputs,
     stretch_params,
+    torsion_constant,
     twist_params,
 )
-from asterism.discrete.energies.rods.section import torsion_constant
 from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
 from asterism.discrete.model.state import State

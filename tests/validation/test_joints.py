@@ -11,9 +11,12 @@ import scipy.sparse.linalg as spla
 
 from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
-from asterism.discrete.energies.rods.joint_network import fitted_frames, joint_inputs, joint_network, joint_params
 from asterism.discrete.energies.rods.network import (
     bend_params,
+    fitted_frames,
+    joint_inputs,
+    joint_network,
+    joint_params,
     rod_network,
     stencil_inputs,
     stretch_params,
@@ -21,10 +24,8 @@ from asterism.discrete.energies.rods.network import (
 )
 from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
-from asterism.discrete.model.rigid import rigid_motions
-from asterism.discrete.model.rotations import rotate_vectors
-from asterism.discrete.model.state import State, moved_state
-from asterism.discrete.model.system import System
+from asterism.discrete.model.state import State, moved_state, rotate_vectors
+from asterism.discrete.model.system import System, rigid_motions
 from asterism.equilibrium.arrays import Array
 from tests.validation.rods import Material
 

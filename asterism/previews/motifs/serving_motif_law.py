@@ -17,13 +17,11 @@ from asterism.homogenize.campaign.motif_design_plan import LIMITS_MM, MAX_NODE_R
 from asterism.homogenize.campaign.motif_sample import responses_to_data
 from asterism.homogenize.cell.motif_responses import MotifResponses, motif_responses
 from asterism.homogenize.errors import CampaignError, LawError
-from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law import MotifLaw, problem_of_motif
 from asterism.homogenize.law.motif_law_file import load_motif_law
 from asterism.homogenize.law.motif_plan import MotifPlan, MotifSize, MotifTask
-from asterism.homogenize.law.motif_problem import problem_of_motif
-from asterism.pattern.design.design import Design
+from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.leading_field import leading_field
 from asterism.pattern.layout.layout import Layout
 
 # after an edit of a size, the law covers its new value times and over this factor, so that further edits are quick

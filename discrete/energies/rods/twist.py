@@ -1,7 +1,7 @@
 """Twist of rods: `W = GJ (m - m0)^2/L`, m the angle between the directors of two edges (Bergou et al. 2008, 2010).
 
 The angle is measured after parallel transport of the first director to the second edge, so states need no history.
-See `discrete.energies.rods.stencil` for the frame and the symbols.
+See `discrete.energies.rods.bend` for the frame and the symbols.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
-from asterism.discrete.energies.rods.stencil import stencil_edges
+from asterism.discrete.energies.rods.bend import stencil_edges
 
 
 @formula

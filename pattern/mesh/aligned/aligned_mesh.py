@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_outline
+from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned.arm_stations import arm_stations
 from asterism.pattern.mesh.aligned.cut_mesh import cut_mesh
 from asterism.pattern.mesh.aligned.grid_motion import moved, prescribed
-from asterism.pattern.mesh.aligned.hexagon_border import HexagonBorder
-from asterism.pattern.mesh.aligned.lattice_grid import LatticeGrid
-from asterism.pattern.mesh.check import check_edge, checked
+from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 from asterism.pattern.mesh.grading import Grading
-from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
 from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
 # meshes with a smaller angle are left to the Delaunay mesh, which refines narrow places
@@ -81,3 +83,100 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, gra
         pin_vertices=pin_vertices(layout, points, border_vertices),
         kind="aligned",
     )
+
+
+@dataclass(frozen=True)
+class HexagonBorder:
+    """A hexagon about a lattice point with its corners in the six lattice directions.
+
+    Attributes
+    ----------
+    centre : (2,) grid point.
+    rows : grid edges from the centre to a corner, and along a side.
+    corners : (6, 2) mm, in the order of GRID_DIRECTIONS.
+    ring : (6 rows, 2) grid points on the outline, counterclockwise from the first corner.
+    """
+
+    centre: Ints
+    rows: int
+    corners: Floats
+    ring: Ints
+
+    @classmethod
+    def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:
+        """The outline of a layout as such a hexagon; None for other outlines."""
+        if len(layout.outline) != 6 or grid.right_angled:  # a hexagon of squares would have one of their diagonals
+            return None
+        middle = layout.outline.mean(axis=0)
+        about = grid.lattice_coordinates(middle[None] - grid.origin)[0]
+        corners = grid.lattice_coordinates(layout.outline - middle)
+        first = int(np.argmax(corners @ [2, 1]))
+        corners, places = np.roll(corners, -first, axis=0), np.roll(layout.outline, -first, axis=0)
+        radius = float(corners[0, 0])
+        if (
+            np.abs(about - np.rint(about)).max() > ON_LINE_TOLERANCE
+            or np.abs(corners - radius * GRID_DIRECTIONS).max() > ON_LINE_TOLERANCE
+        ):
+            return None
+        rows = max(round(radius * grid.k), 1)
+        centre = np.rint(about).astype(np.int64) * grid.k
+        side = np.arange(rows)[:, None]
+        ring = [centre + rows * GRID_DIRECTIONS[q] + side * GRID_DIRECTIONS[(q + 2) % 6] for q in range(6)]
+        return cls(centre, rows, places, np.concatenate(ring))
+
+    def patch(self, grid: LatticeGrid) -> GridPatch:
+        """All grid points in the hexagon."""
+        span = np.arange(-self.rows, self.rows + 1)
+        ij = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2)
+        return GridPatch(grid, self.centre + ij[np.abs(ij.sum(axis=1)) <= self.rows])
+
+    def exit(self, start: Ints, step: Ints) -> Ints:
+        """(n,) number of grid edges from grid points (n, 2) to the outline, in directions (n, 2)."""
+        at = start - self.centre
+        faces = np.array([[one[:, 0], one[:, 1], one.sum(axis=1)] for one in (at, step)])
+        left = self.rows - faces[0] * faces[1]
+        return np.asarray(np.where(faces[1] != 0, left, left.max(initial=0)).min(axis=0))
+
+    def on_ring(self, ij: Ints) -> Ints:
+        """(n,) number within the ring of grid points (n, 2) that are on it, and any number of others."""
+        width = 4 * self.rows + 1
+        codes, wanted = ((one - self.centre) @ [width, 1] for one in (self.ring, ij))
+        order = np.argsort(codes)
+        return np.asarray(order[np.minimum(np.searchsorted(codes[order], wanted), len(order) - 1)])
+
+    def places(self, layout: Layout, grid: LatticeGrid) -> Floats:
+        """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the outline."""
+        taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
+        tolerance = ON_LINE_TOLERANCE * grid.edge_mm * grid.k
+        tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.outline) <= tolerance)
+        starts, steps = grid.centres(layout)[layout.arm_star[tips]], grid.directions(layout)[tips]
+        stations = starts + self.exit(starts, steps)[:, None] * steps
+        for arm, station in zip(tips, self.on_ring(stations).tolist(), strict=True):
+            self._take(taken, station, self._along(layout.arm_tip[arm]))
+        points = layout.pin_points
+        for point in points[distance_to_outline(points, layout.outline) <= tolerance]:
+            at = self._along(point)
+            if not any(abs(at - t) < 1e-5 for t in taken.values()):
+                self._take(taken, round(at) % len(self.ring), at)
+        ordered = sorted(taken)
+        stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
+        if (np.diff(along) <= 0).any():
+            raise MeshError("tips and pins on the outline are closer together than the mesh edges")
+        t = np.interp(np.arange(len(self.ring)), stations, along)
+        side = np.minimum(t // self.rows, 5).astype(int)
+        part = (t / self.rows - side)[:, None]
+        return np.asarray((1 - part) * self.corners[side] + part * self.corners[(side + 1) % 6])
+
+    def _along(self, point: Floats) -> float:
+        """How far along the outline a point on it is, in grid edges from the first corner."""
+        a, b = self.corners, np.roll(self.corners, -1, axis=0)
+        part = np.clip(((point - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1), 0, 1)
+        side = int(np.argmin(np.linalg.norm(a + part[:, None] * (b - a) - point, axis=1)))
+        return float(side + part[side]) * self.rows % len(self.ring)
+
+    @staticmethod
+    def _take(taken: dict[int, float], station: int, along: float) -> None:
+        """Note that a point of the ring has its place; two places for one are refused."""
+        if abs(taken.get(station, along) - along) > 1e-5:
+            raise MeshError("two tips, pins or corners on the outline need the same mesh vertex")
+        taken.setdefault(station, along)

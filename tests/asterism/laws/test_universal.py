@@ -14,7 +14,7 @@ from tests.homogenize.universal import answers
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
+    monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
     monkeypatch.setattr("asterism.homogenize.universal.universal_campaign.solve_groups", answers.solve)
     monkeypatch.setattr("asterism.laws.universal.solve_groups", answers.solve)
     monkeypatch.setattr("asterism.laws.universal.make_universal_law.__defaults__", (None, 1, None, None, answers.solve))

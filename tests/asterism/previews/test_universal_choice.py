@@ -9,7 +9,7 @@ import pytest
 
 from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.universal.solve_cells import solve_cells
-from asterism.homogenize.universal.spread_cells import spread_groups
+from asterism.homogenize.universal.universal_campaign import spread_groups
 from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
 from asterism.pattern.design.design import Design
 from asterism.previews import universal_choice as module
@@ -32,7 +32,7 @@ def design(**more: Any) -> Design:
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
+        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
         cells = solve_cells(spread_groups(120), tmp_path_factory.mktemp("cells"), solve=answers.solve)
     return universal_law(cells, 120)
 

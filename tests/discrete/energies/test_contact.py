@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, ContactBarrier, ipc_toolkit
-from asterism.discrete.model.contact_model import ContactModel
+from asterism.discrete.model.contact_model import ContactModel, ExtendedPattern
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
@@ -16,7 +16,6 @@ from asterism.discrete.release.levels import solve_on_meshes
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.errors import BackendError
-from asterism.equilibrium.linear.extended_pattern import ExtendedPattern
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.model.rotations import rotate_vectors
-from asterism.discrete.model.state import State
-from asterism.discrete.release.extrapolation import extrapolate, rotation_vectors
-from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.model.state import State, rotate_vectors
+from asterism.discrete.release.levels import extrapolate, rotation_vectors, solve_on_meshes
 from asterism.discrete.release.prolongation import plastic_normals
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.discrete.release.surface_interpolation import interpolate_surface
+from asterism.discrete.release.prolongation import interpolate_surface
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.equilibrium.linear.extended_pattern import sorted_union
+from asterism.discrete.model.contact_model import sorted_union
 
 NUMBERS = st.lists(st.integers(-(2**62), 2**62)).map(lambda numbers: np.array(numbers, dtype=np.int64))
 

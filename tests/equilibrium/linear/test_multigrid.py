@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from asterism.discrete.model.contact_model import ReanalysingFactor
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release import continuation
 from asterism.discrete.release.release_start import ReleaseStart
@@ -23,7 +24,6 @@ from asterism.equilibrium.linear.conjugate_gradients import (
 )
 from asterism.equilibrium.linear.factor import IterativeFactor
 from asterism.equilibrium.linear.multigrid import MultigridFactor
-from asterism.equilibrium.linear.reanalysing_factor import ReanalysingFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton import certificate
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue

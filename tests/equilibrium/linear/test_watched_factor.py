@@ -7,7 +7,7 @@ import pytest
 
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.equilibrium.linear.watched_factor import WatchedFactor
+from asterism.previews.solve import WatchedFactor
 
 
 def test_watch_is_called_and_may_raise() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.blend_responses import blend_responses
+from asterism.homogenize.cell.sample import blend_responses
 
 
 def responses(**changes: Any) -> list[dict[str, Any]]:

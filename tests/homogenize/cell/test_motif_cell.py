@@ -14,10 +14,9 @@ from asterism.discrete.model.state import State
 from asterism.homogenize.cell.cell_stability import cell_stability
 from asterism.homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from asterism.homogenize.cell.image_numbering import ImageNumbering
 from asterism.homogenize.cell.motif_cell_mesh import motif_cell_mesh
 from asterism.homogenize.cell.natural_curvature import trace_tubes
-from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.periodic_mesh import ImageNumbering, PeriodicMesh
 from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design

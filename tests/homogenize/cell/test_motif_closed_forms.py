@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from asterism.discrete.energies.rods.section import torsion_constant
+from asterism.discrete.energies.rods.network import torsion_constant
 from asterism.homogenize.cell.effective_stiffness import effective_stiffness
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell

@@ -10,12 +10,11 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.aligned_lines import aligned_lines
 from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.orbits import nearest_image
 from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
-from asterism.homogenize.cell.point_group import keeps_grid_lines, mirror_lines, point_group
+from asterism.homogenize.cell.point_group import aligned_lines, keeps_grid_lines, mirror_lines, point_group
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.symmetric_responses import CURVE_KEYS, SCALAR_KEYS, symmetric_responses
 from asterism.homogenize.cell.unit_cell import UnitCell

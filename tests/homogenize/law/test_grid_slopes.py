@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.grid_slopes import SlopeRule, node_slopes
+from asterism.homogenize.law.hermite_grid import SlopeRule, node_slopes
 
 STEPS = hnp.arrays(float, st.integers(3, 8), elements=st.floats(0.1, 10.0))
 # whole numbers give equal secants and secants of zero

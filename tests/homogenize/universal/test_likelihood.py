@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.homogenize.universal.kriging import Covariance
-from asterism.homogenize.universal.likelihood import likely_covariance, negative_log_likelihood
+from asterism.homogenize.universal.kriging import Covariance, likely_covariance, negative_log_likelihood
 
 
 def test_the_gradient_is_that_of_the_likelihood() -> None:

@@ -13,8 +13,7 @@ from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.universal.groups import GROUP_KEYS, arm_curl
 from asterism.homogenize.universal.kriging import Covariance, Kriging
 from asterism.homogenize.universal.law_errors import errors_of_cells, left_out_errors
-from asterism.homogenize.universal.spread_cells import spread_groups
-from asterism.homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign
+from asterism.homogenize.universal.universal_campaign import UniversalPlan, run_universal_campaign, spread_groups
 from asterism.homogenize.universal.universal_law import UniversalLaw, bare_quantities, from_smooth, to_smooth
 from asterism.homogenize.universal.universal_law_file import load_universal_law, universal_law_bytes
 from tests.homogenize import same_process
@@ -25,13 +24,13 @@ PLAN = UniversalPlan(spread=70, rounds=1, refined=10)
 
 @pytest.fixture(autouse=True)
 def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
+    monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
 
 
 @pytest.fixture(scope="module")
 def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("asterism.homogenize.campaign.solve_missing.local_workers", same_process.workers)
+        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
         return run_universal_campaign(PLAN, tmp_path_factory.mktemp("campaign"), solve=answers.solve)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.free_rotations import count_free_tilts, free_rotation_axes
+from asterism.pattern.layout.free_motions import count_free_tilts, free_rotation_axes
 
 
 def turns(*pins: dict[str, Any]) -> tuple[np.ndarray, int]:

@@ -7,7 +7,7 @@ from shapely import LineString, Point, Polygon
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.weight_support import check_weight_is_supported
+from asterism.pattern.layout.free_motions import check_weight_is_supported
 
 D = 10 * np.sqrt(3)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.discrete.model.constraints import pin_constraints
+from asterism.discrete.model.discrete_model import pin_constraints
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.discrete.energies.rods.section import torsion_constant
+from asterism.discrete.energies.rods.network import torsion_constant
 
 
 @pytest.mark.parametrize(

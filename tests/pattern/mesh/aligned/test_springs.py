@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.pattern.mesh.aligned.springs import MAX_DENSE_POINTS, means_of_neighbours
+from asterism.pattern.mesh.aligned.lattice_grid import MAX_DENSE_POINTS, means_of_neighbours
 
 
 def square(side: int) -> np.ndarray:
