@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from shlex import quote
 
@@ -20,7 +19,6 @@ def motif_law_for_design(
     law: Path | None = None,
     file: Path | None = None,
     other: Path | None = None,
-    say: Callable[[str], None] = lambda text: None,
 ) -> MotifLaw:
     """The law in a file, if it fits the design; without a file the design's cells are solved.
 
@@ -28,7 +26,6 @@ def motif_law_for_design(
     ----------
     law : None for the law that the design names; of designs that name none, the cells are solved.
     file, other : files of the design and of the material that replaces its own; for messages.
-    say : called with a line of progress while cells are solved.
 
     Raises
     ------
@@ -40,7 +37,7 @@ def motif_law_for_design(
     """
     path = chosen_law_path(design, law)
     if path is None:
-        return serving_motif_law(design, print_layout(design), say=say)
+        return serving_motif_law(design, print_layout(design))
     own = load_motif_law(path)
     try:
         own.check(design)

@@ -27,7 +27,7 @@ PARTS: dict[str, dict[str, Any]] = {
 }
 
 
-def without(part: str, model: PreviewModel = PREVIEW_MODEL) -> PreviewModel:
+def without(part: str) -> PreviewModel:
     """The model with one part turned off.
 
     Raises
@@ -40,4 +40,4 @@ def without(part: str, model: PreviewModel = PREVIEW_MODEL) -> PreviewModel:
     >>> without("rosette metric").has_rosette_metric
     False
     """
-    return replace(model, **PARTS[part])
+    return replace(PREVIEW_MODEL, **PARTS[part])

@@ -162,9 +162,9 @@ def elements_of(layout: Layout, usual: float, triangles: int | None) -> tuple[Sh
     return mesh, space, space.tabulate(QUADRATURE_ORDER)
 
 
-def usual_triangles(layout: Layout, edge_mm: float, fewest: int = MIN_TRIANGLES, most: int = MAX_TRIANGLES) -> float:
+def usual_triangles(layout: Layout, edge_mm: float, most: int = MAX_TRIANGLES) -> float:
     """Number of triangles with edges of about a length in mm, within limits."""
-    return float(np.clip(layout.area_mm2 / equilateral_area(edge_mm), fewest, most))
+    return float(np.clip(layout.area_mm2 / equilateral_area(edge_mm), MIN_TRIANGLES, most))
 
 
 def equilateral_area(edge: float) -> float:

@@ -31,8 +31,6 @@ class Key:
     label : name of the key's row in the table on the terminal; empty if the key has no row.
     show : text of that row: a format with names of the record's keys, such as `{height_mm:.2f} mm`, or a function of
         the record. A function returns the text, or several rows as texts by label, or None to leave the row out.
-    if_null : text of the row if the value is null.
-    formerly : names of the key in files of older versions.
     is_required : every record of its kind has the key.
     """
 
@@ -40,8 +38,6 @@ class Key:
     unit: str = ""
     label: str = ""
     show: Show = ""
-    if_null: str = "-"
-    formerly: tuple[str, ...] = ()
     is_required: bool = True
 
 
@@ -51,8 +47,6 @@ def key(
     unit: str = "",
     label: str = "",
     show: Show = "",
-    if_null: str = "-",
-    formerly: tuple[str, ...] = (),
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
@@ -65,7 +59,7 @@ def key(
         default, default_factory = MISSING, lambda: ABSENT
     settings = {"default": default, "default_factory": default_factory}
     given = {name: value for name, value in settings.items() if value is not MISSING}
-    return field(metadata={_NAME: Key(meaning, unit, label, show, if_null, formerly, required)}, **given)
+    return field(metadata={_NAME: Key(meaning, unit, label, show, required)}, **given)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, eq_default=False, field_specifiers=(key,))
@@ -113,9 +107,8 @@ class Record(Mapping[str, Any]):
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """The record of a JSON object, of this or another version; entries of nested records become records."""
         record = cls.__new__(cls)
-        types, names = value_types(cls), _former_names(cls)
+        types = value_types(cls)
         for name, value in data.items():
-            name = names.get(name, name)
             vars(record)[name] = _typed(types.get(name), value)
         return record
 
@@ -178,11 +171,6 @@ def value_types(record: type[Record]) -> dict[str, Any]:
     return {name: kind for name, kind in get_type_hints(record).items() if name in keys_of(record)}
 
 
-@cache
-def _former_names(record: type[Record]) -> dict[str, str]:
-    return {former: name for name, each in keys_of(record).items() for former in each.formerly}
-
-
 def is_record(kind: Any) -> bool:
     """Whether a type is a class of records."""
     return isinstance(kind, type) and issubclass(kind, Record)
@@ -231,7 +219,7 @@ def _finite(value: Any) -> Any:
 def _rows(record: Record, name: str, key: Key) -> Mapping[str, str]:
     """The rows of one key: one, several or none."""
     if not callable(key.show):
-        return {key.label: key.if_null if record[name] is None else key.show.format_map(record)}
+        return {key.label: "-" if record[name] is None else key.show.format_map(record)}
     shown = key.show(record)
     if isinstance(shown, Mapping):
         return shown

@@ -13,14 +13,10 @@ from asterism.shape.shape import Shape
 MAX_BLANK_TRIANGLES = 20_000
 
 
-def blank_sheet(design: Design, edge_mm: float | None = None) -> Shape:
+def blank_sheet(design: Design) -> Shape:
     """The flat fabric of a design, released and free of its pins; its stars do not count.
 
-    The shape has no summary.
-
-    Parameters
-    ----------
-    edge_mm : length of the triangles' edges, about; the spacing of the stars by default.
+    The shape has no summary. The edges of its triangles have about the spacing of the stars.
 
     Raises
     ------
@@ -35,7 +31,7 @@ def blank_sheet(design: Design, edge_mm: float | None = None) -> Shape:
     """
     corners = sheet_outline(design)
     shortest = float(np.sqrt(polygon_area(corners) / MAX_BLANK_TRIANGLES))
-    edge = max(edge_mm or design.lattice.spacing_mm, shortest)
+    edge = max(design.lattice.spacing_mm, shortest)
     mesh = sheet_mesh(corners, edge, np.empty((0, 2)), [])
     count = len(mesh.points)
     flat = np.column_stack([mesh.points / design.fabric.stretch_xy, np.zeros(count)])

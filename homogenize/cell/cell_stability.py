@@ -25,18 +25,16 @@ SIGN_CHANGES = ((-1, 1), (1, -1), (-1, -1))
 
 @dataclass(frozen=True)
 class CellStability:
-    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm, with the norms of their residuals.
+    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm.
 
     Attributes
     ----------
-    cell, cell_error : of displacements that repeat from cell to cell.
-    supercell, supercell_error : of all displacements of 2 x 2 stars.
+    cell : of displacements that repeat from cell to cell.
+    supercell : of all displacements of 2 x 2 stars.
     """
 
     cell: float
-    cell_error: float
     supercell: float
-    supercell_error: float
 
 
 def cell_stability(cell: UnitCell, state: State) -> CellStability:
@@ -62,4 +60,4 @@ def cell_stability(cell: UnitCell, state: State) -> CellStability:
         finally:
             own_factor.close()
         lowest = min(lowest, supercell_pair, key=lambda pair: pair.value)
-    return CellStability(own.value, own.error, lowest.value, lowest.error)
+    return CellStability(own.value, lowest.value)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -51,8 +51,7 @@ class Sample:
     tube of small curvature. The mean surface is that of all points of the fabric, weighted by printed area. Signs and
     angles are those of the room (`homogenize.cell`).
 
-    D is the number of directions, M that of the meshes of an arm (1 or 2), W that of the waves of the corrugation, and
-    P_d that of the solved tubes of direction d.
+    D is the number of directions, M that of the meshes of an arm (1 or 2), and W that of the waves of the corrugation.
 
     Attributes
     ----------
@@ -62,7 +61,6 @@ class Sample:
     spacing_mm : mm, distance of the star centres.
     vertices : vertices of the mesh, or of both meshes.
     segments : (M,) mesh edges along an arm.
-    segment_weights : (M,) weight of each mesh; the sum is 1.
     meshes_apart : difference of the mean natural curvatures of the two meshes over the larger one: 2 for opposite
         ones, 0 if neither curls, None with one mesh.
     failed : why some or all responses are missing, in one line; None for a complete sample.
@@ -72,7 +70,6 @@ class Sample:
     anisotropy : distance of the membrane's or the bending's tangent from isotropy, the larger one.
     angles_rad : (D,) rad, directions of the tubes on the print.
     natural_curvature : (D,) 1/mm of the contracted sheet: one over the radius of the mean surface.
-    natural_print_curvature : (D,) 1/mm, angle around the tube per printed length: natural curvature x hoop stretch.
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
     natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `tube_membrane`.
@@ -81,11 +78,6 @@ class Sample:
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
         curvature; 0 without natural curvature and without threefold symmetry.
-    curve_curvature : D arrays (P_d,) 1/mm of the print: for each direction, all solved tubes by growing curvature. The
-        law does not use these curves; they are for a law that is not quadratic.
-    curve_energy : D arrays (P_d,) N/mm.
-    curve_moment : D arrays (P_d,) N, derivative of the energy by that curvature.
-    curve_hoop : D arrays (P_d,), hoop stretches.
     stiffness : (6, 6) `[A B; B^T D]` of the mean surface in N/mm, N and N mm, see `effective_stiffness`.
     rest_curvature : (3,) 1/mm, Voigt curvature at which the linear response has no moment.
     moment : (3,) N of the flat relaxed cell, conjugate to the Voigt curvature.
@@ -93,8 +85,8 @@ class Sample:
     natural_centre_offset_mm : (D,) mm, the same on the natural tubes.
     bump_mm : mm, star's centre over its tips on the flat cell.
     natural_bump_mm : (D,) mm, the same on the natural tubes.
-    eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian, and a bound of its error.
-    supercell_eigenvalue, supercell_eigenvalue_error : N/mm, the same for 2 x 2 stars.
+    eigenvalue : N/mm, smallest of the flat cell's Hessian.
+    supercell_eigenvalue : N/mm, the same for 2 x 2 stars.
     natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
     asymmetry : largest difference of natural curvatures in directions that are equal by symmetry, before they were made
         equal (`symmetric_responses`), over the largest curvature; 0 if the star keeps its symmetry.
@@ -112,7 +104,6 @@ class Sample:
     spacing_mm: float
     vertices: int
     segments: Array
-    segment_weights: Array
     meshes_apart: float | None = None
     failed: str | None = None
     rest_metric: Array | None = None
@@ -121,7 +112,6 @@ class Sample:
     anisotropy: float | None = None
     angles_rad: Array | None = None
     natural_curvature: Array | None = None
-    natural_print_curvature: Array | None = None
     natural_energy: Array | None = None
     natural_hoop: Array | None = None
     natural_axial: Array | None = None
@@ -129,10 +119,6 @@ class Sample:
     relief: Array | None = None
     bending: Array | None = None
     sixfold: float | None = None
-    curve_curvature: list[Array] | None = None
-    curve_energy: list[Array] | None = None
-    curve_moment: list[Array] | None = None
-    curve_hoop: list[Array] | None = None
     stiffness: Array | None = None
     rest_curvature: Array | None = None
     moment: Array | None = None
@@ -141,9 +127,7 @@ class Sample:
     bump_mm: float | None = None
     natural_bump_mm: Array | None = None
     eigenvalue: float | None = None
-    eigenvalue_error: float | None = None
     supercell_eigenvalue: float | None = None
-    supercell_eigenvalue_error: float | None = None
     natural_eigenvalue: Array | None = None
     natural_supercell_eigenvalue: Array | None = None
     asymmetry: float | None = None
@@ -153,24 +137,8 @@ class Sample:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        return {name: _plain(getattr(self, name)) for name in (entry.name for entry in fields(self))}
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """A sample from plain data."""
-        return cls(**{name: _arrays(name, value) for name, value in data.items()})
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return [one.tolist() for one in value] if isinstance(value, list) else value
-
-
-def _arrays(name: str, value: Any) -> Any:
-    if not isinstance(value, list):
-        return value
-    return [np.array(one) for one in value] if name.startswith("curve_") else np.array(value)
+        values = ((entry.name, getattr(self, entry.name)) for entry in fields(self))
+        return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values}
 
 
 def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
@@ -229,7 +197,6 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         spacing_mm=cell.spacing,
         vertices=cell.mesh.n_base,
         segments=np.array([segments for segments, _ in cuts]),
-        segment_weights=weights,
         meshes_apart=_apart(each, cell.spacing),
         seconds=clock.seconds,
         **responses,
@@ -260,8 +227,7 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
     response["centre_offset_mm"] = -mean_height(cell, flat.state)
     response["iterations"] = flat.iterations
     own: CellStability = clock("stability", cell_stability, cell, flat.state)
-    response["eigenvalue"], response["eigenvalue_error"] = own.cell, own.cell_error
-    response["supercell_eigenvalue"], response["supercell_eigenvalue_error"] = own.supercell, own.supercell_error
+    response["eigenvalue"], response["supercell_eigenvalue"] = own.cell, own.supercell
     if other is not None:
         response["down_energy"] = other.energy - flat.energy
     curves: list[TubeBranch] = []
@@ -324,20 +290,14 @@ def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[
     bending = np.where([curve.natural is None for curve in curves], tangent, secant)
     mean = 0.5 * (curvature[0] + curvature[-1])
     sixfold = float(4.0 * (energy[0] - energy[-1]) / mean**3) if threefold and mean else 0.0
-    ordered = [curve.tubes for curve in curves]
     return {
         "natural_curvature": curvature,
-        "natural_print_curvature": printed,
         "natural_energy": energy,
         "natural_hoop": hoop,
         "natural_axial": np.array([tube.axial for tube in ends]),
         "natural_bump_mm": np.array([tube.bump[0] for tube in ends]),
         "bending": bending,
         "sixfold": sixfold,
-        "curve_curvature": [np.array([tube.curvature for tube in tubes]) for tubes in ordered],
-        "curve_energy": [np.array([tube.energy for tube in tubes]) - flat.energy for tubes in ordered],
-        "curve_moment": [np.array([tube.moment for tube in tubes]) for tubes in ordered],
-        "curve_hoop": [np.array([tube.hoop for tube in tubes]) for tubes in ordered],
     }
 
 
@@ -372,30 +332,24 @@ def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...
 def blend_responses(each: list[dict[str, Any]], weights: Array) -> dict[str, Any]:
     """The weighted mean of the responses of two meshes.
 
-    Curves are those of the mesh with the larger weight, and eigenvalues the smallest. A response that one mesh lacks is
-    None; if one mesh failed, so does the cell.
+    Eigenvalues are the smallest. A response that one mesh lacks is None; if one mesh failed, so does the cell.
 
     Parameters
     ----------
     each : responses of one or two meshes, see `homogenize.cell.sample.Sample`.
     weights : of the meshes; they add up to 1.
     """
-    first = each[int(np.argmax(weights))]
     failed = next((response["failed"] for response in each if "failed" in response), None)
     iterations = sum(response["iterations"] for response in each)
     if failed is not None:
         return {"failed": failed, "iterations": iterations}
     out: dict[str, Any] = {}
-    for name, value in first.items():
+    for name, value in each[0].items():
         values = [response[name] for response in each if response.get(name) is not None]
-        if name.startswith("curve_"):
-            out[name] = value
-        elif len(values) < len(each):
+        if len(values) < len(each):
             out[name] = None
         elif name in EIGENVALUE_KEYS:
             out[name] = _same_kind(value, np.min(values, axis=0))
-        elif name.endswith("_error"):
-            out[name] = float(np.max(values))
         else:
             out[name] = _same_kind(value, np.tensordot(weights, np.array(values), axes=1))
     return out | {"iterations": iterations}

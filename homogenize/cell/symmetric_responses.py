@@ -21,7 +21,6 @@ RESPONSE_TOLERANCE = 1e-6
 # responses with one value for each direction; a sheet that is turned keeps them
 SCALAR_KEYS = (
     "natural_curvature",
-    "natural_print_curvature",
     "natural_energy",
     "natural_hoop",
     "natural_axial",
@@ -31,7 +30,6 @@ SCALAR_KEYS = (
     "natural_supercell_eigenvalue",
     "bending",
 )
-CURVE_KEYS = ("curve_curvature", "curve_energy", "curve_moment", "curve_hoop")
 
 
 def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tuple[float, float]) -> dict[str, Any]:
@@ -59,8 +57,6 @@ def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tu
     for name in SCALAR_KEYS:
         if responses[name] is not None:
             out[name] = np.asarray(responses[name])[source]
-    for name in CURVE_KEYS:
-        out[name] = [responses[name][number] for number in source]
     turned = turns[element]
     out["natural_membrane"] = turned.transpose(0, 2, 1) @ np.asarray(responses["natural_membrane"])[source] @ turned
     kappa = np.asarray(responses["natural_curvature"])

@@ -118,7 +118,7 @@ def test_the_relief_of_a_sample_is_near_its_flat_cell_and_its_tubes() -> None:
     found = solve_cell(design(10.0, 0.4), 1.44)
     waves = CorrugationWaves.of(Lattice())
     cell, flat = relaxed(10.0, 0.4, 1.44)
-    curvature = float(found.natural_print_curvature.mean())
+    curvature = float((found.natural_curvature * found.natural_hoop).mean())
     tube = roll_cell(cell, unrolled_flat_cell(flat, 0.0), curvature, 0.0)
     offsets = cell.printed[: cell.mesh.n_base] - cell.printed[cell.mesh.star_vertices[0]]
     lying, more = found.relief

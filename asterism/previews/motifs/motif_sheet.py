@@ -24,7 +24,7 @@ from asterism.previews.motifs.bare_fabric import bare_fabric, fabric_tension
 from asterism.previews.motifs.motif_cover import bare_share, reach_mm
 from asterism.previews.motifs.motif_values import MotifFieldValues
 from asterism.previews.motifs.rim_tension import Rims, rims_of
-from asterism.previews.print_sheet import EDGE_SPACINGS, MIN_TRIANGLES, PrintSheet, elements_of, usual_triangles
+from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
 from asterism.previews.supports.point_pins import with_point_softness
 
 # most triangles of the shell's mesh, unless the caller gives a number: motifs may be far finer than the sheet's form
@@ -168,7 +168,7 @@ def motif_sheet_of(
         The outline cannot be meshed.
     """
     edge = EDGE_SPACINGS * design.lattice.spacing_mm
-    usual = usual_triangles(layout, edge, MIN_TRIANGLES, MAX_MOTIF_TRIANGLES)
+    usual = usual_triangles(layout, edge, MAX_MOTIF_TRIANGLES)
     mesh, space, table = elements_of(layout, usual, triangles)
     smoothing = SMOOTHING_EDGES * float(np.sqrt(layout.area_mm2 / len(mesh.triangles)))
     reach = reach_mm(design)

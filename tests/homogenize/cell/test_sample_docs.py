@@ -18,4 +18,4 @@ def test_every_field_has_a_line() -> None:
     arrays = [field.name for field in fields(Sample) if "Array" in str(field.type)]
     for name in arrays:
         line = re.search(rf"^    [\w, ]*\b{name}\b[\w, ]* : (.*)$", Sample.__doc__ or "", re.MULTILINE)
-        assert line and re.match(r"\(|D arrays \(", line[1]), name
+        assert line and line[1].startswith("("), name
