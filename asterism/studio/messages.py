@@ -114,7 +114,7 @@ class Frame:
     Attributes
     ----------
     stage : `linear`, `equilibrium` or `exact`.
-    positions, normals : (V, 3) mm, and unit vectors towards the plastic.
+    positions : (V, 3) mm.
     curvature : (V,) 1/mm, mean curvature of the smooth surface.
     strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
     arms, arm_normals : (A, K, 2, 3) left and right edges of the ribbons, (A, K, 3).
@@ -128,7 +128,6 @@ class Frame:
     mesh: int
     stage: str
     positions: Array
-    normals: Array
     curvature: Array
     strain: Array
     arms: Array

@@ -32,7 +32,6 @@ def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:
     }
     arrays = {
         "positions": frame.positions,
-        "normals": _whole(frame.normals),
         "curvature": frame.curvature,
         "strain": frame.strain,
         "arms": frame.arms,

@@ -27,13 +27,12 @@ def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") ->
         shape = shape.aligned()
         shape = replace(shape, positions=shape.positions - [0.0, 0.0, shape.positions[:, 2].min()])
     positions, layout, small = shape.positions, shape.layout, np.float32
-    normals = vertex_normals(positions, shape.triangles)
     arms, arm_normals = _rod_ribbons(shape)
     needles, strain = np.empty((0, 2, 3)), np.empty(0)
     arm_site: Ints = np.zeros(len(arms), dtype=np.int64)
     if layout is not None:
         marks = SheetMarks(shape.printed, shape.triangles)
-        arms, arm_normals = marks.ribbons(layout, positions, normals)
+        arms, arm_normals = marks.ribbons(layout, positions, vertex_normals(positions, shape.triangles))
         arm_site = ribbon_stations(layout).site
         needles = marks.needles(layout, positions)
         strain = _area_strain(shape)
@@ -43,7 +42,6 @@ def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") ->
         mesh=number,
         stage=stage,
         positions=positions.astype(small),
-        normals=normals.astype(small),
         curvature=_without_gaps(np.asarray(curvature, dtype=float), shape.triangles).astype(small),
         strain=strain.astype(small),
         arms=arms.astype(small),

@@ -99,8 +99,7 @@ class SheetView:
             positions[:, 2] -= lowest
             if smooth is not None:
                 smooth = (smooth - middle) @ self.rotation.T - (0.0, 0.0, lowest)
-        normals = vertex_normals(positions, self.triangles)
-        arms, arm_normals = self._marks.ribbons(layout, positions, normals)
+        arms, arm_normals = self._marks.ribbons(layout, positions, vertex_normals(positions, self.triangles))
         stretch_x, stretch_y = fabric.stretch_xy
         small = np.float32
         return Frame(
@@ -108,7 +107,6 @@ class SheetView:
             mesh=self._number,
             stage=stage,
             positions=positions.astype(small),
-            normals=normals.astype(small),
             curvature=places.surface.mean_curvature.astype(small),
             strain=(places.surface.area * stretch_x * stretch_y - 1.0).astype(small),
             arms=arms.astype(small),

@@ -45,10 +45,9 @@ class QuickEngine:
         self.edits.append(message)
         seq = message.seq
         positions = np.column_stack([self._mesh.printed, np.full(4, float(seq))])
-        zeros, normals = np.zeros(4), np.tile([0.0, 0.0, 1.0], (4, 1))
-        empty = np.zeros((0, 2, 2, 3))
+        zeros, empty = np.zeros(4), np.zeros((0, 2, 2, 3))
         self._receive(self._mesh)
-        frame = Frame(seq, 1, "equilibrium", positions, normals, zeros, zeros, empty, empty[:, 0], empty[:, 0])
+        frame = Frame(seq, 1, "equilibrium", positions, zeros, zeros, empty, empty[:, 0], empty[:, 0])
         self._receive(frame)
         self._receive(ShapeSummary(seq, {"expected_rms_percent": 0.5, "height_mm": float(seq)}))
         if seq == 1:

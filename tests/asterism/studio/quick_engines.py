@@ -43,8 +43,7 @@ def serve(connection: Connection) -> None:
         none = np.zeros((0, 2, 2, 3))
         connection.send(ShownMesh(1, square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), none[:, 0, 0, 0]))
         positions = np.column_stack([square, np.zeros(4)])
-        normals = np.tile([0.0, 0.0, 1.0], (4, 1))
-        args = (positions, normals, np.zeros(4), np.zeros(4), none, none[:, 0], none[:, 0])
+        args = (positions, np.zeros(4), np.zeros(4), none, none[:, 0], none[:, 0])
         snapshot = (message.snapshot or b"") + b"%d" % message.seq
         connection.send(Frame(message.seq, 1, "equilibrium", *args, snapshot=snapshot))
 

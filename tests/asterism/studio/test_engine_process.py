@@ -116,7 +116,7 @@ def test_random_edits_have_a_shape_or_a_reason(seed: int) -> None:
         if isinstance(answer, StudioProblem):
             assert answer.seq == seq and answer.kind != "error", answer.text
             continue
-        parts = (answer.positions, answer.normals, answer.curvature, answer.strain, answer.arms, answer.needles)
+        parts = (answer.positions, answer.curvature, answer.strain, answer.arms, answer.needles)
         assert all(np.isfinite(part).all() for part in parts)
         if answer.snapshot is not None:
             sketcher.snapshots.append(answer.snapshot)

@@ -29,7 +29,7 @@ DESIGN = Design.from_dict(
         "mesh": {"edge_mm": 4.0},
     }
 )
-ARRAYS = ("positions", "normals", "curvature", "strain", "arms", "arm_normals", "needles")
+ARRAYS = ("positions", "curvature", "strain", "arms", "arm_normals", "needles")
 SITES = np.array([[i, j] for i in range(-2, 3) for j in range(-2, 3) if abs(i + j) <= 2])
 STROKES = st.lists(
     st.dictionaries(
