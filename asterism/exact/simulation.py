@@ -11,8 +11,7 @@ import numpy as np
 from asterism.discrete.energies.contact import ipc_toolkit
 from asterism.discrete.energies.rods.network import rod_curvatures
 from asterism.discrete.evidence.creases import measure_creases
-from asterism.discrete.evidence.equilibrium import Equilibrium
-from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.contact_model import ContactModel
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report

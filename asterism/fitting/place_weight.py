@@ -16,8 +16,7 @@ from asterism.fitting.errors import TargetError, place_text
 from asterism.fitting.height_file import PICTURE_FORMATS, picture_levels
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.fit_weights import WEIGHT_RANGE, FitWeights, WeightedSite
+from asterism.pattern.design.design import WEIGHT_RANGE, Design, FitWeights, WeightedSite
 from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
 from asterism.pattern.design.sizing.grey_image import ImageError
 from asterism.pattern.layout.layout import Layout

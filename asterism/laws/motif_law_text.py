@@ -7,8 +7,8 @@ from itertools import product
 
 import numpy as np
 
-from asterism.homogenize.law.motif_errors import MOTIF_QUANTITIES
 from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_table import MOTIF_QUANTITIES
 from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.motif_law_record import motif_law_record
 from asterism.previews.law_warnings import MAX_HELD_OUT_ERROR_PERCENT

@@ -22,7 +22,7 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.free_motions import free_motions
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
-from asterism.pattern.layout.support_samples import SupportSamples
+from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.diameter import diameter

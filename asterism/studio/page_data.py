@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.errors import Error
+from asterism.pattern.design.design import WEIGHT_RANGE
 from asterism.pattern.design.errors import BlankSheetError, DesignError
-from asterism.pattern.design.fit_weights import WEIGHT_RANGE
 from asterism.pattern.design.material_files import with_material_file
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.layout.layout import Layout

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import OUTLINE_CURVE_MM
 from asterism.pattern.design.file_lines import FileLine
-from asterism.pattern.design.outline_file import OUTLINE_CURVE_MM
 from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
 from asterism.studio.drawing import SentDrawing, rings
 from asterism.studio.gesture_requests import LayerUse, PlaceDrawing

@@ -5,11 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.star_bumps import star_normals
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array, Ints
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.newton.minimise import NewtonResult
+from asterism.pattern.geometry.normals import vertex_normals
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 
 MIN_SIDE_BUMP_MM = 1e-6  # mm, smallest height of a bump that counts as up or down
 
@@ -116,3 +121,11 @@ class Equilibrium:
     def instabilities_passed(self) -> int:
         """Number of unstable states left on the way, saddles of the final minimisation included."""
         return sum(step.kicks for step in self.path)
+
+
+def roll_axis_deg(model: DiscreteModel, state: State) -> float | None:
+    """Axis of a rolled sheet in printed coordinates, 0 to 180 deg from the x axis; None for other shapes."""
+    if model.layout.has_stars:
+        return roll_axis_from_normals(model.layout, star_normals(model, state))
+    _, vertex = cKDTree(model.mesh.points).query(model.layout.sample_points)
+    return roll_axis_from_normals(model.layout, vertex_normals(state.positions, model.mesh.triangles)[vertex])

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
-from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report, prefixed_report
 from asterism.discrete.release.levels import coarser_models, solve_through_levels

@@ -10,17 +10,98 @@ import importlib.util
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
-from asterism.equilibrium.linear.cholmod import CholmodFactor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.pardiso import PardisoFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.equilibrium.linear.superlu import SuperLUFactor
 
 MAX_MEMORY_FRACTION = 0.5  # of the machine's memory for a factorisation; `make_solver` iterates beyond it
 DEFAULT_MEMORY_MB = 8192.0  # assumed where the system does not report its memory
+
+
+class CholmodFactor:
+    """Supernodal Cholesky factorisation; scikit-sparse is GPL software and no dependency, users install it.
+
+    Parameters
+    ----------
+    pattern : sparsity pattern of the matrices, analysed at once.
+    """
+
+    name = "cholmod"
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        from sksparse.cholmod import analyze
+
+        self._pattern = pattern
+        structure = pattern.lower(np.ones(pattern.nnz))
+        structure.data[pattern.diagonal] = pattern.size
+        self._factor = analyze(structure, mode="supernodal")
+
+    def factorise(self, data: Floats) -> bool:
+        """As in `Factor`."""
+        from sksparse.cholmod import CholmodNotPositiveDefiniteError
+
+        if not np.isfinite(data).all():
+            return False
+        try:
+            self._factor.cholesky_inplace(self._pattern.lower(data))
+        except CholmodNotPositiveDefiniteError:
+            return False
+        return True
+
+    def solve(self, b: Floats) -> Floats:
+        """As in `Factor`."""
+        return np.asarray(self._factor(b))
+
+    def close(self) -> None:
+        """As in `Factor`."""
+        self._factor = None
+
+
+class SuperLUFactor:
+    """SuperLU in its symmetric mode: available everywhere, but slower, and every matrix is ordered anew.
+
+    Without row exchanges the factors are L D L^T, and the signs of D are the inertia of the matrix.
+
+    Parameters
+    ----------
+    pattern : sparsity pattern of the matrices.
+    """
+
+    name = "superlu"
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        self._pattern = pattern
+        self._lu: Any = None
+
+    def factorise(self, data: Floats) -> bool:
+        """As in `Factor`."""
+        if not np.isfinite(data).all():
+            return False
+        full = self._pattern.full(data)
+        try:
+            lu = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        except RuntimeError:  # exactly singular
+            return False
+        if not np.array_equal(lu.perm_r, lu.perm_c) or lu.U.diagonal().min() <= 0.0:
+            return False
+        self._lu = lu
+        return True
+
+    def solve(self, b: Floats) -> Floats:
+        """As in `Factor`."""
+        return np.asarray(self._lu.solve(np.asarray(b, dtype=float)))
+
+    def close(self) -> None:
+        """As in `Factor`."""
+        self._lu = None
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ A matrix that is not positive definite is regularised: the smallest change makes
 for two reasons.
 
 - The membrane is compressed and the sheet buckles. A share of the compressive stress is left out of the geometric
-  stiffness (`fem.shell.tension`).
+  stiffness (`fem.shell.shell`).
 - A soft mode has a negative stiffness, for example in a tube that hardly prefers an axis of rolling. Without its stress
   this mode would be far too stiff, and the iteration would take hundreds of short steps. Therefore a multiple of the
   mass matrix is added (Levenberg-Marquardt; Nocedal and Wright 2006, section 3.4). About twice the negative stiffness
@@ -37,8 +37,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.rigid_support import stiffen
-from asterism.fem.shell.shell import Shell
-from asterism.fem.shell.tension import tensile_part
+from asterism.fem.shell.shell import Shell, tensile_part
 
 # the next step uses the same matrix if all three limits hold
 REUSE_RESIDUAL_RATIO = 0.03  # 1: residual after a step over that before it

@@ -11,10 +11,9 @@ from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.motif_campaign import MotifRecord
 from asterism.homogenize.campaign.motif_sample import motif_tensors, responses_from_data
 from asterism.homogenize.errors import CampaignError
-from asterism.homogenize.law.motif_errors import held_out_errors
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.motif_plan import MotifPlan
-from asterism.homogenize.law.motif_table import MotifTable
+from asterism.homogenize.law.motif_table import MotifTable, held_out_errors
 from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors
 
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
-from asterism.homogenize.cell.larger_cell import CellComparison
-from asterism.homogenize.cell.motif_responses import MotifResponses, RolledDirection
+from asterism.homogenize.cell.motif_responses import CellComparison, MotifResponses, RolledDirection
 from asterism.homogenize.cell.rod_bending import completed_by_rods
 from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, voigt_matrices
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors

@@ -18,6 +18,11 @@ Gaussian curvature does work on the forces within a relaxed cell: `c det K`, whi
 D33. No cylinder shows c, and images of two directions commute to first order only, so that c depends on the points that
 represent the cell. In a sheet c is fixed at its border, where Airy's function of the inner forces vanishes. Take
 `D12 + 2 D33` from here, and the rest from elsewhere (`homogenize.cell.rod_bending`).
+
+Stability is that on the cell itself and on a supercell of 2 x 2 stars. A displacement of the supercell is a sum of four
+kinds (Bloch waves): those that repeat from cell to cell, and those that change their sign along A1, along A2 or along
+both. The Hessian does not couple them. So the spectrum of the supercell is that of four matrices of the size of one
+cell.
 """
 
 from __future__ import annotations
@@ -31,6 +36,9 @@ from scipy.sparse.linalg import splu
 
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array, Floats
+from asterism.equilibrium.linear.backends import make_factor
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.newton.certificate import smallest_eigenvalue
 from asterism.homogenize.cell.flat_cell import FlatCell
 from asterism.homogenize.cell.periodic_images import PeriodicImages
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
@@ -41,6 +49,8 @@ VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.
 NEUTRAL_SHIFT = 1e-12
 # Kelvin notation (11, 22, sqrt 2 x 12): rotations keep the norm of a stiffness
 KELVIN_FACTORS = np.array([1.0, 1.0, np.sqrt(2.0)])
+# signs along A1 and A2 of the displacements that do not repeat from cell to cell
+SIGN_CHANGES = ((-1, 1), (1, -1), (-1, -1))
 
 
 @dataclass(frozen=True)
@@ -220,3 +230,43 @@ def distance_from_isotropy(stiffness: Floats) -> float:
     nearest = np.array([[one, two, 0.0], [two, one, 0.0], [0.0, 0.0, 0.5 * (one - two)]])
     scale = np.outer(KELVIN_FACTORS, KELVIN_FACTORS)
     return float(np.linalg.norm(scale * (stiffness - nearest)) / np.linalg.norm(scale * stiffness))
+
+
+@dataclass(frozen=True)
+class CellStability:
+    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm.
+
+    Attributes
+    ----------
+    cell : of displacements that repeat from cell to cell.
+    supercell : of all displacements of 2 x 2 stars.
+    """
+
+    cell: float
+    supercell: float
+
+
+def cell_stability(cell: UnitCell, state: State) -> CellStability:
+    """Smallest eigenvalues at an equilibrium.
+
+    Parameters
+    ----------
+    state : equilibrium of the cell with its present images (flat or tube).
+    """
+    factor, modes = cell.factor(), cell.rigid_modes(state)
+    own = smallest_eigenvalue(cell.pattern, cell.hessian(state, 0.0), factor, modes)
+    lowest = own
+    hessian, torus = cell.unfolded_hessian(state), cell.mesh
+    for signs in SIGN_CHANGES:
+        change = np.prod(np.array(signs) ** np.abs(torus.image), axis=1)
+        inner = reduction_matrix(cell.images, change, len(cell.edges))
+        low = sp.tril(inner.T @ hessian @ inner, format="csc")
+        low.sort_indices()
+        pattern = SparsePattern.from_lower(low)
+        own_factor = make_factor(pattern)
+        try:
+            supercell_pair = smallest_eigenvalue(pattern, low.data, own_factor, np.empty((pattern.size, 0)))
+        finally:
+            own_factor.close()
+        lowest = min(lowest, supercell_pair, key=lambda pair: pair.value)
+    return CellStability(own.value, lowest.value)

@@ -1,14 +1,27 @@
-"""The free mesh of a unit cell: points on the arms, which lie anywhere, and others around them, closed to a torus."""
+"""The free mesh of a unit cell: points on the arms, which lie anywhere, and others around them, closed to a torus.
+
+A mesh is symmetric about a mirror line only if no pair of mirrored points has a tie with its neighbours. So each line
+gets points of its own, and free points keep a distance from it.
+"""
 
 from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
-from asterism.homogenize.cell.graded_steps import MAX_EDGE_TO_GAP_RATIO, graded_steps
-from asterism.homogenize.cell.mirror_points import NearbyArms, with_symmetry
+from asterism.homogenize.cell.conforming_triangulation import (
+    IDENTITY,
+    MeshConstraints,
+    conforming_triangulation,
+    home,
+    nearest_image,
+)
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from asterism.homogenize.cell.point_group import POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
 from asterism.homogenize.cell.tiles import MeshPath, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
@@ -19,6 +32,17 @@ MIN_CELL_ANGLE_DEG = 20.0
 NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 # steps along an arm, for the distance to other arms
 _FINE = 256
+# distance of the first point beside a star's centre from the nearest arm, over the edge length
+MIN_FIRST_GAP_RATIO = 0.6
+QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+# steps along a piece of a line, for the distance to arms
+_MIRROR_FINE = 128
+# length of an edge, over the distance to the arms of other stars
+MAX_EDGE_TO_GAP_RATIO = 1.5
+# growth of the edges along a line, per distance
+LINE_EDGE_GROWTH = 0.6
+# of an edge: a line may lack so much to one edge more
+EDGE_COUNT_SLACK = 0.25
 
 
 def free_cell_mesh(
@@ -52,7 +76,7 @@ def free_cell_mesh(
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     frame, arms = _frame(vectors, directions, length, edge_mm, segments)
     if group is not None:
-        frame = with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
+        frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
     triangulation = conforming_triangulation(frame, edge_mm)
     least = float(triangulation.angles.min())
     if least < MIN_CELL_ANGLE_DEG:
@@ -111,3 +135,152 @@ def _stations(
     if MAX_EDGE_TO_GAP_RATIO * gap.min() < 1e-3 * edge_mm:
         raise MeshError("arms of neighbouring stars overlap")
     return graded_steps(along, even, gap)
+
+
+@dataclass(frozen=True)
+class NearbyArms:
+    """All arms near a cell, as segments, with the points on them.
+
+    Attributes
+    ----------
+    a, b : (n, 2) mm, centre and tip of each arm.
+    points : (m, 2) mm, the mesh points on the arms; centres : (c, 2) mm, those that are centres of stars.
+    """
+
+    a: Floats
+    b: Floats
+    points: Floats
+    centres: Floats
+
+
+def _with_symmetry(frame: MeshConstraints, group: Floats, arms: NearbyArms, edge_mm: float) -> MeshConstraints:
+    """Constraints with the points that a mesh of this symmetry needs: on mirror lines, and at fourfold centres.
+
+    Parameters
+    ----------
+    frame : points and segments that the group (G, 2, 2) maps onto themselves.
+    """
+    vectors, same = frame.vectors, POINT_GROUP_TOLERANCE * edge_mm
+    places, sizes, walls = _mirror_points(mirror_lines(vectors, group), arms, edge_mm, same)
+    if (np.abs(group - QUARTER_TURN).max(axis=(1, 2)) < POINT_GROUP_TOLERANCE).any():
+        places, sizes = np.vstack([places, 0.5 * vectors.sum(axis=0)]), np.append(sizes, edge_mm)
+    points, size = list(frame.points), list(frame.size)
+    for place, wish in zip(home(places, vectors), sizes, strict=True):
+        apart = np.linalg.norm(nearest_image(np.array(points) - place, vectors), axis=1)
+        if apart.min() > same:
+            points.append(place)
+            size.append(wish)
+        else:
+            known = int(apart.argmin())
+            size[known] = min(size[known], wish)
+    return replace(
+        frame, points=np.array(points), size=np.array(size), group=group, wall_a=walls[:, 0], wall_b=walls[:, 1]
+    )
+
+
+def _mirror_points(
+    lines: list[MirrorLine], arms: NearbyArms, edge_mm: float, same: float
+) -> tuple[Floats, Floats, Floats]:
+    """Places (n, 2) mm and edge lengths (n,) mm of points on mirror lines, and the pieces (m, 2, 2) between them.
+
+    Each line is given over one period. Pieces along arms are left out; some places are images of each other.
+
+    Parameters
+    ----------
+    same : mm, distance below which two points are one.
+    """
+    places, sizes, walls = [np.empty((0, 2))], [np.empty(0)], [np.empty((0, 2, 2))]
+    for line in lines:
+        stops = _stops(line, lines, arms, same)
+        for a, b in pairwise(stops):
+            if _is_on_arm(line.point + 0.5 * (a + b) * line.direction, arms, same):
+                continue
+            along, size = _mirror_stations(line, a, b, arms, edge_mm, same)
+            on_line = line.point + along[:, None] * line.direction
+            places.append(on_line)
+            sizes.append(size)
+            walls.append(np.stack([on_line[:-1], on_line[1:]], axis=1))
+    return np.concatenate(places), np.concatenate(sizes), np.concatenate(walls)
+
+
+def _stops(line: MirrorLine, others: list[MirrorLine], arms: NearbyArms, same: float) -> Floats:
+    """(n,) mm along one period of a line: points of arms, and crossings with other mirror lines."""
+    relative = arms.points - line.point
+    stops = list(relative[np.abs(relative @ line.normal) < same] @ line.direction)
+    for other in others:
+        slope = float(line.direction @ other.normal)
+        if abs(slope) < 1e-9:
+            continue
+        start = float((line.point - other.point) @ other.normal)
+        count = math.ceil((abs(start) + line.length) / other.offset_step) + 1
+        stops += list((other.offset_step * np.arange(-count, count + 1) - start) / slope)
+    whole = np.sort([stop for stop in stops if -same < stop < line.length + same])
+    kept = whole[np.concatenate([[True], np.diff(whole) > same])] if len(whole) else whole
+    first = kept[0] if len(kept) else 0.0  # a line without stops begins anywhere
+    inner = kept[kept < first + line.length - same]
+    return np.concatenate([inner if len(inner) else [first], [first + line.length]])
+
+
+def _is_on_arm(place: Floats, arms: NearbyArms, same: float) -> bool:
+    return bool(len(arms.a) and distance_to_segment(place, arms.a, arms.b).min() < same)
+
+
+def _mirror_stations(
+    line: MirrorLine, a: float, b: float, arms: NearbyArms, edge_mm: float, same: float
+) -> tuple[Floats, Floats]:
+    """Positions (n,) mm from a to b, both included, and edge lengths there (n,) mm."""
+    ends = [line.point + stop * line.direction for stop in (a, b)]
+    touches = np.zeros(len(arms.a), dtype=bool)
+    first = []
+    for end, sign in zip(ends, (1.0, -1.0), strict=True):
+        if len(arms.a):
+            touches |= distance_to_segment(end, arms.a, arms.b) < same
+        first.append(_first_step(end, sign * line.direction, arms, edge_mm, same))
+    low, high = a + first[0], b - first[1]
+    if high - low < same:  # both ends are centres with little room: at most a point in the middle
+        middle = 0.5 * (a + b)
+        short = 0.5 * (b - a) < MIN_FIRST_GAP_RATIO * min(step for step in first if step)
+        along = np.array([a, b] if short else [a, middle, b])
+    else:
+        fine = np.linspace(low, high, _MIRROR_FINE + 1)
+        gap = np.full(len(fine), np.inf)
+        if (~touches).any():
+            places = line.point + fine[:, None] * line.direction
+            gap = distance_to_segment(places[:, None], arms.a[~touches], arms.b[~touches]).min(axis=1)
+        along = graded_steps(fine, edge_mm, gap)
+        along = np.concatenate([[a] if first[0] else [], along, [b] if first[1] else []])
+    step = np.diff(along)
+    size = np.minimum(np.concatenate([step[:1], step]), np.concatenate([step, step[-1:]]))
+    return along, np.minimum(size, edge_mm)
+
+
+def _first_step(end: Floats, ahead: Floats, arms: NearbyArms, edge_mm: float, same: float) -> float:
+    """mm from a star's centre to the first point on a line between two arms; 0 if the line ends elsewhere."""
+    if not len(arms.a) or np.linalg.norm(arms.centres - end, axis=1).min() > same:
+        return 0.0
+    own = np.linalg.norm(arms.a - end, axis=1) < same
+    out = (arms.b - arms.a)[own]
+    cosine = float((out @ ahead / np.linalg.norm(out, axis=1)).max())
+    sine = math.sqrt(max(1.0 - cosine**2, 0.0)) if cosine > 0.0 else 1.0
+    return max(edge_mm, MIN_FIRST_GAP_RATIO * edge_mm / max(sine, 1e-3))
+
+
+def graded_steps(fine: Floats, longest: float, gap: Floats) -> Floats:
+    """(n + 1,) mm, points from the first to the last of fine points (m,).
+
+    Parameters
+    ----------
+    fine : (m,) mm, increasing positions at which the gap is known.
+    longest : mm, of an edge.
+    gap : (m,) mm, distance to other arms.
+
+    Examples
+    --------
+    >>> graded_steps(np.linspace(0.0, 6.0, 61), 2.0, np.full(61, np.inf)).round(9).tolist()
+    [0.0, 2.0, 4.0, 6.0]
+    """
+    wish = np.minimum(longest, MAX_EDGE_TO_GAP_RATIO * gap)
+    wish = (wish + LINE_EDGE_GROWTH * np.abs(fine[:, None] - fine)).min(axis=1)
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (1.0 / wish[1:] + 1.0 / wish[:-1]) * np.diff(fine))])
+    number = max(1, math.ceil(round(count[-1] - EDGE_COUNT_SLACK, 6)))  # equal lines get equal numbers
+    return np.interp(np.linspace(0.0, count[-1], number + 1), count, fine)

@@ -9,8 +9,11 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import tokenize
+import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,14 +21,14 @@ from typing import Any
 import numpy as np
 
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
-from asterism.homogenize.errors import LawError
+from asterism.homogenize.errors import LawError, UnreadableLaw
 from asterism.homogenize.law.anisotropy import anisotropy_size
 from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_file_errors import law_file_errors
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, to_stored
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.mesh_edges import EdgeTables
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import check_regular
 
 # raise it when the arrays or quantities of a file change their meaning
@@ -40,6 +43,47 @@ _EDGES = "edge "
 # names of a table's arrays; the last one is left out for threefold symmetry
 _ARRAYS = ("stretch", "spacing_mm", *(axis.key for axis in AXES), "nodes", "reliefs", "good", "units")
 _OPTIONAL_ARRAY = "anisotropies"
+# what numpy and zipfile raise for files that are damaged, or no archives
+DAMAGED_FILE_ERRORS = (
+    KeyError,
+    TypeError,
+    ValueError,
+    EOFError,
+    RuntimeError,
+    tokenize.TokenError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
+
+@contextmanager
+def law_file_errors(path: str | Path, part: str, remedy: str) -> Iterator[None]:
+    """Within the block, errors of reading a file become those of a law.
+
+    Parameters
+    ----------
+    part : of the file that holds a design or a material.
+    remedy : how to make the file again.
+
+    Raises
+    ------
+    LawError
+        The file is damaged, or its `part` cannot be read.
+    UnreadableLaw
+        The file is missing, or cannot be read.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None:  # no error of the disk: the archive points to places outside of its file
+            raise LawError(f"{path}: is not a law, or damaged") from None
+        raise UnreadableLaw(f"{path}: cannot be read: {error.strerror or error}") from None
+    except DesignError as error:
+        raise LawError(f"{path}: its {part} cannot be read: {error}; {remedy}") from None
+    except DAMAGED_FILE_ERRORS as error:
+        if isinstance(error, LawError):
+            raise
+        raise LawError(f"{path}: is not a law, or damaged") from None
 
 
 class PackedRows(Sequence[Any]):

@@ -49,7 +49,7 @@ class MotifLaw:
     plan : what the law is for.
     table : the tensors.
     samples : all records of the campaign as plain data, in the order of the plan's tasks.
-    residuals : errors of the law at its held-out cells, see `homogenize.law.motif_errors`.
+    residuals : errors of the law at its held-out cells, see `homogenize.law.motif_table`.
     made : versions, command, machine, seconds.
     """
 

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.law_file import KIND, PackedRows
-from asterism.homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS, law_file_errors
+from asterism.homogenize.law.law_file import DAMAGED_FILE_ERRORS, KIND, PackedRows, law_file_errors
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.motif_plan import MotifPlan
 from asterism.homogenize.law.motif_table import MotifTable

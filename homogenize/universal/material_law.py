@@ -19,7 +19,7 @@ from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
 from asterism.homogenize.universal.law_errors import NEAREST_CELLS, STATED_QUANTITIES, errors_of_cells, left_out_errors
-from asterism.homogenize.universal.row_names import WAVE_COUNT, quantity_scales
+from asterism.homogenize.universal.solved_cells import WAVE_COUNT, quantity_scales
 from asterism.homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice

@@ -18,8 +18,7 @@ from asterism.homogenize.campaign.workers import solve_missing
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.tube_directions import THREEFOLD_ANGLES_RAD
 from asterism.homogenize.universal.groups import GROUP_KEYS, REFERENCE_MODULUS_MPA, REFERENCE_SPACING_MM, reference_cell
-from asterism.homogenize.universal.row_names import ANISOTROPY, ROW_NAMES, quantity_scales
-from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.solved_cells import ANISOTROPY, ROW_NAMES, SolvedCells, quantity_scales
 from asterism.pattern.design.errors import DesignError, MeshError
 
 # the law holds the mean over these directions, and the difference between them

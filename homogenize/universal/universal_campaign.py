@@ -24,9 +24,8 @@ from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, MAX_ARM_CURL, MIN_FABRIC_TO_EDGE, arm_curl
 from asterism.homogenize.universal.law_errors import left_out_errors
-from asterism.homogenize.universal.row_names import ROW_NAMES
 from asterism.homogenize.universal.solve_cells import SolveGroups, solve_cells, solve_groups
-from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.solved_cells import ROW_NAMES, SolvedCells
 from asterism.homogenize.universal.universal_law import UniversalLaw, kriging_places, universal_law
 
 # relative difference of a cell that is solved again; rounding of another machine

@@ -23,8 +23,7 @@ from asterism.homogenize.universal.groups import (
     mismatch,
 )
 from asterism.homogenize.universal.kriging import Kriging, likely_covariance
-from asterism.homogenize.universal.row_names import WAVE_NAMES
-from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.solved_cells import WAVE_NAMES, SolvedCells
 
 _POISSON = 0.3
 # on equilateral triangles the paper's hinges are three times as stiff as the plate

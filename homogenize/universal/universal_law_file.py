@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.law_file_errors import DAMAGED_FILE_ERRORS
+from asterism.homogenize.law.law_file import DAMAGED_FILE_ERRORS
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS
 from asterism.homogenize.universal.kriging import Covariance, Kriging
-from asterism.homogenize.universal.row_names import ROW_NAMES
-from asterism.homogenize.universal.solved_cells import SolvedCells
+from asterism.homogenize.universal.solved_cells import ROW_NAMES, SolvedCells
 from asterism.homogenize.universal.universal_law import UniversalLaw, kernel_factors, kriging_places
 from asterism.pattern.design.files import check_regular
 

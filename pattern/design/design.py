@@ -14,14 +14,13 @@ from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.border import Border
 from asterism.pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
 from asterism.pattern.design.files import write_table
-from asterism.pattern.design.fit_weights import FitWeights
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.material_files import MaterialChoice, with_material_file
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
-from asterism.pattern.design.stars import Stars
+from asterism.pattern.design.stars import Site, Stars
 
 # on the ground
 GRAVITY_M_S2 = 9.81
@@ -30,6 +29,41 @@ MEANT_KEYS = {
     ("plastic", "modulus_mpa"): "unknown key here, use modulus_ratio: the plastic's modulus over the fabric's"
 }
 _FIELD = re.compile(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )")
+# least and largest weight of a place; places without one have the weight 1
+WEIGHT_RANGE = (0.01, 100.0)
+MAX_WEIGHTED_SITES = 20_000
+
+
+class WeightedSite(Section):
+    """The weight of the places around one star.
+
+    Attributes
+    ----------
+    site : lattice site, as in `Override`. A site off the sheet is ignored.
+    weight : the square of the distance to the target counts so many times.
+    """
+
+    site: Site
+    weight: Number = Field(ge=WEIGHT_RANGE[0], le=WEIGHT_RANGE[1])
+
+
+class FitWeights(Section):
+    """Weights of places in a fit.
+
+    Attributes
+    ----------
+    weights : each for the cell of one lattice site; elsewhere the weight is 1.
+    """
+
+    weights: tuple[WeightedSite, ...] = Field((), max_length=MAX_WEIGHTED_SITES)
+
+    @model_validator(mode="after")
+    def _one_weight_a_site(self) -> Self:
+        sites = [entry.site for entry in self.weights]
+        if len(set(sites)) < len(sites):
+            twice = next(site for number, site in enumerate(sites) if site in sites[:number])
+            raise DesignError("weights", "must have one entry a site", list(twice))
+        return self
 
 
 class Gravity(Section):

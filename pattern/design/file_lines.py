@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -14,8 +16,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError, NoUnitError
-from asterism.pattern.design.rhino_lines import rhino_lines
-from asterism.pattern.design.rhino_model import RHINO_FORMAT, open_rhino_model
+from asterism.pattern.design.rhino_model import RHINO_FORMAT, RhinoModel, open_rhino_model
 from asterism.pattern.geometry.flattening import flattened
 
 MAX_FILE_BYTES = 20_000_000
@@ -39,6 +40,8 @@ _SVG = "{http://www.w3.org/2000/svg}"
 _LAYER_NAME = "{http://www.inkscape.org/namespaces/inkscape}label"
 _LAYER = "data-asterism-layer"
 _INVISIBLE_TAGS = ("marker", "mask", "clipPath", "pattern", "symbol")
+# points of a curve in each span between its knots, at which its turn is measured
+SPAN_SAMPLES = 24
 
 
 @dataclass(frozen=True)
@@ -249,3 +252,59 @@ def _cleaned(points: Floats) -> Floats:
 
 def _error(problem: str, path: Path) -> DesignError:
     return DesignError("file", problem, path.name)
+
+
+def rhino_lines(model: RhinoModel, curve_mm: float) -> list[tuple[Floats, str]]:
+    """Points (n, 2) mm and the layer of each visible curve, seen from above.
+
+    The last point of a closed curve is its first. Curves within blocks are left out.
+
+    Parameters
+    ----------
+    curve_mm : largest distance of a curve from the polyline that stands for it.
+    """
+    lines = []
+    for geometry, layer in model.visible():
+        pieces = list(_pieces(geometry, curve_mm / model.mm))
+        if pieces:
+            points = model.mm * np.concatenate(pieces)
+            closed = [points[:1]] if geometry.IsClosed else []
+            lines.append((np.concatenate([points, *closed]), layer))
+    return lines
+
+
+def _pieces(geometry: Any, tolerance: float) -> Iterator[Floats]:
+    """Points (n, 2) along the parts of a curve, in the unit of the file; nothing for surfaces, points and texts."""
+    import rhino3dm
+
+    if isinstance(geometry, rhino3dm.PolylineCurve):
+        yield _curve_places([geometry.Point(number) for number in range(geometry.PointCount)])
+    elif isinstance(geometry, rhino3dm.LineCurve):
+        yield _curve_places([geometry.PointAtStart, geometry.PointAtEnd])
+    elif isinstance(geometry, rhino3dm.PolyCurve):
+        for number in range(geometry.SegmentCount):
+            yield from _pieces(geometry.SegmentCurve(number), tolerance)
+    elif isinstance(geometry, rhino3dm.NurbsCurve):
+        # a curve may have corners at its knots
+        table: Any = geometry.Knots
+        knots = np.unique([table[number] for number in range(len(table))])
+        inside = knots[(knots >= geometry.Domain.T0) & (knots <= geometry.Domain.T1)]
+        for start, end in pairwise(inside):
+            yield _flat(geometry, float(start), float(end), tolerance)
+    elif isinstance(geometry, rhino3dm.Curve):
+        yield _flat(geometry, geometry.Domain.T0, geometry.Domain.T1, tolerance)
+
+
+def _flat(curve: Any, start: float, end: float, tolerance: float) -> Floats:
+    def places(at: Floats) -> Floats:
+        return _curve_places(list(map(partial(_point, curve), at)))
+
+    return flattened(places, np.linspace(start, end, SPAN_SAMPLES + 1), tolerance)
+
+
+def _point(curve: Any, at: float) -> Any:
+    return curve.PointAt(float(at))
+
+
+def _curve_places(points: list[Any]) -> Floats:
+    return np.array([(point.X, point.Y) for point in points], dtype=float).reshape(-1, 2)

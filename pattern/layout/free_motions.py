@@ -25,7 +25,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.support_samples import SupportSamples
+from asterism.pattern.layout.supports import SupportSamples
 
 RIGID_MOTION_TOLERANCE = 1e-6  # of the supports' size: smaller motions leave them in place
 MAX_FIT_STEPS = 60  # Newton steps of a fit

@@ -12,8 +12,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import distance_to_segment, inside, split_for_table
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.layout.support_samples import SupportSamples, sample_supports
-from asterism.pattern.layout.supports import PinSet, all_points
+from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
 from asterism.pattern.rods.graph import Rod, RodGraph
 
 # points of a drawn rod at which shapes are compared, and most rods that are compared
@@ -194,7 +193,7 @@ class Layout:
 
     @cached_property
     def support_samples(self) -> SupportSamples:
-        """Places at which the supports act, see `pattern.layout.support_samples`."""
+        """Places at which the supports act, see `pattern.layout.supports`."""
         return sample_supports(self.pins, self.edges)
 
     @property

@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import Hole
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.holes import Hole
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import check_mesh_size, check_pins, layout, sheet_outline
 from asterism.pattern.layout.layout import Layout

@@ -13,7 +13,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.rods import IMPORT_CURVE_MM
 from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.support_samples import SupportSamples
+from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.rods.graph import Rod, RodGraph
 
 # of the spacing, or of a size: equal but for rounding

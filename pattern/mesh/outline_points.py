@@ -5,13 +5,21 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Floats
-from asterism.pattern.geometry.planar import distance_to_segment
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, turning_angles
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.rods.graph import CORNER_DEG, Rod
 
 # shortest edge beside vertices close to the outline, over the requested edge
 MIN_OUTLINE_EDGE_FACTOR = 0.3
+# a segment of a curved line turns by less
+MAX_SEGMENT_TURN_RAD = np.radians(20.0)
+# a vertex this close to a pin is at the pin
+PIN_VERTEX_TOLERANCE_MM = 1e-5
 
 
 def outline_points(border: Floats, edge_mm: float, wanted: Floats, tolerance: float, beside: Floats) -> Floats:
@@ -50,3 +58,97 @@ def _spread(start: Floats, end: Floats, edge_mm: float, near: cKDTree) -> Floats
     if size.min() >= edge_mm:
         return np.arange(n + 1) / n
     return np.asarray(np.interp(np.arange(n + 1) / n * steps[-1], np.concatenate([[0.0], steps]), samples))
+
+
+def least_pieces(rod: Rod) -> float:
+    """The smallest number of segments of a rod: two, and more where it curves."""
+    return max(2.0, float(np.ceil(rod.turn / MAX_SEGMENT_TURN_RAD)))
+
+
+def points_along(rod: Rod, step: float, pins: Floats, tolerance: float) -> Floats:
+    """(n, 2) mm, points of a rod from its start to its end, about `step` (mm) apart, and the pins (P, 2) on it."""
+    if len(pins):
+        low, high = rod.points.min(axis=0) - tolerance, rod.points.max(axis=0) + tolerance
+        pins = pins[((pins >= low) & (pins <= high)).all(axis=1)]
+    at, stops = np.array([0.0, rod.length]), rod.points[[0, -1]]
+    if len(pins):
+        line, places = shapely.LineString(rod.points), shapely.points(pins)
+        along = np.asarray(shapely.line_locate_point(line, places), dtype=float)
+        inner = (shapely.distance(line, places) <= tolerance) & (along > tolerance) & (along < rod.length - tolerance)
+        order = np.flatnonzero(inner)[np.argsort(along[inner])]
+        at, stops = np.insert(at, 1, along[order]), np.insert(stops, 1, pins[order], axis=0)
+    pieces = []
+    for k, (a, b) in enumerate(pairwise(at)):
+        parts = np.linspace(a, b, max(round((b - a) / step), 1) + 1)[1:-1] / rod.length
+        pieces += [stops[k : k + 1], rod.at(rod.points, parts)]
+    return np.concatenate([*pieces, stops[-1:]])
+
+
+def points_around(ring: Floats, step: float, pins: Floats, tolerance: float) -> Floats:
+    """(n, 2) mm, points of the edge (m, 2) of a hole, from corner to corner and about `step` (mm) apart.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> len(points_around(square, 2.0, np.empty((0, 2)), 1e-6))
+    8
+    """
+    corners = np.flatnonzero(np.abs(turning_angles(ring)) > np.radians(CORNER_DEG))
+    first = int(corners[0]) if len(corners) else 0
+    closed = np.concatenate([np.roll(ring, -first, axis=0), ring[first : first + 1]])
+    stops = [*(corners - first), len(ring)] if len(corners) else [0, len(ring)]
+    none = np.zeros(len(closed))
+    pieces = []
+    for a, b in pairwise(stops):
+        side = Rod(closed[a : b + 1], 0, 1, none[a : b + 1], none[a : b + 1])
+        # a side of a polygon may be one edge, a curve has more
+        count = max(np.rint(side.length / step), 1.0, np.ceil(side.turn / MAX_SEGMENT_TURN_RAD))
+        pieces.append(points_along(side, side.length / count, pins, tolerance)[:-1])
+    return np.concatenate(pieces)
+
+
+def place_within(ring: Floats) -> Floats:
+    """(2,) mm, a place within a closed line (n, 2)."""
+    return np.asarray(shapely.get_coordinates(shapely.point_on_surface(shapely.Polygon(ring)))[0])
+
+
+def pins_on_sheet(layout: Layout) -> Floats:
+    """The layout's pin points (P, 2) in mm; a point off the sheet is refused."""
+    points = layout.pin_points
+    on_border = distance_to_outline(points, layout.outline) <= PIN_VERTEX_TOLERANCE_MM
+    off = ~(on_border | inside(points, layout.outline))
+    for hole in layout.holes:
+        off |= inside(points, hole) & (distance_to_outline(points, hole) > PIN_VERTEX_TOLERANCE_MM)
+    if off.any():
+        x, y = points[np.argmax(off)]
+        raise MeshError(f"the pin at ({x:g}, {y:g}) mm is not on the sheet")
+    return points
+
+
+def pin_vertices(layout: Layout, points: Floats, rim_vertices: Ints) -> tuple[Ints, ...]:
+    """Vertices of each pin set: those at its points, in their order, then those on its edges of the sheet.
+
+    Parameters
+    ----------
+    points : (V, 2) mm, vertices of the mesh.
+    rim_vertices : those of the outline and of the edges of holes.
+    """
+    if not layout.pins:
+        return ()
+    tree = cKDTree(points)
+    result = []
+    for pin in layout.pins:
+        distance, at = tree.query(pin.points)
+        if (distance > PIN_VERTEX_TOLERANCE_MM).any():
+            x, y = pin.points[np.argmax(distance)]
+            raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
+        held: list[Ints] = [np.asarray(at, dtype=np.int64)]
+        for a, b in pin.segments(layout.edges):
+            on = distance_to_segment(points[rim_vertices], a, b) <= PIN_VERTEX_TOLERANCE_MM
+            held.append(rim_vertices[on])
+        vertices = np.concatenate(held)
+        _, first = np.unique(vertices, return_index=True)
+        # points keep their order and number: targets go with them
+        keep = np.union1d(first, np.arange(len(at)))
+        result.append(vertices[keep])
+    return tuple(result)

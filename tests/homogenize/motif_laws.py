@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
-from asterism.homogenize.cell.larger_cell import CellComparison
-from asterism.homogenize.cell.motif_responses import MotifResponses, RolledDirection
+from asterism.homogenize.cell.motif_responses import CellComparison, MotifResponses, RolledDirection
 from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from asterism.pattern.design.design import Design
 

@@ -10,8 +10,7 @@ from scipy.linalg import block_diag
 
 from asterism.discrete.energies.bending.hinges import paper_coefficients
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.cell_stability import cell_stability
-from asterism.homogenize.cell.effective_stiffness import effective_stiffness
+from asterism.homogenize.cell.effective_stiffness import cell_stability, effective_stiffness
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell

@@ -15,9 +15,13 @@ from asterism.homogenize.cell.effective_stiffness import (
     isotropic_constants,
 )
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
-from asterism.homogenize.cell.rolling import heights_over_mean_surface, roll_cell, unrolled_flat_cell
+from asterism.homogenize.cell.rolling import (
+    heights_over_mean_surface,
+    roll_cell,
+    tube_membrane_stiffness,
+    unrolled_flat_cell,
+)
 from asterism.homogenize.cell.sample import Sample, arm_segments, solve_cell
-from asterism.homogenize.cell.tube_membrane import tube_membrane_stiffness
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, design, relaxed

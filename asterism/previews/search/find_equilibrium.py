@@ -17,8 +17,8 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.fem.search.candidate_shapes import candidate_shapes
 from asterism.fem.search.evidence import ShellEquilibrium, Trial
+from asterism.fem.search.initial_guesses import candidate_shapes
 from asterism.fem.search.mean_fields import Side, mean_fields, side_of
 from asterism.fem.search.relax import factorise, follow, relax, softest_shell_modes
 from asterism.fem.search.simple_shapes import SimpleShape

@@ -17,7 +17,7 @@ from asterism.pattern.mesh.aligned.grid_motion import moved, prescribed
 from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 from asterism.pattern.mesh.grading import Grading
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
-from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
+from asterism.pattern.mesh.outline_points import pin_vertices, pins_on_sheet
 
 # meshes with a smaller angle are left to the Delaunay mesh, which refines narrow places
 MIN_ALIGNED_ANGLE_DEG = 15.0

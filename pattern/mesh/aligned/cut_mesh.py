@@ -15,8 +15,7 @@ from asterism.pattern.mesh.aligned.grid_motion import moved, prescribed
 from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.pattern.mesh.outline_points import outline_points
-from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
+from asterism.pattern.mesh.outline_points import outline_points, pin_vertices, pins_on_sheet
 
 # free grid points keep this distance from the outline, in grid edges
 GRID_MARGIN_EDGES = 0.7

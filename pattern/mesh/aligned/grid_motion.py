@@ -11,7 +11,7 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.aligned.arm_stations import Stations
 from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch
 from asterism.pattern.mesh.grading import Grading
-from asterism.pattern.mesh.pin_vertices import PIN_VERTEX_TOLERANCE_MM
+from asterism.pattern.mesh.outline_points import PIN_VERTEX_TOLERANCE_MM
 
 # shift of grid points by which diagonals of squares are chosen, in grid edges: far above rounding, and invisible
 OFF_SQUARE_SHIFT = 1e-6

@@ -28,9 +28,8 @@ from asterism.pattern.geometry.planar import (
     turning_angles,
 )
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.mesh.free.line_points import place_within
 from asterism.pattern.mesh.free.triangulate import triangulate
-from asterism.pattern.mesh.outline_points import outline_points
+from asterism.pattern.mesh.outline_points import outline_points, place_within
 
 # inner points keep this distance from the outline and from supported points, in mesh edges
 CLEARANCE_EDGES = 0.6

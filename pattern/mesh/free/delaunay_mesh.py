@@ -15,11 +15,17 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.free.line_points import least_pieces, place_within, points_along, points_around
 from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
-from asterism.pattern.mesh.outline_points import outline_points
-from asterism.pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
+from asterism.pattern.mesh.outline_points import (
+    least_pieces,
+    outline_points,
+    pin_vertices,
+    pins_on_sheet,
+    place_within,
+    points_along,
+    points_around,
+)
 
 REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle

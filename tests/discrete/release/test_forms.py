@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from asterism.discrete.evidence.roll_axis import roll_axis_deg
+from asterism.discrete.evidence.equilibrium import roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima

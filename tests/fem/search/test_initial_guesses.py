@@ -10,9 +10,14 @@ from scipy.spatial.transform import Rotation
 
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import affine, flat
-from asterism.fem.search.candidate_shapes import candidate_shapes
 from asterism.fem.search.guess_builder import GuessBuilder, InitialGuess
-from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, _best_direction, _Ranking, initial_guesses
+from asterism.fem.search.initial_guesses import (
+    MAX_ENERGY_RATIO,
+    _best_direction,
+    _Ranking,
+    candidate_shapes,
+    initial_guesses,
+)
 from asterism.fem.search.mean_fields import mean_fields
 from asterism.fem.search.relax import relax
 from asterism.fem.search.simple_shapes import SimpleShape

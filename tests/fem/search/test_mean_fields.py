@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.search.candidate_shapes import candidate_shapes
+from asterism.fem.search.initial_guesses import candidate_shapes
 from asterism.fem.search.mean_fields import MeanFields, mean_fields
 from asterism.fem.shell.shell import Shell
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon

@@ -17,8 +17,8 @@ from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.homogenize.errors import ForeignLaw
-from asterism.homogenize.law.motif_errors import tensor_errors
 from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_table import tensor_errors
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 from asterism.pattern.design.design import Design
 from tests.homogenize import same_process

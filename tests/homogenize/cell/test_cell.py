@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.cell_stability import cell_stability
+from asterism.homogenize.cell.effective_stiffness import cell_stability
 from asterism.homogenize.cell.flat_cell import relax_flat_cell, with_orthogonal_directors
 from asterism.homogenize.cell.rolling import UnrolledCell, roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell

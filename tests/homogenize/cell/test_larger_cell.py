@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.larger_cell import CellComparison, compare_with_larger_cell
+from asterism.homogenize.cell.motif_responses import CellComparison, compare_with_larger_cell
 from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, parallel, stars, waves
 
 

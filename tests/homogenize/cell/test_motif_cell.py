@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.cell_stability import cell_stability
-from asterism.homogenize.cell.effective_stiffness import effective_stiffness, reduction_matrix
+from asterism.homogenize.cell.effective_stiffness import cell_stability, effective_stiffness, reduction_matrix
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from asterism.homogenize.cell.motif_cell_mesh import motif_cell_mesh
 from asterism.homogenize.cell.natural_curvature import trace_tubes

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.motif_errors import tensor_errors
-from asterism.homogenize.law.motif_table import MotifTable
+from asterism.homogenize.law.motif_table import MotifTable, tensor_errors
 from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors, tensors_of_stored
 
 

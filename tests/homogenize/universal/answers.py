@@ -8,7 +8,7 @@ import numpy as np
 
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.universal.groups import GROUP_KEYS
-from asterism.homogenize.universal.row_names import EIGENVALUES, WAVE_NAMES
+from asterism.homogenize.universal.solved_cells import EIGENVALUES, WAVE_NAMES
 from asterism.homogenize.universal.universal_law import bare_quantities
 
 

@@ -18,8 +18,8 @@ from asterism.homogenize.universal.material_law import (
     table_nodes,
     universal_law_errors,
 )
-from asterism.homogenize.universal.row_names import quantity_scales
 from asterism.homogenize.universal.solve_cells import solve_cells
+from asterism.homogenize.universal.solved_cells import quantity_scales
 from asterism.homogenize.universal.universal_campaign import spread_groups
 from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
 from asterism.pattern.design.design import Design

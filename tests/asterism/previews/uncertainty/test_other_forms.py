@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from asterism.fem.search.evidence import Trial
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.support_samples import SupportSamples
+from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetric_distance import symmetric_distances
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.model import PREVIEW_MODEL
