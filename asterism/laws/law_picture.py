@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import write_title
-from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable
 from asterism.laws.law_text import middle_sizes, table_title
@@ -69,7 +68,7 @@ def _curves(axes: Axes, table: LawTable, name: str) -> None:
         row = table(many, thickness, *middle_sizes(table))
         value = row.value[name]
         stated = row.inside & ~row.not_scale_separated
-        label = f"{thickness:g} {AXES[1].unit}"
+        label = f"{thickness:g} mm"
         axes.plot(many, np.where(stated, value, np.nan), color=colour, linewidth=1.3, label=label)
         axes.plot(many, np.where(stated, np.nan, value), color=colour, linewidth=0.8, linestyle=":")
         line: tuple[Any, ...] = (slice(None), j, *middle)

@@ -38,12 +38,12 @@ def middle_sizes(table: LawTable) -> tuple[float, ...]:
 def table_title(table: LawTable) -> str:
     """The stretch of a table and its middle sizes, such as "stretch 1.35, width 1.2 mm"."""
     sizes = zip(AXES[2:], middle_sizes(table), strict=True)
-    return ", ".join([f"stretch {table.stretch:g}", *(f"{axis.name} {size:g} {axis.unit}" for axis, size in sizes)])
+    return ", ".join([f"stretch {table.stretch:g}", *(f"{axis.name} {size:g} mm" for axis, size in sizes)])
 
 
 def _values(table: LawTable) -> list[str]:
     lengths, thicknesses = table.axis_nodes[:2]
-    (length_name, thickness_name) = (f"{axis.symbol} {axis.unit}" for axis in AXES[:2])
+    (length_name, thickness_name) = (f"{axis.symbol} mm" for axis in AXES[:2])
     lines = [
         f"  {table_title(table)}",
         f"    {length_name}   {thickness_name}  lambda lambda_n   kappa 1/mm  D N mm  A11 N/mm  A12 N/mm  c3 N mm2  "

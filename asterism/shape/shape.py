@@ -84,11 +84,6 @@ class Shape:
         return np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64)
 
     @property
-    def edges_of_rod(self) -> Ints:
-        """(R,) the rod of each edge of `rod_edges`."""
-        return np.repeat(np.arange(len(self.rods)), [len(path) - 1 for path in self.rods])
-
-    @property
     def is_preview(self) -> bool:
         """Whether the preview computed the shape, not the exact model."""
         return isinstance(self.summary, PreviewRecord)

@@ -22,7 +22,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 
 # 1: distance at which contact begins over the spacing, at most; it is the fabric's thickness if that is smaller
-MAX_CONTACT_DISTANCE_FRACTION = 0.1
+MAX_DISTANCE_FRACTION = 0.1
 SAFE_STEP_FRACTION = 0.9  # 1: step taken over the largest step without intersections
 # 1: entries of the pattern from earlier states over those of the present state, up to which they are kept
 MAX_STALE_ENTRIES_RATIO = 3
@@ -45,7 +45,7 @@ class ContactModel(DiscreteModel):
     def __init__(self, design: Design, layout: Layout, mesh: Mesh) -> None:
         super().__init__(design, layout, mesh)
         fabric = design.fabric
-        distance = min(fabric.thickness_mm, MAX_CONTACT_DISTANCE_FRACTION * self.spacing)
+        distance = min(fabric.thickness_mm, MAX_DISTANCE_FRACTION * self.spacing)
         self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
         self._base_pattern = self.pattern
         self._contact_keys: Array = np.empty(0, dtype=np.int64)

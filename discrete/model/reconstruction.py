@@ -26,7 +26,7 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
-MAX_STEP_ROTATION_RAD = 1.0  # rad, largest rotation of an element in one step
+MAX_ROTATION_RAD = 1.0  # rad, largest rotation of an element in one step
 
 
 class Reconstruction:
@@ -163,7 +163,7 @@ class Reconstruction:
             return State(positions, carried, rotate_vectors(a * spin, state.frames))
 
         fastest = np.sqrt(max((w**2).sum(axis=1).max(initial=0.0) for w in (triangle_turn, edge_spin, spin)))
-        return state_at, MAX_STEP_ROTATION_RAD / max(fastest, 1e-30)
+        return state_at, MAX_ROTATION_RAD / max(fastest, 1e-30)
 
     def gradients(self, positions: Array) -> tuple[Array, Array]:
         """Deformation gradients (T, 3, 2) of the triangles and vectors (R, 3) mm of the rod edges."""

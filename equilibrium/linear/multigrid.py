@@ -28,8 +28,8 @@ from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 MIN_UNKNOWNS = 3000  # smaller matrices are factorised directly, without a coarse level
-DEFAULT_RELATIVE_RESIDUAL = 1e-10  # of a solution
-MAX_CG_ITERATIONS = 2000
+RELATIVE_RESIDUAL = 1e-10  # of a solution
+MAX_ITERATIONS = 2000
 
 
 class MultigridFactor:
@@ -93,7 +93,7 @@ class MultigridFactor:
         self._coarse = self._make_coarse(SparsePattern.from_lower(galerkin))
         return self._coarse.factorise(galerkin.data)
 
-    def solve(self, b: Floats, tolerance: float = DEFAULT_RELATIVE_RESIDUAL) -> Floats:
+    def solve(self, b: Floats, tolerance: float = RELATIVE_RESIDUAL) -> Floats:
         """Solution of A x = b up to a relative residual; b (size,) or (size, k).
 
         Raises
@@ -106,7 +106,7 @@ class MultigridFactor:
         if b.ndim == 2:
             return np.column_stack([self.solve(column, tolerance) for column in b.T])
         x, iterations = solve_by_conjugate_gradients(
-            self.product, self.precondition, np.asarray(b, dtype=float), tolerance, MAX_CG_ITERATIONS
+            self.product, self.precondition, np.asarray(b, dtype=float), tolerance, MAX_ITERATIONS
         )
         self.iterations += iterations
         return x

@@ -13,10 +13,10 @@ from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Prob
 
 # Factor on the regularisation after a refused matrix. A refused matrix costs as much as an accepted one, so the blend,
 # which ends at 1, gets there from 1e-3 in three refusals.
-REGULARISATION_GROWTH = 30.0
+GROWTH = 30.0
 # Stiffness added to the convex model where it has none, over the median diagonal entry of the exact Hessian.
 CONVEX_STIFFNESS_FRACTION = 1e-3
-MIN_REGULARISATION = 1e-3  # first amount after a refused matrix; amounts below become zero
+MIN_AMOUNT = 1e-3  # first amount after a refused matrix; amounts below become zero
 MIN_AFTER_LINE_SEARCH = 1e-2  # first amount after a failed line search
 MAX_FORCING_TERM = 1e-2  # largest relative residual of an iterative solution
 MIN_FORCING_TERM = 1e-10
@@ -83,7 +83,7 @@ class Regularisation:
             if not np.isfinite(data).all():
                 raise FloatingPointError("the Hessian is not finite")
             self._was_refused = True
-            self.amount = max(REGULARISATION_GROWTH * self.amount, MIN_REGULARISATION)
+            self.amount = max(GROWTH * self.amount, MIN_AMOUNT)
 
     def is_definite(self, state: AnyState) -> bool:
         """Whether the exact Hessian with the shift, on its support, is positive definite; one factorisation."""
@@ -99,7 +99,7 @@ class Regularisation:
     def decrease(self) -> None:
         """After a successful step: reduce the amount, unless the step needed an increase."""
         if not self._was_refused:
-            self.amount = 0.1 * self.amount if self.amount > MIN_REGULARISATION else 0.0
+            self.amount = 0.1 * self.amount if self.amount > MIN_AMOUNT else 0.0
 
     def increase(self) -> bool:
         """After a failed line search: increase the amount; False if it is at its limit."""

@@ -34,7 +34,7 @@ GRADIENT_TOLERANCE = 1e-11  # 1: gradient norm of an equilibrium over `Shell.for
 SADDLE_STEP = 0.02  # 1: largest change of a dof when a saddle is left, over the extent of the sheet
 LOAD_STEPS = (4, 16)  # numbers of load steps that are tried if no guess leads to a minimum
 MAX_ITERATIONS = 60  # iterations of Newton's method with mixed points
-MAX_ITERATIONS_OF_FURTHER_GUESSES = 12  # the same after a minimum has been found
+MAX_FURTHER_ITERATIONS = 12  # the same after a minimum has been found
 MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's method has failed
 # 1: energy of a guess above the best one, over that of the flat sheet above it, up to which the guess is followed
 CLOSE_GUESS = 0.1
@@ -91,7 +91,7 @@ def relax(
         # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
         lowest = min((each.energy for each in results if each.is_minimum), default=np.inf)
         known = [each.x for each in results if each.is_minimum]
-        is_first, enough = lowest == np.inf, MAX_ITERATIONS_OF_FURTHER_GUESSES
+        is_first, enough = lowest == np.inf, MAX_FURTHER_ITERATIONS
         name = guess.shape.name
         results.append(follow(shell, guess.x, factor, name, patient=is_first, max_iterations=enough, known=known))
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
@@ -123,7 +123,7 @@ def follow(
     name: str = "given",
     strains: Floats | None = None,
     patient: bool = True,
-    max_iterations: int = MAX_ITERATIONS_OF_FURTHER_GUESSES,
+    max_iterations: int = MAX_FURTHER_ITERATIONS,
     known: Sequence[Floats] = (),
 ) -> ShellEquilibrium:
     """Find the equilibrium that a state x leads to, and certify it.

@@ -129,11 +129,6 @@ def run_campaign(
     return [records[task] for task in tasks]
 
 
-def sample_name(material: Material, task: CellTask, respond: SolveCell = solve_cell) -> str:
-    """Name of a sample's file: a hash of its inputs, of the code, and of the name of another `respond`."""
-    return KeptSamples(Path(), code_version()).name(_inputs(material, task, respond))
-
-
 def _record(task: CellTask, outcome: Outcome) -> SampleRecord:
     return SampleRecord(task, outcome.sample, outcome.failed, outcome.crashed, outcome.seconds)
 

@@ -33,14 +33,10 @@ LIMITS_MM: dict[RodSizeKey, tuple[float, float]] = {"thickness_mm": THICKNESS_RA
 MAX_CELLS = 2000
 
 
-def plan_for_motif(design: Design, edge_mm: float | None = None) -> MotifPlan:
+def plan_for_motif(design: Design) -> MotifPlan:
     """The cells for the motif of a design, whose sizes enclose those of its rods.
 
     Each group of lines with one sizing field is an axis of the law. Lines whose size is a number of their own keep it.
-
-    Parameters
-    ----------
-    edge_mm : of the cells' mesh; by default that of the design.
 
     Raises
     ------
@@ -64,7 +60,7 @@ def plan_for_motif(design: Design, edge_mm: float | None = None) -> MotifPlan:
         raise DesignError("rods.motif", "is missing: the law of stars is another one")
     if (refused := without_motif_law(design)) is not None:
         raise DesignError(*refused)
-    edge = edge_mm or design.mesh.edge_mm
+    edge = design.mesh.edge_mm
     if edge < MIN_CELL_EDGE_MM:
         raise DesignError("mesh.edge_mm", f"must be at least {MIN_CELL_EDGE_MM:g} for the cells of a law", edge)
     groups = _groups(design.rods)

@@ -101,7 +101,7 @@ def trace_tubes(cell: UnitCell, flat: FlatCell, angle: float, known: TubeBranch 
             return _Walk(cell, flat, angle, walk.tubes).from_another(known.natural, known.tubes)
         except ArithmeticError:
             pass  # then from the flat cell
-    if rest > 0.0 and first.moment > 0.0 and not walk.finds_negative(1.0):
+    if rest > 0.0 and first.moment > 0.0 and not walk.finds_negative():
         walk = _Walk(cell, flat, angle)
         walk.to(-FIRST_CURL / cell.spacing)
     sign = float(np.sign(walk.tubes[-1].curvature))
@@ -148,10 +148,10 @@ class _Walk:
             raise ArithmeticError(f"tube: no natural curvature up to {sign * k:.3g}/mm")
         return self.to(sign * k)
 
-    def finds_negative(self, sign: float) -> bool:
-        """Step until the moment drives the curvature further; False if it never does."""
+    def finds_negative(self) -> bool:
+        """Step to larger curvatures until the moment drives them further; False if it never does."""
         while abs(self.tubes[-1].curvature) < MAX_SEARCHED_CURL / self.cell.spacing:
-            if self.on(sign).moment * sign < 0.0:
+            if self.on(1.0).moment < 0.0:
                 return True
         return False
 

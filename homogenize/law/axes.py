@@ -34,7 +34,6 @@ class Axis:
     ----------
     name : in sentences.
     symbol : in tables.
-    unit : of all its values.
     key : in designs, samples and law files.
     nodes_key, range_key : in plans, the nodes of a grid of cells and the range of scattered cells.
     limits : smallest and largest value that can be printed. The spacing of the stars limits lengths further.
@@ -46,7 +45,6 @@ class Axis:
 
     name: str
     symbol: str
-    unit: str
     key: str
     nodes_key: str
     range_key: str
@@ -76,7 +74,6 @@ def _mean_along_arms(layout: Layout, arms: int, ends: Floats) -> Floats:
 LENGTH = Axis(
     name="length",
     symbol="l",
-    unit="mm",
     key="length_mm",
     nodes_key="lengths_mm",
     range_key="length_range_mm",
@@ -91,7 +88,6 @@ LENGTH = Axis(
 THICKNESS = Axis(
     name="thickness",
     symbol="h",
-    unit="mm",
     key="thickness_mm",
     nodes_key="thicknesses_mm",
     range_key="thickness_range_mm",
@@ -106,7 +102,6 @@ THICKNESS = Axis(
 WIDTH = Axis(
     name="width",
     symbol="w",
-    unit="mm",
     key="width_mm",
     nodes_key="widths_mm",
     range_key="width_range_mm",
@@ -153,9 +148,7 @@ def sizes_text(sizes: Sequence[float] | Floats, digits: int = 6) -> str:
     >>> sizes_text([9.0, 0.3, 1.2])
     'l 9 mm, h 0.3 mm, w 1.2 mm'
     """
-    return ", ".join(
-        f"{axis.symbol} {size:.{digits}g} {axis.unit}" for axis, size in zip(AXES, map(float, sizes), strict=True)
-    )
+    return ", ".join(f"{axis.symbol} {size:.{digits}g} mm" for axis, size in zip(AXES, map(float, sizes), strict=True))
 
 
 def coordinates(sizes: Floats) -> Floats:

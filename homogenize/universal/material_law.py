@@ -92,15 +92,12 @@ def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_
     return UniversalLawErrors(percent, covered & is_known, outside)
 
 
-def material_law(
-    law: UniversalLaw, design: Design, nodes: Sequence[Sequence[float]], edge_mm: float, statement: str | None = None
-) -> Law:
+def material_law(law: UniversalLaw, design: Design, nodes: Sequence[Sequence[float]], edge_mm: float) -> Law:
     """The law of a design's material, as a table for a mesh of this edge.
 
     Parameters
     ----------
     nodes : of each axis, mm, from `table_nodes`.
-    statement : see `Law`.
 
     Raises
     ------
@@ -124,7 +121,7 @@ def material_law(
     units = quantity_units(fabric, spacing)
     axis_nodes = tuple(np.array(each) for each in nodes)
     table = LawTable(stretch, spacing, axis_nodes, values, waves, solved, units, np.empty((*shape, 0)))
-    return Law(_material(design, nodes, edge_mm), (table,), (), {}, dict(law.made), statement)
+    return Law(_material(design, nodes, edge_mm), (table,), (), {}, dict(law.made))
 
 
 def _rows_near(law: UniversalLaw, groups: Floats, covered: Bools) -> Floats:

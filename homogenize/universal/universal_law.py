@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -116,14 +115,12 @@ def universal_law(
     cells: SolvedCells,
     spread_count: int,
     made: dict[str, Any] | None = None,
-    report: Callable[[str], None] | None = None,
 ) -> UniversalLaw:
     """The law through cells. Equal cells give equal numbers.
 
     Parameters
     ----------
     spread_count, made : see `UniversalLaw`.
-    report : called with the name of each quantity.
 
     Raises
     ------
@@ -138,8 +135,6 @@ def universal_law(
     places = kriging_places(groups)
     parts, left_out = {}, []
     for name, own in columns.items():
-        if report is not None:
-            report(name)
         lead = own[int(np.argmax(np.std(smooth[:, own], axis=0)))]  # waves share the covariance of the largest one
         factors = kernel_factors(name, groups)
         covariance = likely_covariance(places, factors, smooth[:, lead], name in PARTS_WITH_EVEN_SCATTER)

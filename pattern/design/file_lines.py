@@ -32,7 +32,7 @@ DXF_CURVE_PIECES = 16
 # a stroke is stretched unevenly if its widths along x and y differ by more than this part
 MAX_STROKE_UNEVENNESS = 0.02
 MAX_PLACE_MM = 1e5
-SAME_PLACE_IN_FILE_MM = 1e-4
+SAME_PLACE_MM = 1e-4
 # programs round coordinates: a line whose ends are this close is closed
 CLOSED_GAP_MM = 1e-3
 DXF_NEEDED = 'needs ezdxf: pip install "asterism-fabric[cad]"'
@@ -244,7 +244,7 @@ def _cleaned(points: Floats) -> Floats:
     kept = points[:1]
     if len(points) > 1:
         step = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        kept = points[np.concatenate([[True], step > SAME_PLACE_IN_FILE_MM])]
+        kept = points[np.concatenate([[True], step > SAME_PLACE_MM])]
     if len(kept) > 3 and np.linalg.norm(kept[0] - kept[-1]) <= CLOSED_GAP_MM:
         kept[-1] = kept[0]
     return kept

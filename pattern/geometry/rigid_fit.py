@@ -1,4 +1,4 @@
-"""The rigid motion that brings one set of points closest to another, and the remaining distance."""
+"""The rigid motion that brings one set of points closest to another."""
 
 from __future__ import annotations
 
@@ -20,10 +20,3 @@ def rigid_fit(
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))
     rotation = (u @ vt).T
     return rotation, goal - rotation @ centre
-
-
-def rms_distance(points: Float[np.ndarray, "n 3"], targets: Float[np.ndarray, "n 3"], mirrored: bool = False) -> float:
-    """Root mean square distance (mm) of points (n, 3) after the best rigid motion; `mirrored`: the best reflection."""
-    points = points * [-1.0, 1.0, 1.0] if mirrored else points
-    rotation, shift = rigid_fit(points, targets)
-    return float(np.sqrt(((points @ rotation.T + shift - targets) ** 2).sum(axis=1).mean()))

@@ -17,10 +17,10 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned.lattice_grid import GridPatch
 
 GRADED_EDGE_FACTOR = 0.15  # edge at an arm or a tip over the edge far from both
-GRADING_REACH_SPACINGS = 1 / 6  # distance from the arms, in spacings, at which edges have their full length
+REACH_SPACINGS = 1 / 6  # distance from the arms, in spacings, at which edges have their full length
 ARM_SAMPLES_A_SPACING = 200  # sample points of an arm on one spacing
-MAX_GRADING_ROUNDS = 30
-GRADING_STEP_EDGES = 0.01  # points that move by less have reached their places
+MAX_ROUNDS = 30
+STEP_EDGES = 0.01  # points that move by less have reached their places
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,7 @@ class Grading:
         step = tip - centre
         longest = float(np.linalg.norm(step, axis=1).max(initial=0.0))
         along = np.linspace(0.0, 1.0, max(int(np.ceil(ARM_SAMPLES_A_SPACING * longest / spacing)), 1) + 1)
-        return cls(
-            cKDTree((centre[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), GRADING_REACH_SPACINGS * spacing
-        )
+        return cls(cKDTree((centre[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), REACH_SPACINGS * spacing)
 
     def size(self, points: Floats) -> Floats:
         """(n,) of edges at points (n, 2)."""
@@ -91,11 +89,11 @@ class Grading:
         means : the points, each the mean of its neighbours, from the weights (E,) of the edges.
         edge_mm : of the grid.
         """
-        for round_ in range(MAX_GRADING_ROUNDS):
+        for round_ in range(MAX_ROUNDS):
             target = means(1.0 / self.size(middles(points)))
             step = target - points
             # sizes follow the points: half steps avoid oscillation
             points = target if round_ == 0 else points + 0.5 * step
-            if np.abs(step).max(initial=0.0) < GRADING_STEP_EDGES * edge_mm:
+            if np.abs(step).max(initial=0.0) < STEP_EDGES * edge_mm:
                 break
         return points

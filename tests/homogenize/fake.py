@@ -10,7 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from asterism.homogenize.campaign import campaign
+from asterism.homogenize.campaign.campaign import SolveCell
+from asterism.homogenize.campaign.code_version import code_version
+from asterism.homogenize.campaign.kept_samples import KeptSamples
 from asterism.homogenize.cell.tube_directions import tube_angles
+from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.plan import CellTask
 from asterism.pattern.design.design import Design
 
 
@@ -100,6 +106,12 @@ def matrix(design: Design, edge_mm: float) -> Answer:
     answer = solve_cell(design, edge_mm)
     answer.data["sixfold"] = float(np.linalg.norm(big @ big @ big) * 1e-9)
     return answer
+
+
+def sample_name(material: Material, task: CellTask, respond: SolveCell = campaign.solve_cell) -> str:
+    """Name of the file of a cell's sample."""
+    inputs = campaign._inputs(material, task, respond)
+    return KeptSamples(Path(), code_version()).name(inputs)
 
 
 def files(folder: Path) -> set[str]:

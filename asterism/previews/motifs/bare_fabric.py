@@ -18,7 +18,7 @@ from asterism.fem.shell.density import EnergyTerm
 from asterism.pattern.design.materials import Fabric
 
 # below this det C, ln J continues as a parabola: during a search, strains may be impossible for a surface
-MIN_FABRIC_DET_C = 0.1
+MIN_DET_C = 0.1
 
 
 def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
@@ -69,7 +69,7 @@ def neo_hookean(strain: Floats, mu: float, lam: float) -> tuple[Floats, Floats, 
     """
     c11, c22, shear = 1.0 + 2.0 * strain[:, 0], 1.0 + 2.0 * strain[:, 1], strain[:, 2]
     det = c11 * c22 - shear**2
-    at = np.maximum(det, MIN_FABRIC_DET_C)
+    at = np.maximum(det, MIN_DET_C)
     by = (det - at) / at
     log = 0.5 * (np.log(at) + by - 0.5 * by**2)
     first, second = 0.5 * (1.0 - by) / at, -0.5 / at**2  # of ln J by det C

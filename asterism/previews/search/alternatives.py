@@ -20,7 +20,7 @@ from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.guess_builder import GuessBuilder
 from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO
 from asterism.fem.search.mean_fields import FLAT_SAG_MM, MeanFields, Side
-from asterism.fem.search.relax import MAX_ITERATIONS_OF_FURTHER_GUESSES, factorise, follow, softest_shell_modes
+from asterism.fem.search.relax import MAX_FURTHER_ITERATIONS, factorise, follow, softest_shell_modes
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 
@@ -98,7 +98,7 @@ def _followed(
     equilibrium: ShellEquilibrium,
     starts: Sequence[tuple[Floats, str]],
     patient: bool = False,
-    max_iterations: int = MAX_ITERATIONS_OF_FURTHER_GUESSES,
+    max_iterations: int = MAX_FURTHER_ITERATIONS,
 ) -> list[ShellEquilibrium]:
     """The equilibria that states with names lead to; arguments as in `follow`. A known minimum is met early."""
     others: list[ShellEquilibrium] = []

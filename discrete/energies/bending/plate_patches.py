@@ -24,7 +24,7 @@ from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 # 1: squared second derivatives for unit heights times squared area; equilateral triangles have 1
 MAX_CURVATURE_GAIN = 4.0
 # 1: determinant of the products at the three vertices; below it the six vertices lie on a conic
-MIN_PRODUCT_DETERMINANT = 1e-9
+MIN_DETERMINANT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def _second_derivatives(
     """Second derivatives (T, 3, 3) for unit heights of the extra vertices, and gain (T,); infinite on a conic."""
     weight = _barycentric(points, triangles, first, extra)
     value = np.roll(weight, -1, axis=2) * np.roll(weight, -2, axis=2)
-    regular = np.abs(np.linalg.det(value)) > MIN_PRODUCT_DETERMINANT
+    regular = np.abs(np.linalg.det(value)) > MIN_DETERMINANT
     value[~regular] = np.eye(3)
     second = np.einsum("tpq,tpa->tqa", np.linalg.inv(value), products)
     gain = (second**2 @ np.array([1.0, 2.0, 1.0])).sum(axis=1) * area**2

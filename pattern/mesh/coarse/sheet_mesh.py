@@ -37,9 +37,9 @@ MAX_RELAXATION_SWEEPS = 4
 # flatter triangles beside holes are refined, and the angle that is aimed for then
 MIN_ANGLE_BESIDE_HOLES_DEG, ANGLE_BESIDE_HOLES_DEG = 15.0, 25.0
 # an outline that turns by more has a corner there
-OUTLINE_CORNER_DEG = 35.0
+CORNER_DEG = 35.0
 # largest distance of the simplified line from the outline, before it is moved, in mesh edges
-OUTLINE_DEVIATION_EDGES = 0.06
+DEVIATION_EDGES = 0.06
 
 
 @dataclass(frozen=True)
@@ -200,9 +200,7 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     edge_mm : what counts as short.
     fixed : corners that must stay.
     """
-    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(OUTLINE_CORNER_DEG))).astype(
-        np.int64
-    )
+    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(CORNER_DEG))).astype(np.int64)
     whole = np.arange(len(border))
     if len(kept) == len(border):
         return CoarseOutline(border, whole)
@@ -212,7 +210,7 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     for start, end in zip(starts, np.roll(starts, -1), strict=True):
         count = (end - start) % len(border) or len(border)
         numbers = (start + np.arange(count + 1)) % len(border)
-        chosen = _simplified(border[numbers], OUTLINE_DEVIATION_EDGES * edge_mm)
+        chosen = _simplified(border[numbers], DEVIATION_EDGES * edge_mm)
         points.append(border[numbers[chosen[:-1]]])
         sides.append(numbers[chosen[:-1]])
         moves = np.full(len(chosen) - 1, len(chosen) <= count)

@@ -11,9 +11,9 @@ from asterism.discrete.release.levels import extrapolate, rotation_vectors, solv
 from asterism.discrete.release.prolongation import plastic_normals
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.pattern.geometry.rigid_fit import rms_distance
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
+from tests.distances import rms_distance
 
 
 def model(edge: float = 2.5, **changes: object) -> DiscreteModel:

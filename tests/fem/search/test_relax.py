@@ -116,15 +116,15 @@ def test_a_guess_that_falls_below_a_minimum_is_continued(monkeypatch: pytest.Mon
     guesses = [SimpleShape("cap", -2e-3), SimpleShape("flat")]  # the cap is on the wrong side, and stays there
     lowest = relax(shell).energy
     monkeypatch.setattr(search, "CLOSE_GUESS", 10.0)
-    for enough in (search.MAX_ITERATIONS_OF_FURTHER_GUESSES, 3):
-        monkeypatch.setattr(search, "MAX_ITERATIONS_OF_FURTHER_GUESSES", enough)
+    for enough in (search.MAX_FURTHER_ITERATIONS, 3):
+        monkeypatch.setattr(search, "MAX_FURTHER_ITERATIONS", enough)
         found = relax(shell, shapes=guesses)
         assert found.is_minimum and found.guess == "flat"
         assert found.energy == pytest.approx(lowest)
         assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
     assert [trial.is_minimum for trial in found.trials] == [True, False, True]
     # a guess above the minimum is not continued
-    monkeypatch.setattr(search, "MAX_ITERATIONS_OF_FURTHER_GUESSES", 0)
+    monkeypatch.setattr(search, "MAX_FURTHER_ITERATIONS", 0)
     assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from asterism.homogenize.campaign import campaign, workers
+from asterism.homogenize.campaign import workers
 from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.errors import AddressError, CampaignError
@@ -90,7 +90,7 @@ def test_files_are_reused_only_for_the_same_inputs(samples: Path, records: list[
     assert told[0].done == len(records)
     # another material, mesh or version of the format shares nothing
     other = Material.from_dict({"plan": SMALL, "plastic": {"modulus_ratio": 3000.0}})
-    keys = {campaign.sample_name(m, t) for m in (material(), other, material(edge_mm=2.1)) for t in m.tasks()}
+    keys = {fake.sample_name(m, t) for m in (material(), other, material(edge_mm=2.1)) for t in m.tasks()}
     assert len(keys) == 3 * len(records)
 
 
@@ -102,7 +102,7 @@ def test_samples_belong_to_what_solved_them(samples: Path) -> None:
     again = run_campaign(material(), samples, 1, report=told.append, respond=fake.curls_more)
     assert told[-1].done == told[-1].total and [r.sample for r in again] == [r.sample for r in other]
     task = material().tasks()[0]
-    assert campaign.sample_name(material(), task) != campaign.sample_name(material(), task, fake.solve_cell)
+    assert fake.sample_name(material(), task) != fake.sample_name(material(), task, fake.solve_cell)
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.campaign.campaign import sample_name
 from asterism.homogenize.campaign.design_plan import plan_for_sizes
 from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.law.law import Law
@@ -15,6 +14,7 @@ from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.material import Material
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from tests.homogenize.fake import sample_name
 
 PLATE = {"bending": "consistent", "modulus_mpa": 7.0}
 SIZES = np.array([[8.0, 0.4, 1.2]])

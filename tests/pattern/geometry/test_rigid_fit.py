@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from asterism.pattern.geometry.rigid_fit import rigid_fit, rms_distance
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from tests.distances import rms_distance
 
 
 def test_rigid_fit() -> None:
