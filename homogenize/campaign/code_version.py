@@ -15,11 +15,10 @@ SAMPLE_SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
-        "rods/arms.py", "rods/graph.py", "rods/star_graph.py", "design/lattice.py", "design/materials.py",
+        "rods/arms.py", "rods/graph.py", "design/lattice.py", "design/materials.py",
         "design/residual_curvature.py", "layout/layout.py",
-        "mesh/grading.py", "mesh/aligned/lattice_grid.py", "mesh/aligned/springs.py",
-        "layout/supports.py", "layout/sheet_edges.py", "geometry/plane_lattice.py",
-        "mesh/mesh.py", "geometry/arrays.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
+        "mesh/grading.py", "mesh/aligned/lattice_grid.py", "layout/supports.py", "layout/sheet_edges.py",
+        "geometry/plane_lattice.py", "mesh/mesh.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
     ),
     homogenize: ("cell/*.py",),
 }  # fmt: skip

@@ -25,7 +25,7 @@ from asterism.pattern.design.errors import DesignError, MeshError
 SolveMotif = Callable[[Design, float], MotifResponses]
 # what shapes the answer of a motif's cell, beside what shapes that of a star's
 MOTIF_SOURCES = SAMPLE_SOURCES | {
-    pattern: (*SAMPLE_SOURCES[pattern], "rods/*.py", "mesh/free/*.py", "geometry/*.py"),
+    pattern: (*SAMPLE_SOURCES[pattern], "rods/*.py", "mesh/free/*.py", "mesh/outline_points.py", "geometry/*.py"),
     homogenize: (*SAMPLE_SOURCES[homogenize], "campaign/motif_sample.py", "law/anisotropy.py"),
 }
 

@@ -18,8 +18,7 @@ Power = Annotated[Number, Field(gt=0, le=100)]
 class Profile(Section):
     """A quantity that varies over the sheet.
 
-    A new profile is a subclass in a file of its own in `pattern.design.sizing.profiles`. A design file
-    selects it by its key.
+    A new profile is a subclass in `PROFILES`. A design file selects it by its key.
 
     Attributes
     ----------

@@ -10,8 +10,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.sizing.profiles.linear import LinearProfile
-from asterism.pattern.design.sizing.profiles.picture import PictureProfile
+from asterism.pattern.design.sizing.profiles import LinearProfile, PictureProfile
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.studio.document import Document
 from asterism.studio.painted_field import STEP_MM, Brush, PaintedField

@@ -32,7 +32,7 @@ def density(curvatures: tuple[float, float], turn: float) -> float:
     along, across = points @ [cos, sin], points @ [-sin, cos]
     height = 0.5 * (curvatures[0] * along**2 + curvatures[1] * across**2)
     mesh = BendingMesh(triangles, points)
-    hinges = FABRIC_BENDING["paper"].build(mesh, FABRIC, False)["hinges"]
+    hinges = FABRIC_BENDING["paper"].build(mesh, FABRIC)["hinges"]
     energy = hinges.energies(np.column_stack([points, height]).ravel())
     edges = np.subtract(*points[mesh.hinges[:, :2]].transpose(1, 0, 2))
     direction = np.round(np.arctan2(edges[:, 1], edges[:, 0]) % np.pi * 3.0 / np.pi).astype(int) % 3

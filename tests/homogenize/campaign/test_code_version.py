@@ -9,7 +9,6 @@ from pathlib import Path
 from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES
 from tests.test_rooms import package_of
 
-PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 # of pattern: what solves a cell imports these too, and takes no number from them
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
@@ -18,7 +17,6 @@ ASIDE = (
         "design.design",
         "design.errors",
         "design.files",
-        "design.fit_weights",
         "design.section",
         "design.stars",
     ),
@@ -26,12 +24,8 @@ ASIDE = (
     # sizes that vary, outlines, pins and drawings: a cell has none
     *(
         "design.border",
-        "design.holes",
-        "design.outline_file",
-        "design.rhino_lines",
         "design.rhino_model",
         "layout.support_curve",
-        "layout.support_samples",
         "design.pins",
         "design.rods",
         "design.file_lines",
@@ -40,7 +34,7 @@ ASIDE = (
         "design.sizing.profile",
         "design.sizing.expression",
     ),
-    *("design.sizing.grey_image", *(f"design.sizing.profiles.{key}" for key in PROFILE_FILES)),
+    *("design.sizing.grey_image", "design.sizing.profiles"),
 )
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.effective_stiffness import cell_stability
 from asterism.homogenize.cell.flat_cell import relax_flat_cell, with_orthogonal_directors
 from asterism.homogenize.cell.rolling import UnrolledCell, roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
+from tests.discrete.plain import plain_energies
 from tests.homogenize.cells import EDGE, design, full, relaxed, shaken
 
 KINDS = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
@@ -32,7 +34,8 @@ BOTH = pytest.mark.parametrize("bumpy", [False, True], ids=["flat", "tube"], ind
 
 
 @BOTH
-def test_gradient_by_complex_step(bumpy):
+def test_gradient_by_complex_step(bumpy, monkeypatch):
+    monkeypatch.setattr(Elements, "energies", plain_energies)
     cell, state = bumpy
     direction = RNG.normal(size=len(cell.free))
     path = cell.path(state, direction)[0]

@@ -1,0 +1,225 @@
+"""The sizing profiles: quantities that vary over the sheet."""
+
+from __future__ import annotations
+
+import binascii
+import zlib
+from pathlib import Path
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.section import Flag, Number, Point, Text, Whole
+from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
+from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
+from asterism.pattern.design.sizing.profile import DistanceMm, GradientProfile, Profile
+
+
+class AxisProfile(GradientProfile):
+    """From the value on the centre line to the value at `over_mm` on both sides of it.
+
+    `axis = "x"` varies along x: the distance is |x - centre x|.
+    """
+
+    key: ClassVar[str] = "axis"
+    profile: Literal["axis"]
+    axis: Literal["x", "y"]
+    over_mm: DistanceMm
+    centre_mm: Point = (0.0, 0.0)
+
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm."""
+        component = "xy".index(self.axis)
+        return np.asarray(np.abs(points[:, component] - self.centre_mm[component]) / self.over_mm)
+
+
+class FormulaProfile(Profile):
+    """A formula in x, y (mm), r (mm from the origin) and theta (rad from the x axis).
+
+    Examples
+    --------
+    >>> FormulaProfile(formula="5 + r/10").at(np.array([[3.0, 4.0]])).tolist()
+    [5.5]
+    """
+
+    key: ClassVar[str] = "formula"
+    is_marked_by_key: ClassVar[bool] = True
+    formula: Text
+
+    @field_validator("formula")
+    @classmethod
+    def _is_readable(cls, text: str) -> str:
+        try:
+            check_expression(text)
+        except ExpressionError as problem:
+            raise DesignError("", str(problem), text) from None
+        return text
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm; not finite where the formula has no value."""
+        x, y = points.T
+        return evaluate(self.formula, {"x": x, "y": y, "r": np.hypot(x, y), "theta": np.arctan2(y, x)})
+
+
+class LinearProfile(GradientProfile):
+    """From the value at `start_mm` to the value at `end_mm`, constant across."""
+
+    key: ClassVar[str] = "linear"
+    profile: Literal["linear"]
+    start_mm: Point
+    end_mm: Point
+
+    @model_validator(mode="after")
+    def _has_a_direction(self) -> Self:
+        if np.linalg.norm(np.subtract(self.end_mm, self.start_mm)) < 1e-6:
+            raise DesignError("end_mm", "must differ from start_mm", self.end_mm)
+        return self
+
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm."""
+        way = np.subtract(self.end_mm, self.start_mm)
+        return np.asarray((points - np.asarray(self.start_mm)) @ way / (way @ way))
+
+
+class PictureProfile(Profile):
+    """Grey values over a rectangle around `centre_mm`: black is `low`, white is `high`, bilinear between pixels.
+
+    When a design is read, its picture is scaled down to 256 pixels a side, and the grey values are stored in the design
+    (`grey`). So a design and its results remain complete without the picture's file. A design with stored grey values
+    does not read the file again.
+
+    Attributes
+    ----------
+    image : path relative to the design file.
+    low, high : values at black and at white.
+    extent_mm : width and height on the sheet. Points outside have the value of the nearest edge.
+    pixels, grey : columns and rows, and the grey values (0-255, rows from the top) compressed as text.
+    """
+
+    key: ClassVar[str] = "image"
+    is_marked_by_key: ClassVar[bool] = True
+    image: Text
+    low: Number
+    high: Number
+    extent_mm: Point
+    centre_mm: Point = (0.0, 0.0)
+    pixels: tuple[Whole, Whole] | None = None
+    grey: Text | None = Field(None, repr=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any, info: ValidationInfo) -> Any:
+        if not isinstance(data, dict) or "grey" in data or not isinstance(data.get("image"), str):
+            return data
+        folder = (info.context or {}).get("folder", Path())
+        try:
+            grey = read_grey(folder / data["image"])
+        except ImageError as problem:
+            raise _picture_error("image", str(problem), data["image"]) from None
+        return {**data, "pixels": grey.shape[::-1], "grey": pack_image(grey)}
+
+    @model_validator(mode="after")
+    def _is_complete(self) -> PictureProfile:
+        if not all(0.1 <= size <= 1e4 for size in self.extent_mm):
+            raise _picture_error("extent_mm", "must be a width and a height from 0.1 to 10000 mm", self.extent_mm)
+        if self.pixels is None or not all(1 <= side <= MAX_PIXELS_A_SIDE for side in self.pixels):
+            allowed = f"must be columns and rows, 1 to {MAX_PIXELS_A_SIDE}, with grey"
+            raise _picture_error("pixels", allowed, self.pixels)
+        try:
+            self._grey_values()
+        except (ValueError, zlib.error, binascii.Error):
+            raise _picture_error(
+                "grey", "does not match the pixels: leave it out to read the image again", "..."
+            ) from None
+        return self
+
+    def _grey_values(self) -> Floats:
+        """(rows, columns) 0 to 1, rows from the top."""
+        columns, rows = self.pixels or (0, 0)
+        return unpack_image(self.grey or "", rows, columns)
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm."""
+        grey = self._grey_values()[::-1]  # rows from the bottom, as y counts
+        size = np.array(grey.shape[::-1])
+        # pixel centres are half a pixel inside the extent
+        place = (points - np.asarray(self.centre_mm)) / np.asarray(self.extent_mm) + 0.5
+        column, row = np.clip(place * size - 0.5, 0, size - 1).T
+        i, j = np.minimum(row.astype(int), size[1] - 1), np.minimum(column.astype(int), size[0] - 1)
+        up, right = np.minimum(i + 1, size[1] - 1), np.minimum(j + 1, size[0] - 1)
+        u, v = column - j, row - i
+        below = (1 - u) * grey[i, j] + u * grey[i, right]
+        above = (1 - u) * grey[up, j] + u * grey[up, right]
+        return np.asarray(self.low + (self.high - self.low) * ((1 - v) * below + v * above))
+
+
+class RadialProfile(GradientProfile):
+    """From the value at `centre_mm` to the value at the distance `over_mm` and beyond.
+
+    Examples
+    --------
+    >>> radial = RadialProfile.model_validate({"profile": "radial", "from": 10, "to": 4, "over_mm": 30})
+    >>> radial.at(np.array([[0.0, 0.0], [15.0, 0.0], [0.0, 60.0]])).tolist()
+    [10.0, 7.0, 4.0]
+    """
+
+    key: ClassVar[str] = "radial"
+    profile: Literal["radial"]
+    over_mm: DistanceMm
+    centre_mm: Point = (0.0, 0.0)
+
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm."""
+        return np.asarray(np.linalg.norm(points - np.asarray(self.centre_mm), axis=1) / self.over_mm)
+
+
+class TableProfile(Profile):
+    """Values over the distance from `centre_mm`, linear between the entries, constant beyond the ends.
+
+    `smooth` puts a monotone cubic through the entries instead. It never exceeds their range.
+
+    Examples
+    --------
+    >>> table = TableProfile(profile="table", distance_mm=(0.0, 10.0), values=(2.0, 4.0))
+    >>> table.at(np.array([[5.0, 0.0], [0.0, 50.0]])).tolist()
+    [3.0, 4.0]
+    """
+
+    key: ClassVar[str] = "table"
+    profile: Literal["table"]
+    distance_mm: tuple[Number, ...] = Field(min_length=2, max_length=1000)
+    values: tuple[Number, ...] = Field(min_length=2, max_length=1000)
+    centre_mm: Point = (0.0, 0.0)
+    smooth: Flag = False
+
+    @model_validator(mode="after")
+    def _increasing(self) -> Self:
+        if len(self.values) != len(self.distance_mm):
+            raise DesignError("values", f"must have {len(self.distance_mm)} entries, one a distance", self.values)
+        if not np.all(np.diff(self.distance_mm) >= 1e-6):
+            allowed = "must increase from entry to entry, by 1e-6 or more"
+            raise DesignError("distance_mm", allowed, self.distance_mm)
+        return self
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm."""
+        distance = np.linalg.norm(points - np.asarray(self.centre_mm), axis=1)
+        if self.smooth:
+            from scipy.interpolate import PchipInterpolator  # slow to import, rarely used
+
+            inside = np.clip(distance, self.distance_mm[0], self.distance_mm[-1])
+            return np.asarray(PchipInterpolator(self.distance_mm, self.values)(inside))
+        return np.asarray(np.interp(distance, self.distance_mm, self.values))
+
+
+def _picture_error(key: str, allowed: str, value: Any) -> PydanticCustomError:
+    return PydanticCustomError("picture", "{allowed}", {"allowed": allowed, "key": key, "value": value})
+
+
+PROFILES: dict[str, type[Profile]] = {
+    each.key: each for each in (AxisProfile, FormulaProfile, PictureProfile, LinearProfile, RadialProfile, TableProfile)
+}
