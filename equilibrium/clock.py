@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar
-
-P = ParamSpec("P")
-Value = TypeVar("Value")
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 
 class Clock:
-    """Wall time of the calls made through it, summed by part.
+    """Wall time of blocks, summed by part.
 
     Attributes
     ----------
@@ -20,8 +17,8 @@ class Clock:
     Examples
     --------
     >>> clock = Clock()
-    >>> clock("sum", sum, [1, 2, 3])
-    6
+    >>> with clock("sum"):
+    ...     total = sum([1, 2, 3])
     >>> list(clock.seconds)
     ['sum']
     """
@@ -29,10 +26,11 @@ class Clock:
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
 
-    def __call__(self, part: str, function: Callable[P, Value], *args: P.args, **kwargs: P.kwargs) -> Value:
-        """Call `function` with the arguments and add its wall time to `part`."""
+    @contextmanager
+    def __call__(self, part: str) -> Iterator[None]:
+        """Add the wall time of the block to `part`."""
         start = time.perf_counter()
         try:
-            return function(*args, **kwargs)
+            yield
         finally:
             self.seconds[part] = self.seconds.get(part, 0.0) + time.perf_counter() - start

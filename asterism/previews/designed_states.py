@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.fem.search.mean_fields import Side
 from asterism.pattern.design.arguments import check_type
@@ -112,27 +111,33 @@ class DesignedStates:
         kind = kind_of(design)
         if self.given_law is not None:
             kind.check_law(self.given_law)
-        plan = plan if plan is not None else self.clock("layout", kind.layout, design)
+        if plan is None:
+            with self.clock("layout"):
+                plan = kind.layout(design)
         law = self.given_law
         if law is None:
-            law = self.clock("law", kind.default_law, design, plan, known, self._said)
+            with self.clock("law"):
+                law = kind.default_law(design, plan, known, self._said)
         check_weight_is_supported(design, plan)
-        values = self.clock("law", kind.values, design, plan, law, model)
+        with self.clock("law"):
+            values = kind.values(design, plan, law, model)
         return EvaluatedDesign(design, plan, kind, law, values)
 
     def new(self, new: EvaluatedDesign, side: Side, model: PreviewModel) -> AnyPreviewState:
         """The state of a design from guesses, on a new sheet or on a kept one of the same print."""
         kept = kept_print(new.design, new.plan, self.triangles, model)
-        if kept is None:
-            sheet = self.clock("mesh", new.kind.sheet, new.design, new.plan, self.triangles, model)
-        else:
-            sheet = self.clock("mesh", kept.sheet.with_pattern, new.design, new.plan)
+        with self.clock("mesh"):
+            if kept is None:
+                sheet = new.kind.sheet(new.design, new.plan, self.triangles, model)
+            else:
+                sheet = kept.sheet.with_pattern(new.design, new.plan)
         count = sheet.space.mesh.nelements
         patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
         self.say(f"{new.kind.size_in_words(new.plan)} on {count} triangles{patience}")
         state = state_from_guesses(sheet, new.law, new.values, side, self.clock, self.watch)
         if kept is not None:
-            state = replace(state, shown=self.clock("shown", kept.shown_on, sheet))
+            with self.clock("shown"):
+                state = replace(state, shown=kept.shown_on(sheet))
         self.keep(state)
         return state
 
@@ -142,20 +147,20 @@ class DesignedStates:
 
     def printed(self, new: EvaluatedDesign, state: AnyPreviewState) -> AnyPreviewState:
         """The state of a design on a new sheet, before a search."""
-        sheet = self.clock("mesh", new.kind.sheet, new.design, new.plan, self.triangles, state.model)
-        made: AnyPreviewState = self.clock(
-            "shell", state_without_search, sheet, new.law, new.values, state.side, state.watch
-        )
-        return made
+        with self.clock("mesh"):
+            sheet = new.kind.sheet(new.design, new.plan, self.triangles, state.model)
+        with self.clock("shell"):
+            return state_without_search(sheet, new.law, new.values, state.side, state.watch)
 
     def kept_form(self, new: EvaluatedDesign, state: AnyPreviewState) -> AnyPreviewState | None:
         """The state of a design on a new sheet, started from the old shape; None if that is impossible."""
         printed = self.printed(new, state)
-        x: Floats | None = self.clock("shell", carried, state, printed)
+        with self.clock("shell"):
+            x = carried(state, printed)
         return None if x is None else at_form(printed, x, self.clock)
 
     def on_same_print(self, new: EvaluatedDesign, state: AnyPreviewState) -> AnyPreviewState:
         """The state of a design on the sheet of a state, at the equilibrium of that."""
         started = replace(state, law=new.law)
-        changed: AnyPreviewState = self.clock("fields", with_pattern, started, new.design, new.plan, new.values)
-        return changed
+        with self.clock("fields"):
+            return with_pattern(started, new.design, new.plan, new.values)

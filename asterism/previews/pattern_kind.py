@@ -100,6 +100,7 @@ class PatternKind(ABC):
         """The state with triangles to show."""
         if state.shown is not None:
             return state
-        mesh: Mesh = clock("shown", self.shown_mesh, state.sheet)
-        lens = clock("shown", self.lens, state, mesh.points)
+        with clock("shown"):
+            mesh = self.shown_mesh(state.sheet)
+            lens = self.lens(state, mesh.points)
         return replace(state, shown=ShownSheet(mesh, lens))

@@ -264,8 +264,9 @@ class Preview(PreviewReadings):
         states.keep(self.state)
         state, shown = self.state, self.state.shown
         assert shown is not None
-        places = states.clock("shown", shown.lens, state.x, state.values)
-        shape: Shape = states.clock("shown", kind.shape, state.sheet, shown.mesh, places)
+        with states.clock("shown"):
+            places = shown.lens(state.x, state.values)
+            shape = kind.shape(state.sheet, shown.mesh, places)
         up = np.eye(3)[2]
         if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]

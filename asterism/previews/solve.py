@@ -20,6 +20,7 @@ from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.relax import factorise, follow, softest_shell_modes
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.search.apply_supports import apply_supports
 from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
 from asterism.previews.shown_response import ShownResponse
@@ -45,17 +46,24 @@ def state_from_guesses(
     LawError
         The rest metric is not positive definite.
     """
-    fields = clock("fields", sheet.fields, values)
+    with clock("fields"):
+        fields = sheet.fields(values)
     was_free = True
     for step in sheet.layout.pin_steps:
-        shell = clock("shell", sheet.shell, fields, step)
+        with clock("shell"):
+            shell = sheet.shell(fields, step)
         factor = WatchedFactor(shell.factor(), watch)
         if step == 0:
-            symmetries = clock("symmetries", getattr, sheet, "symmetries") if shell.is_free else []
+            symmetries: list[Symmetry] = []
+            if shell.is_free:
+                with clock("symmetries"):
+                    symmetries = sheet.symmetries
             traits = SheetTraits(values.is_uniform, values.has_tight_curls, [each.turn for each in symmetries])
-            equilibrium: ShellEquilibrium = clock("equilibrium", find_equilibrium, shell, factor, side, traits)
+            with clock("equilibrium"):
+                equilibrium = find_equilibrium(shell, factor, side, traits)
         else:
-            equilibrium = clock("pins", apply_supports, shell, factor, equilibrium.x, was_free)
+            with clock("pins"):
+                equilibrium = apply_supports(shell, factor, equilibrium.x, was_free)
         was_free = len(shell.fixed_points) == 0
     equilibrium = replace(equilibrium, x=shell.shifted_to_ground(equilibrium.x))
     return PreviewState(sheet, law, side, values, shell, equilibrium, equilibrium, factor, watch)
@@ -122,7 +130,8 @@ def respond(state: AnyPreviewState, clock: Clock) -> tuple[AnyPreviewState, Resp
         state = replace(state, is_factor_resting=factorise(shell, resting.x, factor))
     if not state.is_factor_resting:
         return restarted(state, clock), None
-    response: Response = clock("linear response", linear_response, shell, resting.x, factor)
+    with clock("linear response"):
+        response = linear_response(shell, resting.x, factor)
     shown = ShownResponse(shell, resting, response, shell.shifted_to_ground(response.x))
     return replace(state, result=shown), response
 
@@ -130,7 +139,8 @@ def respond(state: AnyPreviewState, clock: Clock) -> tuple[AnyPreviewState, Resp
 def followed(state: AnyPreviewState, response: Response, clock: Clock) -> AnyPreviewState:
     """The state at the equilibrium that the linear response leads to, or from guesses if that is no minimum."""
     start = response.x, state.factor, EDIT_START, response.strains
-    equilibrium: ShellEquilibrium = clock("equilibrium", follow, state.shell, *start)
+    with clock("equilibrium"):
+        equilibrium = follow(state.shell, *start)
     if not equilibrium.is_minimum:
         return restarted(state, clock)
     equilibrium = replace(equilibrium, x=state.shell.shifted_to_ground(equilibrium.x))
@@ -149,7 +159,8 @@ def at_form(state: AnyPreviewState, x: Floats, clock: Clock) -> AnyPreviewState:
     The state is that from guesses if x leads to no minimum.
     """
     start = state.shell.constrain(x), state.factor, FORM_START
-    equilibrium: ShellEquilibrium = clock("equilibrium", follow, state.shell, *start)
+    with clock("equilibrium"):
+        equilibrium = follow(state.shell, *start)
     if not equilibrium.is_minimum:
         return restarted(state, clock)
     x = state.shell.shifted_to_ground(equilibrium.x)
@@ -166,7 +177,8 @@ def with_near_zero_modes(state: AnyPreviewState, clock: Clock) -> AnyPreviewStat
     if not state.is_factor_resting:  # an edit that changes nothing was interrupted
         state = replace(state, is_factor_resting=factorise(state.shell, shown.x, state.factor))
     if not len(shown.soft_modes):
-        stiffness, _ = clock("soft modes", softest_shell_modes, state.shell, shown.x, state.factor)
+        with clock("soft modes"):
+            stiffness, _ = softest_shell_modes(state.shell, shown.x, state.factor)
         state = replace(state, result=replace(shown, soft_modes=stiffness))
     return state
 

@@ -179,10 +179,12 @@ class ReleaseContinuation:
         )
 
     def _factor(self, model: DiscreteModel) -> closing[Factor]:
-        return closing(self.effort.clock("analysis", model.factor, self.backend))
+        with self.effort.clock("analysis"):
+            return closing(model.factor(self.backend))
 
     def _lowest_mode(self, model: DiscreteModel, state: State, factor: Factor, stage: str) -> Eigenpair:
-        pair = self.effort.clock(stage, lowest_mode, model, state, factor, self.seed)
+        with self.effort.clock(stage):
+            pair = lowest_mode(model, state, factor, self.seed)
         self.effort.factorisations += pair.factorisations
         return pair
 
@@ -208,9 +210,8 @@ class ReleaseContinuation:
         # without iterations, a minimisation returns its state, and the certificate says that it is no equilibrium
         left = max(MAX_RELEASE_ITERATIONS - self.effort.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
-        result = self.effort.clock(
-            stage,
-            lambda: minimise(
+        with self.effort.clock(stage):
+            result = minimise(
                 model,
                 state,
                 factor,
@@ -220,8 +221,7 @@ class ReleaseContinuation:
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides
                 small_decrease=self._small_decrease(model, state) if stage != "release" else 0.0,
-            ),
-        )
+            )
         self.effort.add(result)
         return result
 

@@ -124,12 +124,14 @@ def find_minimum(
     point = StationaryPoint(start, np.inf, np.inf, tolerance, False, seconds=clock.seconds)
 
     def follow(state: AnyState) -> None:
-        result = clock("iterate", iterate, state)
+        with clock("iterate"):
+            result = iterate(state)
         _count(point, result)
         if not result.converged and max_iterations:
             point.fallbacks += 1
             lower = result.state if problem.energy(result.state) < problem.energy(state) else state
-            result = clock("minimise", _descend, problem, lower, factor, tolerance, max_iterations)
+            with clock("minimise"):
+                result = _descend(problem, lower, factor, tolerance, max_iterations)
             _count(point, result)
         point.state = result.state
         point.energy = problem.energy(point.state)
@@ -137,13 +139,15 @@ def find_minimum(
 
     follow(start)
     while np.isfinite(point.gradient_norm):
-        data = clock("certificate", problem.hessian, point.state, 0.0)
-        point.definite = clock("certificate", is_definite_on_support, problem, point.state, data, factor)
+        with clock("certificate"):
+            data = problem.hessian(point.state, 0.0)
+            point.definite = is_definite_on_support(problem, point.state, data, factor)
         point.factorisations += 1
         if not point.converged or point.definite:
             break
         modes = problem.rigid_modes(point.state)
-        point.lowest = clock("eigenvalue", smallest_eigenvalue, problem.pattern, data, factor, modes)
+        with clock("eigenvalue"):
+            point.lowest = smallest_eigenvalue(problem.pattern, data, factor, modes)
         point.factorisations += point.lowest.factorisations
         if point.lowest.value >= -point.lowest.error or point.saddles_left == max_saddles:
             break
@@ -152,7 +156,8 @@ def find_minimum(
         follow(perturbed)
         if max_iterations and not (point.converged and point.energy <= saddle_energy):
             # the iteration climbed back to a higher energy: minimise from the perturbed state instead
-            result = clock("minimise", _descend, problem, perturbed, factor, tolerance, max_iterations)
+            with clock("minimise"):
+                result = _descend(problem, perturbed, factor, tolerance, max_iterations)
             _count(point, result)
             point.state, point.energy, point.gradient_norm = result.state, result.energy, result.gradient_norm
         point.saddles_left += 1

@@ -114,7 +114,8 @@ def minimise(
     history: list[Iteration] = []
     energy = problem.energy(state)
     first_energy = abs(energy)
-    gradient = clock("gradient", problem.gradient, state)
+    with clock("gradient"):
+        gradient = problem.gradient(state)
     norm = float(np.linalg.norm(gradient))
     regularisation = Regularisation(problem, factor, shift, clock, blend)
     step = 0.0
@@ -137,14 +138,14 @@ def minimise(
         direction = regularisation.direction(state, gradient)
         path, longest = problem.path(state, direction)
         slope = float(gradient @ direction)
-        accepted = clock(
-            "line search", _line_search, problem, path, energy, first_energy, slope, norm, min(1.0, longest)
-        )
+        with clock("line search"):
+            accepted = _line_search(problem, path, energy, first_energy, slope, norm, min(1.0, longest))
         if accepted is None:
             line_search_failed = not regularisation.increase()
             continue
         state, energy, step = accepted
-        gradient = clock("gradient", problem.gradient, state)
+        with clock("gradient"):
+            gradient = problem.gradient(state)
         norm = float(np.linalg.norm(gradient))
         settled = regularisation.is_exact and step == 1.0 and -0.5 * slope <= small_decrease
         regularisation.decrease()

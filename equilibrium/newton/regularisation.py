@@ -57,7 +57,8 @@ class Regularisation:
         """
         if self._iterative and isinstance(self._problem, HasNearNullspace):
             self._iterative.set_near_nullspace(*self._problem.near_nullspace(state))
-        self._support = self._clock("support", self._problem.support, state)
+        with self._clock("support"):
+            self._support = self._problem.support(state)
         exact, convex = self._hessian(state, 0.0), None
         diagonal = self._problem.pattern.diagonal  # after the Hessian, which may change the pattern
         # absolute values, since under compression most diagonal entries can be negative
@@ -77,7 +78,8 @@ class Regularisation:
                     data[diagonal] += added * self.amount
             if self._factorise(data):
                 try:
-                    return -self._clock("solve", self._solve, gradient)
+                    with self._clock("solve"):
+                        return -self._solve(gradient)
                 except NotPositiveDefiniteError:
                     pass
             if not np.isfinite(data).all():
@@ -87,7 +89,8 @@ class Regularisation:
 
     def is_definite(self, state: AnyState) -> bool:
         """Whether the exact Hessian with the shift, on its support, is positive definite; one factorisation."""
-        self._support = self._clock("support", self._problem.support, state)
+        with self._clock("support"):
+            self._support = self._problem.support(state)
         accepted = self._factorise(self._hessian(state, 0.0))
         return accepted and (not self._iterative or self._iterative.proves_definite())
 
@@ -109,7 +112,8 @@ class Regularisation:
         return True
 
     def _hessian(self, state: AnyState, blend: float) -> Floats:
-        data = self._clock("hessian", self._problem.hessian, state, blend)
+        with self._clock("hessian"):
+            data = self._problem.hessian(state, blend)
         pattern = self._problem.pattern
         data[pattern.diagonal] += self._shift
         # rigid motions cost no energy: a support changes the step by a rigid motion, and only zeros of the inertia
@@ -129,4 +133,5 @@ class Regularisation:
 
     def _factorise(self, data: Floats) -> bool:
         self.factorisations += 1
-        return bool(self._clock("factorisation", self._factor.factorise, data))
+        with self._clock("factorisation"):
+            return bool(self._factor.factorise(data))

@@ -125,14 +125,18 @@ def mixed_newton(
         near = [each for each in known if np.abs(result.x - each).max() <= KNOWN_DISTANCE * extent]
         if near:
             result.x, known = near[0], ()
-        e = clock("strains", shell.strains, result.x)
+        with clock("strains"):
+            e = shell.strains(result.x)
         if near:
             result.strains = e
-        _, stress, stiffness = clock("law", shell.density, result.strains)
+        with clock("law"):
+            _, stress, stiffness = shell.density(result.strains)
         external = shell.external_gradient(result.x)
         predicted = stress + np.matmul(stiffness, (e - result.strains)[..., None])[..., 0]
         stress_of_x = predicted if shell.density.quadratic else shell.density(e)[1]
-        gradient = shell.restrict(clock("forces", shell.assembly.forces, result.x, predicted) + external)
+        with clock("forces"):
+            forces = shell.assembly.forces(result.x, predicted)
+        gradient = shell.restrict(forces + external)
         exact = (
             gradient
             if stress_of_x is predicted
@@ -150,20 +154,23 @@ def mixed_newton(
             or step_size > REUSE_STEP * extent
         ):
             if number == 0 or moved > MAX_MOVE_PER_SUPPORT * extent or not shell.is_rigid_invariant:
-                support, moved = clock("support", shell.support, result.x), 0.0
+                with clock("support"):
+                    support, moved = shell.support(result.x), 0.0
             accepted = matrix.factorise(
                 result.x, stiffness, stress, support, result.residual < MAX_RESIDUAL_RATIO * residual_before
             )
             result.factorisations, result.blended = matrix.factorisations, matrix.blended
             if not accepted:
                 return result
-        direction = -clock("solve", factor.solve, gradient)
+        with clock("solve"):
+            direction = -factor.solve(gradient)
         step = shell.move(np.zeros_like(result.x), direction)
         step_size = float(np.abs(step).max())
         length = MAX_STEP * extent / max(step_size, MAX_STEP * extent)
         step_size *= length
         moved += step_size
-        result.strains = e + length * clock("strains", shell.assembly.strain_changes, result.x, step)
+        with clock("strains"):
+            result.strains = e + length * shell.assembly.strain_changes(result.x, step)
         result.x = result.x + length * step
     result.strains = e
     return result
@@ -211,7 +218,8 @@ class Regularised:
                 (blend0, matrix0), (blend1, matrix1) = computed
                 return matrix0 + (blend - blend0) / (blend1 - blend0) * (matrix1 - matrix0)
             kept_stress = (1.0 - blend) * stress + blend * tensile_part(stress) if blend else stress
-            computed.append((blend, self._clock("tangent", self._shell.tangent, x, stiffness, kept_stress)))
+            with self._clock("tangent"):
+                computed.append((blend, self._shell.tangent(x, stiffness, kept_stress)))
             return computed[-1][1]
 
         if falls and self._blend and not self._shift and self._accepts(tangent(0.0), support):
@@ -235,4 +243,5 @@ class Regularised:
         held = data + self._shift * self._shell.mass_entries if self._shift else data.copy()
         stiffen(self._shell.pattern, held, support)
         self.factorisations += 1
-        return bool(self._clock("factorisation", self._factor.factorise, held))
+        with self._clock("factorisation"):
+            return bool(self._factor.factorise(held))

@@ -195,7 +195,8 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     cuts = arm_segments(design, edge_mm)
     each: list[dict[str, Any]] = []
     for segments, _ in cuts:
-        cell: UnitCell = clock("mesh and model", UnitCell, design, edge_mm, (1, 1), segments)
+        with clock("mesh and model"):
+            cell = UnitCell(design, edge_mm, (1, 1), segments)
         response: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
         try:
             _measure(clock, cell, angles, response)
@@ -233,12 +234,13 @@ def _apart(each: list[dict[str, Any]], spacing: float) -> float | None:
 
 
 def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
-    flat: FlatCell
-    flat, other = clock("flat", relax_flat_cell, cell)
+    with clock("flat"):
+        flat, other = relax_flat_cell(cell)
     response["rest_metric"] = flat.deformation @ flat.deformation
     response["lam"] = flat.stretch
     response["bump_mm"] = float(flat.bump[0])
-    linear: EffectiveStiffness = clock("stiffness", effective_stiffness, cell, flat)
+    with clock("stiffness"):
+        linear = effective_stiffness(cell, flat)
     response["stiffness"], response["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
     response["moment"], response["rest_curvature"] = linear.moment, linear.rest_curvature
     response["anisotropy"] = max(
@@ -246,7 +248,8 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
     )
     response["centre_offset_mm"] = -mean_height(cell, flat.state)
     response["iterations"] = flat.iterations
-    own: CellStability = clock("stability", cell_stability, cell, flat.state)
+    with clock("stability"):
+        own = cell_stability(cell, flat.state)
     response["eigenvalue"], response["supercell_eigenvalue"] = own.cell, own.supercell
     if other is not None:
         response["down_energy"] = other.energy - flat.energy
@@ -255,7 +258,8 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
     threefold = is_threefold(cell.design.lattice)
     alike = sx == sy and threefold  # else the next direction's natural tube may be another form
     for angle in angles:
-        curves.append(clock("tubes", trace_tubes, cell, flat, angle, curves[-1] if alike and curves else None))
+        with clock("tubes"):
+            curves.append(trace_tubes(cell, flat, angle, curves[-1] if alike and curves else None))
         response["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     response |= _bending(flat, curves, threefold)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
@@ -263,9 +267,11 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
     between = response["centre_offset_mm"] + part * (offsets - response["centre_offset_mm"])
     response["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
-    response["natural_membrane"] = np.array([clock("stiffness", tube_membrane_stiffness, cell, tube) for tube in ends])
+    with clock("stiffness"):
+        response["natural_membrane"] = np.array([tube_membrane_stiffness(cell, tube) for tube in ends])
     response["relief"] = _relief(cell, flat, ends)
-    lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
+    with clock("stability"):
+        lowest = [_tube_stability(cell, tube) for tube in ends]
     response["natural_eigenvalue"] = np.array([one.cell for one in lowest])
     response["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
 

@@ -63,11 +63,13 @@ def error_sources(state: AnyPreviewState, shape: Shape, up: Floats, clock: Clock
     equilibrium, layout, shell = state.equilibrium, state.layout, state.shell
     across, heights, shares = diameter(shape.positions), None, np.zeros(len(STIFFNESSES))
     if equilibrium.is_minimum:
-        moves = clock("expected error", stiffness_responses, shell, equilibrium.x, state.factor)
+        with clock("expected error"):
+            moves = stiffness_responses(shell, equilibrium.x, state.factor)
         shares = 100.0 / across * rms_of(shell, equilibrium.x, moves)
         # supports that let the sheet tilt leave open what counts as its height, unless weight decides
         if state.design.gravity.on or not layout.pins or not count_free_tilts(layout):
-            heights = clock("expected height", height_doubts, state, shape, up, moves)
+            with clock("expected height"):
+                heights = height_doubts(state, shape, up, moves)
     ratio = np.inf
     if state.is_supported:
         means = mean_fields(shell)
