@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 if not (Path(__file__).parent / "fem").is_dir():
     __path__.append(str(Path(__file__).parents[1]))
 
-from asterism.process.collection import no_collection
 from asterism.process.version import __version__
 
 if TYPE_CHECKING:
@@ -160,5 +159,4 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     module, attribute = _HOMES[name]
-    with no_collection():
-        return getattr(import_module(module), attribute)
+    return getattr(import_module(module), attribute)

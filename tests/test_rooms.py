@@ -17,8 +17,8 @@ ORDER: dict[str, list[list[str]]] = {
     "asterism": [
         ["process"],
         ["results"],
-        ["shape"],
         ["draw"],
+        ["shape"],
         ["exact", "previews"],
         ["laws"],
         ["verification"],

@@ -100,8 +100,7 @@ def fit(
     from asterism.pattern.design.files import table_text
     from asterism.print.profiles import load_printer
     from asterism.reports.fit_files import write_fit
-    from asterism.results.files import write_file
-    from asterism.results.output_check import check_writable
+    from asterism.results.files import check_writable, write_file
 
     file = output or target.with_suffix(".toml")
     if file.suffix != ".toml":

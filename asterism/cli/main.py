@@ -6,14 +6,16 @@ imported only after the handler of Ctrl-C is installed.
 
 from __future__ import annotations
 
+import atexit
 import errno
+import gc
 import os
 import re
+import signal
 import sys
+from types import FrameType
 
 from asterism.cli.common.stop import stop
-from asterism.process import interruption
-from asterism.process.collection import late_collection
 
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -30,22 +32,36 @@ PARSER_WORDS = {
 
 def main() -> None:
     """Run the command line; exits with 0 (done), 1 (no result), 2 (wrong input) or 130 (interrupted)."""
+    arrived: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        arrived.append(number)
+        raise KeyboardInterrupt
+
+    # The libraries make a million objects that stay. The collector would go through them while they are made, and once
+    # more at the end of Python. It begins in `Run.computing`.
+    gc.disable()
+    atexit.register(gc.freeze)
     try:
-        interruption.listen()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # a shell may start a background program with these signals ignored
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, interrupt)
         _print_all_names()
-        with late_collection():
-            status = _run()
+        status = _run()
     except KeyboardInterrupt:
         status = 130
-    except Exception:
-        if not interruption.arrived():
+    except Exception:  # a library that is interrupted while it loads may raise another error
+        if not arrived:
             raise
         status = 130
-    interruption.over()
+    finally:
+        gc.unfreeze()
+        gc.enable()
     if status == 130:
-        # if the interruption left code given as text, Python would end by a signal; running other code clears this
-        exec("")
-        stop(interruption.in_words(), 130)
+        # a second Ctrl-C would cause a traceback
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        stop("interrupted", 130)
     sys.exit(status)
 
 

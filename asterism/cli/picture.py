@@ -32,8 +32,7 @@ def picture(
 
     from asterism.cli.common.mistake import Mistake
     from asterism.draw.view_picture import check_picture, fitting_scale, view_image
-    from asterism.results.files import write_file
-    from asterism.results.output_check import check_writable
+    from asterism.results.files import check_writable, write_file
     from asterism.shape.read_shape import read_shape
 
     width, height = two_sizes(size, "--size")

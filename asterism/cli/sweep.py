@@ -46,7 +46,7 @@ def sweep(
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.homogenize.law.any_law import load_any_law
     from asterism.laws.replace_material import read_design
-    from asterism.results.output_check import check_folder
+    from asterism.results.files import check_folder
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.run import SweepProgressLine, check_model, sampled, sweep_design, sweep_parameters

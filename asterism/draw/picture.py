@@ -12,10 +12,10 @@ from PIL import Image
 
 from asterism.draw.canvas import PICTURE_DPI, Canvas
 from asterism.draw.colours import INK, PALE
+from asterism.draw.drawable import Drawable
 from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.equilibrium.arrays import Floats
 from asterism.results.words import distance_error
-from asterism.shape.shape import Shape
 
 # size of the picture, pixels
 PICTURE_WIDTH_PX = 2000
@@ -34,7 +34,7 @@ LETTER_WIDTH = 1.75
 MIN_SHOWN_ENERGY_N_MM = 1e-4
 
 
-def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_shape(shape: Drawable, title: str, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw a shape as PNG: a supported sheet as it stands, a free sheet turned to its principal axes.
 
     Parameters
@@ -61,7 +61,7 @@ def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None
     canvas.text(margin, canvas.height - 112, line, size=min(8.5, room / max(len(line), 1)), color=PALE)
 
 
-def shape_image(shape: Shape, title: str) -> Image.Image:
+def shape_image(shape: Drawable, title: str) -> Image.Image:
     """The picture of `draw_shape` as an image, for notebooks."""
     stream = BytesIO()
     draw_shape(shape, title, stream)
@@ -76,7 +76,7 @@ def small_png(image: Image.Image) -> bytes:
     return out.getvalue()
 
 
-def caption(shape: Shape) -> str:
+def caption(shape: Drawable) -> str:
     """One line of numbers, as far as the summary holds them."""
     summary: Mapping[str, Any] = shape.summary
     parts = [

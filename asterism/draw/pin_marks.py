@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from asterism.draw.drawable import Drawable
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.shape.diameter import diameter
-from asterism.shape.off_sheet import off_curves_mm
-from asterism.shape.shape import Shape
+from asterism.pattern.geometry.diameter import diameter
+from asterism.pattern.layout.off_sheet import off_curves_mm
 
 # radius of a ball over the diameter of the sheet
 BALL_RADIUS_FACTOR = 0.011
@@ -27,7 +27,7 @@ MIN_JOINT_ANGLE_RAD = 0.3
 Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangles (m, 3) with these to the outside
 
 
-def pin_marks(shape: Shape) -> Marks:
+def pin_marks(shape: Drawable) -> Marks:
     """The marks of a supported sheet; empty for a free sheet, and if the shape carries no layout."""
     plan = shape.layout if shape.held else None
     if plan is None or not plan.pins:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from asterism.draw.drawable import Drawable
 from asterism.draw.pin_marks import pin_marks
 from asterism.draw.raster import Raster, rasterise
 from asterism.draw.ribbons import ribbons
 from asterism.draw.shading import GLOSS_TABLE, HALFWAY, KEY_LIGHT, KEY_TABLE, shade
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.shape.shape import Shape
 
 # (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
 OBLIQUE = (-62.0, 30.0)
@@ -77,7 +77,7 @@ class Scene:
     mark_triangles: int = 0
 
 
-def scene(shape: Shape) -> Scene:
+def scene(shape: Drawable) -> Scene:
     """The triangles of a shape: the sheet, the arms as ribbons on its plastic side, and marks at its supports."""
     points, normals, strips = ribbons(shape)
     mark_points, mark_normals, marks = pin_marks(shape)
@@ -158,12 +158,13 @@ def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
     return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0
 
 
-def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:
+def bare(shape: Drawable, colour: Floats | Sequence[float]) -> Scene:
     """The sheet without arms and supports.
 
     Parameters
     ----------
     colour : (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
     """
-    thing = scene(replace(shape, rods=(), rod_fields={}, held=False))
-    return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))
+    normals = vertex_normals(shape.positions, shape.triangles)
+    colours = np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3))
+    return Scene(shape.positions, normals, shape.triangles, len(shape.triangles), colours=colours)

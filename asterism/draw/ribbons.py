@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.draw.drawable import Drawable
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.shape.shape import Shape
 
 # width of the arms of a shape without the rod field `width_mm`
 DEFAULT_WIDTH_MM = 1.2
 
 
-def ribbons(shape: Shape) -> tuple[Floats, Floats, Ints]:
+def ribbons(shape: Drawable) -> tuple[Floats, Floats, Ints]:
     """Build strips of triangles along the arms, tangent to the sheet.
 
     Returns
@@ -48,7 +48,7 @@ def ribbons(shape: Shape) -> tuple[Floats, Floats, Ints]:
     return points, np.concatenate([normals, normals]), triangles
 
 
-def _at_points(shape: Shape, name: str, default: float, begin: Ints, count: int) -> Floats:
+def _at_points(shape: Drawable, name: str, default: float, begin: Ints, count: int) -> Floats:
     """(P,) a field of the rod edges at the points of the rods: the mean of the adjacent edges."""
     values = np.asarray(shape.rod_fields.get(name, np.full(len(begin), default)), dtype=float)
     ends = np.concatenate([begin, begin + 1])

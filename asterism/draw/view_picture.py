@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image
 
 from asterism.draw.canvas import Canvas
+from asterism.draw.drawable import Drawable
 from asterism.draw.picture import (
     CAPTION_HEIGHT_PX,
     PICTURE_MARGIN_PX,
@@ -18,7 +19,6 @@ from asterism.draw.picture import (
 )
 from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, camera, render, scene
 from asterism.equilibrium.arrays import Floats
-from asterism.shape.shape import Shape
 
 View = Literal["oblique", "above", "front", "side"]
 # smallest and largest number of pixels of each side
@@ -28,7 +28,7 @@ _BAR_HEIGHT_PX = 100
 
 
 def view_image(
-    shape: Shape,
+    shape: Drawable,
     view: View = "oblique",
     size_px: tuple[int, int] = (1600, 1000),
     pixels_per_mm: float | None = None,
@@ -66,7 +66,7 @@ def view_image(
 
 
 def fitting_scale(
-    shapes: Sequence[Shape], view: View, size_px: tuple[int, int] = (1600, 1000), plain: bool = False
+    shapes: Sequence[Drawable], view: View, size_px: tuple[int, int] = (1600, 1000), plain: bool = False
 ) -> float:
     """The largest scale, in pixels per mm, at which each of several shapes fits a picture of `view_image`."""
     room = np.subtract(*_room(view, size_px, plain)[::-1])
@@ -88,7 +88,7 @@ def check_picture(view: str, size_px: tuple[int, int], pixels_per_mm: float | No
         raise ValueError(f"scale must be from 0.01 to 1000 pixels per mm, not {pixels_per_mm:g}")
 
 
-def _camera(shape: Shape, view: View) -> Camera:
+def _camera(shape: Drawable, view: View) -> Camera:
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     if view == "oblique":
         distance = VIEWER_DISTANCE * float(np.linalg.norm(high - low))

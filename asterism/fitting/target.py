@@ -17,8 +17,8 @@ from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
 from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
-from asterism.shape.diameter import diameter
 from asterism.shape.self_intersections import self_intersections
 
 # a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature

@@ -21,8 +21,7 @@ from asterism.laws.law_text import law_lines
 from asterism.pattern.design.errors import DesignError
 from asterism.process.count_line import CountLine
 from asterism.process.version import __version__
-from asterism.results.files import OutputError, write_file
-from asterism.results.output_check import check_folder, check_writable
+from asterism.results.files import OutputError, check_folder, check_writable, write_file
 
 
 def samples_folder(law: Path) -> Path:

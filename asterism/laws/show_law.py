@@ -16,8 +16,7 @@ from asterism.laws.motif_law_picture import draw_motif_law
 from asterism.laws.motif_law_record import motif_cells_csv, motif_law_record
 from asterism.laws.motif_law_text import motif_law_doubts, motif_law_lines
 from asterism.previews.law_warnings import held_out_warning
-from asterism.results.files import staged_result
-from asterism.results.output_check import check_writable
+from asterism.results.files import check_writable, staged_result
 
 
 def show_law(path: Path | None, output: Path | None) -> list[str]:

@@ -15,6 +15,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.arm_pieces import ArmPiece, arm_pieces
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
@@ -27,7 +28,6 @@ from asterism.print.rod_pieces import RodPiece, rod_pieces
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
-from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 
 # sides of check squares, the preferred first

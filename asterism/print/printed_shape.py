@@ -10,15 +10,15 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import free_motions
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.print.job import Job
 from asterism.process.listeners import Say
 from asterism.results.records.export import ShapeChangeRecord
-from asterism.shape.diameter import diameter
-from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 
 

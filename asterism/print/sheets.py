@@ -7,6 +7,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import dense_outline
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline, cross_mark, offset_points, rectangle
 from asterism.print.formats.needle_table import fixed_point
 from asterism.print.job import Job
@@ -28,7 +29,6 @@ from asterism.print.layers import (
 from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.print.sheet_page import DrawingItems, sheet_page
 from asterism.print.solid import Terrace
-from asterism.shape.off_sheet import off_sheet_mm
 
 # rows of the table of needles
 _MAX_TABLE_ROWS = 40

@@ -1,1 +1,1 @@
-"""The running process: interruption and compile time."""
+"""The running process: progress and compile time."""

@@ -37,7 +37,7 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
     announced: set[str] = set()
 
     class Listener(event.Listener):
-        """numba calls `on_start` before it compiles a function, and `on_end` after."""
+        """numba calls `on_start` before it compiles a function."""
 
         def on_start(self, event: Any) -> None:
             package = event.data["dispatcher"].py_func.__module__.split(".")[1]
@@ -60,29 +60,19 @@ def signs_while_compiling(say: Callable[[str], None], every_s: float) -> Iterato
     """
     from numba.core import event
 
-    under_way: list[Any] = []
     is_over = threading.Event()
-
-    class Listener(event.Listener):
-        """numba calls `on_start` before it compiles a function, and `on_end` after."""
-
-        def on_start(self, event: Any) -> None:
-            under_way.append(event)
-
-        def on_end(self, event: Any) -> None:
-            under_way.pop()
 
     def watch() -> None:
         while not is_over.wait(every_s):
-            if under_way:
+            if sum(1 if each.is_start else -1 for _, each in list(recorded.buffer)) > 0:
                 say(f"compiling, {how_often()}")
 
-    threading.Thread(target=watch, daemon=True).start()
-    try:
-        with event.install_listener("numba:compile", Listener()):
+    with event.install_recorder("numba:compile") as recorded:
+        threading.Thread(target=watch, daemon=True).start()
+        try:
             yield
-    finally:
-        is_over.set()
+        finally:
+            is_over.set()
 
 
 @contextmanager

@@ -8,8 +8,6 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
-from asterism.process import interruption
-
 
 class CountLine:
     """How many are done.
@@ -47,7 +45,6 @@ class CountLine:
 
     def show(self, done: int, total: int, failed: int, seconds_left: float | None) -> None:
         """Show the progress."""
-        interruption.check()
         text = f"  {done} of {total} {self._noun}"
         if failed:
             text += f", {failed} without an answer"

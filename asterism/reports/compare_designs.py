@@ -25,8 +25,7 @@ from asterism.print.profiles import load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
 from asterism.reports.compared_numbers import ComparedDesign, ComparedNumber, compared_numbers, differing_entries
 from asterism.reports.html import figures, html_page, html_table, warnings_box
-from asterism.results.files import OutputError, write_file
-from asterism.results.output_check import check_writable
+from asterism.results.files import OutputError, check_writable, write_file
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 

@@ -17,8 +17,7 @@ from asterism.print.printer import Printer
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.reports.design_page import write_design_page
 from asterism.reports.facts import design_facts
-from asterism.results.files import OutputError, staged
-from asterism.results.output_check import check_writable
+from asterism.results.files import OutputError, check_writable, staged
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 

@@ -261,8 +261,7 @@ def _agreement(s: Mapping[str, Any]) -> str:
 
 def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
     names = {
-        "preview_s": "preview, the first time",
-        "preview_again_s": "preview, again",
+        "preview_s": "preview",
         "exact_s": "exact model, " + START_NAMES[RELEASE],
         "exact_from_preview_s": "exact model, " + START_NAMES[PREVIEW],
     }

@@ -1,21 +1,17 @@
-"""Writes result files so that they appear complete or not at all."""
+"""Files of results: each is written beside its place first, so that nobody finds half a file."""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
 import re
-import secrets
-import shutil
-import signal
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
+from tempfile import TemporaryDirectory, TemporaryFile
 
 from asterism.equilibrium.errors import Error
-from asterism.process import interruption
 
 # The summary is written last: a folder with it holds all files of the same run.
 SUMMARY_FILE = "summary.json"
@@ -50,6 +46,7 @@ SYSTEM_ERRORS = {
     errno.EISDIR: "a folder is in the way",
     errno.ENAMETOOLONG: "the name is too long",
 }
+_UNFINISHED = ".asterism-"
 
 
 class OutputError(Error):
@@ -58,15 +55,15 @@ class OutputError(Error):
 
 @contextmanager
 def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
-    """Collect files in a hidden folder, and move them into `directory` together at the end.
+    """Collect files in a hidden folder, and move them into `directory` at the end.
 
-    The folder lies on the same disk as `directory`, which is made if it is missing. If the block ends with an exception
-    or an interruption, the folder is removed, and earlier results in `directory` remain unchanged.
+    The directory is made if it is missing. If the block ends with an exception or an interruption, earlier results in
+    `directory` remain unchanged.
 
     Parameters
     ----------
     stale : regular expression for whole names of files of this kind of result. Earlier files with such a name that are
-        not written again are removed in the same step.
+        not written again are removed.
 
     Yields
     ------
@@ -87,28 +84,18 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     ['summary.json']
     """
     directory = Path(directory)
-    staging: Path | None = None
-    made: list[Path] = []
-    try:
-        # an existing directory is on its own disk; a missing one appears by a single renaming
-        check_no_dangling_link(directory)
-        beside = directory if directory.exists() else directory.parent
-        made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
-        staging = beside / f".asterism-{secrets.token_hex(4)}"
-        staging.mkdir(parents=True)
-        yield staging
-        with _signals_held():
-            _publish(staging, directory, stale)
-            interruption.written()
-    except OSError as error:
-        raise OutputError(failure_in_words(error, directory)) from error
-    finally:
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
-        for parent in made:
-            # folders with results are not empty, so that rmdir keeps them
-            with suppress(OSError):
-                parent.rmdir()
+    with _made(directory), TemporaryDirectory(prefix=_UNFINISHED, dir=directory) as folder:
+        yield Path(folder)
+        names = sorted(os.listdir(folder), key=lambda name: (name == SUMMARY_FILE, name))
+        for name in names:
+            _check_no_folder(directory / name)
+            with open(Path(folder, name), "rb+") as stream:
+                os.fsync(stream.fileno())  # some file systems report a full disk at this point only
+        for name in names:
+            os.replace(Path(folder, name), directory / name)
+        for file in list(directory.iterdir()):
+            if stale and re.fullmatch(stale, file.name) and file.name not in names and file.is_file():
+                file.unlink()
 
 
 @contextmanager
@@ -126,104 +113,73 @@ def staged_result(directory: str | Path) -> Iterator[Path]:
         yield folder
 
 
+def write_file(path: str | Path, content: str | bytes) -> None:
+    """Write one file, complete or not at all; text in UTF-8."""
+    with staged(Path(path).parent) as folder:
+        (folder / Path(path).name).write_bytes(content.encode() if isinstance(content, str) else content)
+
+
 def holds_result(directory: str | Path) -> bool:
     """Whether a directory holds a finished result."""
     return (Path(directory) / SUMMARY_FILE).is_file()
 
 
-def check_no_dangling_link(path: Path) -> None:
-    """Raise OutputError if a path is a link whose target does not exist: writing would replace the link."""
-    with suppress(OSError):  # of a name that is too long: an error when writing names the reason
-        if not path.is_symlink() or path.exists():
-            return
-        raise OutputError(failure_in_words(FileExistsError(errno.EEXIST, "a link to nothing", str(path)), path.parent))
+def check_folder(directory: str | Path) -> None:
+    """Raise OutputError if a folder cannot be made or written to; leaves no trace."""
+    with _made(Path(directory)), TemporaryFile(prefix=_UNFINISHED, dir=directory):
+        pass
 
 
-def write_file(path: str | Path, content: str | bytes) -> None:
-    """Write one file, complete or not at all; text in UTF-8."""
-    path = Path(path)
-    check_no_dangling_link(path)
-    with staged(path.parent) as folder:
-        (folder / path.name).write_bytes(content.encode() if isinstance(content, str) else content)
+def check_writable(directory: str | Path, *names: str) -> None:
+    """Raise OutputError if files cannot be written into `directory`; leaves no trace.
+
+    Parameters
+    ----------
+    names : of the files; without one, summary.json and all files that may stand beside it. Those of another program
+        are not replaced.
+    """
+    directory = Path(directory)
+    check_folder(directory)
+    inside = sorted(os.listdir(directory)) if directory.exists() else []
+    there = [name for name in inside if name == SUMMARY_FILE or re.fullmatch(SUMMARY_COMPANIONS, name)]
+    with _made(directory):
+        for name in names or there:
+            _check_no_folder(directory / name)
+    if not names and there and not _is_ours(directory):
+        raise OutputError(f"{directory / there[0]} was not written by asterism; choose another folder with -o")
 
 
-def _publish(staging: Path, directory: Path, stale: str | None) -> None:
-    """Move all files of `staging` into `directory` and remove stale files there, or leave all as it was."""
-    names = sorted((file.name for file in staging.iterdir()), key=lambda name: (name == SUMMARY_FILE, name))
-    for name in names:
-        _flush(staging / name)
-    if not directory.exists():
-        os.rename(staging, directory)
-        return
-    previous = staging / ".previous"
-    previous.mkdir()
-    for name in names:
-        if (directory / name).is_dir():
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(directory / name))
-        if (directory / name).exists():
-            _keep(directory / name, previous / name)
-    stale_files = [
-        file.name for file in directory.iterdir() if stale and re.fullmatch(stale, file.name) and file.is_file()
-    ]
-    moved: list[str] = []
+def _is_ours(directory: Path) -> bool:
+    """Whether a folder holds a result or an export: summaries have the key `version` or, for laws, `digest`."""
+    if not holds_result(directory):
+        return (directory / EXPORT_SUMMARY_FILE).is_file()
     try:
-        for name in sorted(set(stale_files) - set(names)):
-            os.replace(directory / name, previous / name)
-        for name in names:
-            moved.append(name)
-            os.replace(staging / name, directory / name)
-    except BaseException:
-        for kept in list(previous.iterdir()):
-            if kept.name in moved or not (directory / kept.name).exists():
-                os.replace(kept, directory / kept.name)
-                moved = [name for name in moved if name != kept.name]
-        for name in moved:
-            if not (staging / name).exists():
-                (directory / name).unlink(missing_ok=True)
-        raise
+        summary = json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(summary, dict) and bool({"version", "digest"} & summary.keys())
 
 
-def _keep(file: Path, copy: Path) -> None:
-    """Make a hard link to a file, or a copy if the disk has no links."""
-    try:
-        os.link(file, copy)
-    except OSError:
-        shutil.copy2(file, copy)
-
-
-def _flush(file: Path) -> None:
-    """Write a file to the disk: some file systems report a full disk at this point only."""
-    with open(file, "rb+") as stream:
-        os.fsync(stream.fileno())
+def _check_no_folder(file: Path) -> None:
+    with suppress(FileNotFoundError):
+        file.stat()  # of a name that is too long: the error names it
+    if file.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(file))
 
 
 @contextmanager
-def _signals_held() -> Iterator[None]:
-    """Deliver Ctrl-C and termination signals after the block, which takes milliseconds and must be complete."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    arrived: list[int] = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        arrived.append(number)
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+def _made(directory: Path) -> Iterator[None]:
+    """A folder for the block, in which an OSError becomes an OutputError; folders that stay empty go again."""
+    made: list[Path] = []
     try:
+        made = [folder for folder in (directory, *directory.parents) if not folder.exists()]
+        directory.mkdir(parents=True, exist_ok=True)
         yield
+    except OSError as error:
+        where = directory if error.filename is None or _UNFINISHED in str(error.filename) else error.filename
+        reason = SYSTEM_ERRORS.get(error.errno or 0, (error.strerror or str(error)).lower())
+        raise OutputError(f"cannot write {where}: {reason}") from error
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        for held in arrived:
-            signal.raise_signal(held)
-
-
-def failure_in_words(error: OSError, directory: Path) -> str:
-    """The file that cannot be written, and the reason."""
-    where = Path(error.filename or directory)
-    for number, part in enumerate(where.parts):
-        if part.startswith(".asterism-"):
-            where = directory.joinpath(*where.parts[number + 1 :])
-            break
-    reason = SYSTEM_ERRORS.get(error.errno or 0, (error.strerror or str(error)).lower())
-    return f"cannot write {where}: {reason}"
+        for folder in made:
+            with suppress(OSError):  # a folder with results is not empty
+                folder.rmdir()

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.layout import Layout
-from asterism.shape.diameter import diameter
-from asterism.shape.off_sheet import off_curves_mm
+from asterism.pattern.layout.off_sheet import off_curves_mm
 from asterism.shape.shape import Shape
 
 # assumed order of convergence in the edge length if only two meshes are available: the stress is singular at the tips

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from asterism.pattern.layout.layout import Layout
-from asterism.shape.off_sheet import off_sheet_mm
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 
 

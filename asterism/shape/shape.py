@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib import import_module
 from io import BytesIO
 from typing import TYPE_CHECKING
 
@@ -26,6 +25,8 @@ from asterism.shape.surface_fields import surface_triangle_areas
 
 if TYPE_CHECKING:
     from PIL import Image
+
+    from asterism.draw.view_picture import View
 
 
 @dataclass(frozen=True)
@@ -134,21 +135,22 @@ class Shape:
 
     def picture(
         self,
-        view: str = "oblique",
+        view: View = "oblique",
         size_px: tuple[int, int] = (1600, 1000),
         pixels_per_mm: float | None = None,
         plain: bool = False,
     ) -> Image.Image:
         """One view of the sheet as an image; parameters and errors as of `asterism.draw.view_picture.view_image`."""
-        # the room of drawings stands on this one, and its imports take time
-        drawing = import_module("asterism.draw.view_picture")
-        image: Image.Image = drawing.view_image(self, view, size_px, pixels_per_mm, plain, self._name)
-        return image
+        from asterism.draw.view_picture import view_image  # takes time, which most shapes do without
+
+        return view_image(self, view, size_px, pixels_per_mm, plain, self._name)
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows: the picture of `shape.png`."""
+        from asterism.draw.picture import draw_shape
+
         stream = BytesIO()
-        import_module("asterism.draw.picture").draw_shape(self, self._name, stream)
+        draw_shape(self, self._name, stream)
         return stream.getvalue()
 
     @property

@@ -18,7 +18,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.reports.verification_files import write_verification
 from asterism.reports.write_results import write_results
-from asterism.results.output_check import check_writable
+from asterism.results.files import check_writable
 from asterism.studio.engine_problem import engine_problem
 from asterism.studio.job_messages import VERIFIED, Computed, JobProgress, Verified
 from asterism.studio.rest_summary import exact_summary

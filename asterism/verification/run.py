@@ -14,7 +14,6 @@ from asterism.homogenize.law.any_law import AnyLaw
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.kept_prints import forget_prints
 from asterism.previews.kinds import kind_of
 from asterism.previews.mesh_law import law_of_exact_mesh
 from asterism.previews.run import preview
@@ -35,8 +34,6 @@ from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import verification_warnings
 
-# a preview that takes longer is announced before it is computed again
-MAX_UNANNOUNCED_S = 2.0
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")
 
@@ -65,7 +62,7 @@ def verify(
     released, near : exact shapes from the flat print and from the preview, if they are available already.
     shown : function that computes the shape to compare, instead of `preview`.
     command : command line, for the report.
-    ready : a preview of this design, if it is available already. It is not computed and timed again.
+    ready : a preview of this design, if it is available already. It is not computed again.
     progress : called with the name of a stage, the number of completed steps, and the number of all steps. The stages
         are those of `STAGES`, in this order.
 
@@ -107,12 +104,8 @@ def verify(
             counted.finish()
             return shape
 
-        quick, cold_s = _timed(clock, make, layout_s, ready)
-        if ready is None and cold_s > MAX_UNANNOUNCED_S:
-            tell(f"preview done in {cold_s:.2f} s; once more, to see how long it takes with everything loaded")
-        forget_prints()  # the speed of a preview counts with its mesh
-        warm_s = cold_s if ready is not None else _timed(clock, make, layout_s)[1]
-        tell(f"preview done in {cold_s:.2f} s, again in {warm_s:.3f} s")
+        quick, preview_s = _timed(clock, make, layout_s, ready)
+        tell(f"preview done in {preview_s:.2f} s")
         step(STAGES[0], 1, 1)
         if released is None:
             tell("exact model, released from the flat print")
@@ -128,12 +121,7 @@ def verify(
     comparisons = {RELEASE: by_release, PREVIEW: compare_shapes(near, quick, plan, same, pull, by_release.mean)}
     verification = Verification(design, quick, exact, comparisons)
     agree, between = same_minimum(released, near, plan, same, pull, by_release.mean)
-    seconds = {
-        "preview_s": cold_s,
-        "preview_again_s": warm_s,
-        "exact_s": exact_s,
-        "exact_from_preview_s": near_s,
-    }
+    seconds = {"preview_s": preview_s, "exact_s": exact_s, "exact_from_preview_s": near_s}
     limit = None
     if isinstance(law, Law) and isinstance(on_mesh, Law) and not shown and is_on_exact_mesh(quick, on_mesh, design):
         limit = mesh_limit(design, law, quick, plan)
@@ -169,8 +157,7 @@ def _summary(
             "model": VERIFICATION_MODEL,
             **numbers(verification.comparison),
             "same_branch": form,
-            "speedup": seconds["exact_s"] / seconds["preview_again_s"],
-            "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
+            "speedup": seconds["exact_s"] / seconds["preview_s"],
             **seconds,
             "mesh_error_percent": mesh_error,
             "mesh_error_from": mesh_error_from,

@@ -26,7 +26,6 @@ from asterism.homogenize.cell.cell_mesh import star_size
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.effective_stiffness import (
     CellStability,
-    EffectiveStiffness,
     cell_stability,
     distance_from_isotropy,
     effective_stiffness,

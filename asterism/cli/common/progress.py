@@ -11,8 +11,6 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
-from asterism.process import interruption
-
 if TYPE_CHECKING:
     # it loads numpy and scipy, which takes part of the time that this module shows
     from asterism.equilibrium.newton.minimise import Iteration
@@ -72,14 +70,12 @@ class Progress:
 
     def say(self, text: str) -> None:
         """Print a line."""
-        interruption.check()
         with self._lock:
             self._finish()
             self._write(text + "\n")
 
     def report(self, stage: str, iteration: Iteration) -> None:
         """Show an iteration; `stage` describes the stage, such as the released part of the stretch."""
-        interruption.check()
         with self._lock:
             self._show(stage, iteration)
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asterism.results.files import SUMMARY_FILE
-from asterism.results.output_check import check_kept, check_writable
+from asterism.results.files import SUMMARY_FILE, OutputError, check_writable
 
 
 def results_folder(design: Path, output: Path | None, default: Path, *names: str) -> Path:
@@ -21,6 +20,8 @@ def results_folder(design: Path, output: Path | None, default: Path, *names: str
         The folder cannot be written to, holds files of another origin, or the results would replace the design.
     """
     directory = output or default
-    check_kept(design, directory, *(names or (SUMMARY_FILE,)))
     check_writable(directory, *names)
+    written = [directory / name for name in names or (SUMMARY_FILE,)]
+    if any(file.exists() and file.samefile(design) for file in written):
+        raise OutputError(f"--output: {str(directory)!r} is where {design.name} is and stays; choose another name")
     return directory

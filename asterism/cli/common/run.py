@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import inspect
 import io
 import sys
@@ -16,7 +17,6 @@ import typer
 from asterism.cli.common.design_errors import with_design_file
 from asterism.cli.common.progress import Progress
 from asterism.equilibrium.errors import Error
-from asterism.process.collection import libraries_are_loaded
 
 if TYPE_CHECKING:
     from asterism.equilibrium.newton.minimise import Iteration
@@ -69,7 +69,7 @@ class Run:
         from asterism.cli.common.compile_ahead import compiling_ahead
         from asterism.process.compiling import announce_compiling
 
-        libraries_are_loaded()
+        _collect_from_here()
         with compiling_ahead(compile_ahead), announce_compiling(self.say):
             try:
                 yield
@@ -79,7 +79,7 @@ class Run:
     def hand_over(self) -> TextIO:
         """The stream of progress, for a computation that shows its progress itself."""
         self.progress.end()
-        libraries_are_loaded()
+        _collect_from_here()
         return self.stream
 
     def cost(self, cost: Cost) -> None:
@@ -125,6 +125,12 @@ class Run:
         """Print warnings on standard error, one a line."""
         for line in lines:
             print(f"asterism: {line}", file=sys.stderr)
+
+
+def _collect_from_here() -> None:
+    """Collect reference cycles, as long computations need it, but not among the objects of the loaded libraries."""
+    gc.freeze()
+    gc.enable()
 
 
 def command(function: Callable[..., int | None]) -> Callable[..., int]:

@@ -16,9 +16,9 @@ from asterism.measure.compare.scan_comparison import ScanComparison, compare_sca
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
 from asterism.pattern.design.errors import one_line
+from asterism.pattern.geometry.diameter import diameter
 from asterism.process.version import __version__
-from asterism.results.files import SUMMARY_FILE, OutputError, holds_result, staged_result
-from asterism.results.output_check import check_writable
+from asterism.results.files import SUMMARY_FILE, OutputError, check_writable, holds_result, staged_result
 from asterism.results.records.comparison import (
     NO_FIT_PERCENT,
     ComparisonRecord,
@@ -26,7 +26,6 @@ from asterism.results.records.comparison import (
     OutlineDistancesRecord,
     ScanComparisonRecord,
 )
-from asterism.shape.diameter import diameter
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
 

@@ -12,8 +12,8 @@ from asterism.measure.compare.fitted_size import FittedSize, fitted_size
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import SPREAD, Pose, distinct_poses, register
 from asterism.measure.compare.scan import Scan
+from asterism.pattern.geometry.diameter import diameter
 from asterism.results.records.comparison import ScanDistancesRecord
-from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 

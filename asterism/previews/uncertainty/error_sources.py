@@ -10,12 +10,12 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.fem.search.linear_response import STIFFNESSES, rms_of, stiffness_responses
 from asterism.fem.search.mean_fields import mean_fields
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import count_free_tilts
 from asterism.previews.search.near_zero_modes import amplitudes_percent
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.uncertainty.height_doubts import HeightDoubts, height_doubts
 from asterism.previews.uncertainty.other_forms import OtherForm, other_forms
-from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 
 

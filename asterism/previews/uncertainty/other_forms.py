@@ -13,10 +13,10 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.evidence import Trial
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from asterism.previews.state import AnyPreviewState
-from asterism.shape.diameter import diameter
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
 MIN_STARS = 3

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.print.formats.registry import export_format
 from asterism.print.needles import NEEDLE_SPACING_MM, needles
-from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 
 # needles end so far below the lowest point of the sheet

@@ -14,11 +14,11 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rhino_model import RHINO_NEEDED
 from asterism.pattern.geometry.planar import dense_outline
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
 from asterism.print.layers import CUT, NEEDLES, STARS
 from asterism.print.needles import HOLE_DIAMETER_MM
-from asterism.shape.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 
 # version of the file: Rhino 7 and later read it

@@ -183,18 +183,16 @@ class VerificationRecord(DifferenceRecord):
         show=_same_form,
     )
     speedup: float = key(
-        "Time of the exact model over that of a repeated preview.",
+        "Time of the exact model over that of the preview.",
         label="speed-up",
         show=lambda record: times(record.speedup),
     )
-    speedup_cold: float = key("Time of the exact model over that of the first preview.")
     preview_s: float = key(
-        "Time of the first preview with its layout, without compilation.",
+        "Time of the preview with its layout, without compilation.",
         unit="s",
         label="seconds",
-        show="preview {preview_s:.2f}, again {preview_again_s:.3f}; exact {exact_s:.1f}",
+        show="preview {preview_s:.2f}; exact {exact_s:.1f}",
     )
-    preview_again_s: float = key("Time of a second preview with its layout and mesh, with everything loaded.", unit="s")
     exact_s: float = key("Time of the exact model from the flat print, with its layout.", unit="s")
     exact_from_preview_s: float = key(
         "Time of the exact model from the preview, with its layout, on the meshes of the other start.", unit="s"

@@ -12,8 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from asterism.process import interruption
-from tests.asterism.commands import SIGN_OF_LIFE, command, handlers_kept
+from tests.asterism.commands import SIGN_OF_LIFE, command
 
 SMALL = """
 [stars]
@@ -170,20 +169,6 @@ def test_a_link_to_nothing_is_refused_before_anything_is_computed(
     assert refused.status == 2 and refused.line == "asterism: cannot write link: a file is in the way"
 
 
-@pytest.mark.parametrize("words", [["new", "star"], ["fit", "t.obj"], ["report", "d.toml"]], ids=lambda words: words[0])
-def test_a_link_to_nothing_is_not_replaced_by_a_file(
-    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
-    (tmp_path / "t.obj").write_text("v 0 0 0\nv 60 0 0\nv 60 60 9\nv 0 60 0\nf 1 2 3 4\n")
-    link = "link.pdf" if words[0] == "report" else "link.toml"
-    (tmp_path / link).symlink_to("nowhere")
-    refused = command([*words, "-o", link], capsys, monkeypatch)
-    assert refused.status == 2 and refused.line == f"asterism: cannot write {link}: a file is in the way"
-    assert (tmp_path / link).is_symlink() and len(list(tmp_path.iterdir())) == 3
-
-
 @pytest.mark.parametrize("name", ["preview", "simulate", "verify", "report"])
 def test_a_sheet_that_would_fall_is_named_by_its_file(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -213,7 +198,7 @@ def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
         assert process.poll() is None
     process.send_signal(number)
     assert process.wait(timeout=60) == 130
-    assert (tmp_path / "errors").read_text().splitlines()[-1] == "asterism: interrupted; nothing was written"
+    assert (tmp_path / "errors").read_text().splitlines()[-1] == "asterism: interrupted"
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "errors"]
 
 
@@ -228,11 +213,6 @@ class Interruption:
 sys.meta_path.insert(0, Interruption())
 """
 RAISED = "signal.raise_signal(signal.SIGINT)"
-IN_TEXT = f"exec({RAISED!r})"
-SWALLOWED = f"""try:
-                {RAISED}
-            except BaseException:
-                pass"""
 CHANGED = f"""try:
                 {RAISED}
             except BaseException:
@@ -241,16 +221,10 @@ CHANGED = f"""try:
 
 @pytest.mark.parametrize(
     ("package", "how"),
-    [
-        ("typer", RAISED),
-        ("asterism.equilibrium.errors", RAISED),
-        ("numpy", IN_TEXT),
-        ("scipy", CHANGED),
-        ("numba", SWALLOWED),
-    ],
+    [("typer", RAISED), ("asterism.equilibrium.errors", RAISED), ("scipy", CHANGED)],
 )
 def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: Path) -> None:
-    """Some packages swallow it, others make an error of it."""
+    """Some packages make an error of it."""
     (tmp_path / "d.toml").write_text(SMALL)
     (tmp_path / "sitecustomize.py").write_text(INTERRUPTED.format(package=package, how=how))
     words = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]
@@ -260,31 +234,8 @@ def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: P
     assert ended.returncode == 130
     # the cost is said once the engine is loaded
     lines = [line for line in ended.stderr.splitlines() if not line.startswith(("about ", SIGN_OF_LIFE))]
-    assert lines == ["asterism: interrupted; nothing was written"]
+    assert lines == ["asterism: interrupted"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "sitecustomize.py"]
-
-
-LATE = """
-import signal
-import asterism.reports.write_results
-write = asterism.reports.write_results.write_results
-def interrupted(*them):
-    write(*them)
-    signal.raise_signal(signal.SIGINT)
-asterism.reports.write_results.write_results = interrupted
-from asterism.cli.main import main
-main()
-"""
-
-
-@pytest.mark.slow
-def test_an_interrupt_after_the_results_says_that_they_are_there(tmp_path: Path) -> None:
-    (tmp_path / "d.toml").write_text(SMALL)
-    words = [sys.executable, "-c", LATE, "simulate", "d.toml", "-o", "out"]
-    ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    assert ended.returncode == 130
-    assert ended.stderr.splitlines()[-1] == "asterism: interrupted; the results are written"
-    assert (tmp_path / "out" / "summary.json").exists()
 
 
 @pytest.mark.slow
@@ -337,14 +288,3 @@ def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytes
     assert stopped.status == 1
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert not summary["converged"] and not summary["is_minimum"]
-
-
-def test_at_the_end_a_second_interruption_changes_nothing() -> None:
-    with handlers_kept():
-        interruption.listen()
-        with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
-        interruption.over()
-        signal.raise_signal(signal.SIGINT)
-        # programs that are started listen to theirs
-        assert signal.getsignal(signal.SIGINT) is not signal.SIG_IGN

@@ -14,7 +14,7 @@ from asterism.draw.picture import shape_image
 from asterism.draw.pin_marks import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks
 from asterism.draw.shading import PINS
 from asterism.pattern.design.design import Design
-from asterism.shape.diameter import diameter
+from asterism.pattern.geometry.diameter import diameter
 from asterism.shape.shape import Shape
 from tests.asterism.sheets import dome, sheet
 

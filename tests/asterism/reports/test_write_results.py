@@ -82,7 +82,7 @@ def test_a_failure_leaves_the_other_kind_whole(shape: Shape, tmp_path: Path, mon
     move = os.replace
 
     def full(source: Path, target: Path) -> None:
-        if target == tmp_path / "shape.vtu":
+        if target == tmp_path / "rods.vtu":
             raise OSError(errno.ENOSPC, "No space left on device")
         move(source, target)
 

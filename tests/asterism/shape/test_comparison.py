@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes, image
-from asterism.shape.diameter import diameter
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.verification.numbers import alike
 from tests.asterism.verification.printed import design, lumpy, rolled, shape

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.build import layout
 from asterism.results.records.exact import mesh_error_in_words
-from asterism.shape.diameter import diameter
 from asterism.shape.mesh_error import estimate, mesh_error
 from asterism.shape.shape import Shape
 from tests.distances import rms_distance

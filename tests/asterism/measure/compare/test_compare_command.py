@@ -11,7 +11,7 @@ import trimesh
 from PIL import Image
 
 from asterism.measure.compare.silhouette import silhouette
-from asterism.shape.diameter import diameter
+from asterism.pattern.geometry.diameter import diameter
 from asterism.shape.vtu import write_shape_vtu
 from tests.asterism.commands import command
 from tests.asterism.measure.compare.scans import bent_sheet, motion
