@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from asterism.results.files import SUMMARY_FILE, OutputError, check_writable
@@ -20,8 +21,11 @@ def results_folder(design: Path, output: Path | None, default: Path, *names: str
         The folder cannot be written to, holds files of another origin, or the results would replace the design.
     """
     directory = output or default
+    for name in names or (SUMMARY_FILE,):
+        with suppress(OSError):  # of a file that is not there
+            if (directory / name).samefile(design):
+                raise OutputError(
+                    f"--output: {str(directory)!r} is where {design.name} is and stays; choose another name"
+                )
     check_writable(directory, *names)
-    written = [directory / name for name in names or (SUMMARY_FILE,)]
-    if any(file.exists() and file.samefile(design) for file in written):
-        raise OutputError(f"--output: {str(directory)!r} is where {design.name} is and stays; choose another name")
     return directory
