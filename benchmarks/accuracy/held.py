@@ -25,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy.held")
     parser.add_argument("folder", type=Path)
     parser.add_argument("names", nargs="*")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     rows = []
     for design in chosen(parser, options.names, {design.name: design for design in [*canopies(), *other_held()]}):
         rows.append(compared(design, options.folder))

@@ -26,7 +26,7 @@ def main() -> None:
     for each in LATER:
         which.add_argument(f"--open-{each}-set", dest="half", action="store_const", const=each)
     parser.add_argument("names", nargs="*")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     rows: list[Row] = []
     without = []
     for kind, design in chosen(parser, options.names, {each[1].name: each for each in frozen(options.half)}):

@@ -22,7 +22,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", choices=GROUPS, default=WORKING)
     parser.add_argument("names", nargs="*")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     for design in chosen(parser, options.names, {design.name: design for _, design in frozen(options.half)}):
         exact(design, options.folder)
         exact(design, options.folder, near=lambda design=design: preview(design, law_for(design, options.folder)))

@@ -25,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.pictures")
     parser.add_argument("kind", choices=KINDS)
     parser.add_argument("names", nargs="*")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     draw = getattr(import_module(f"benchmarks.pictures.{KINDS[options.kind]}"), options.kind)
     try:
         draw(*options.names)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from io import BytesIO
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from scipy.optimize import least_squares
 
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
@@ -49,7 +51,7 @@ def convergence(*names: str) -> None:
                 comparison, s = compare_shapes(finest, shape, plan, same), shape.summary
                 percent = 0.0 if shape is finest else comparison.rms_after_motion_percent
                 points += [(SPACING_MM / count, percent)] if percent else []
-                radius = comparison.roll_radii_mm and comparison.roll_radii_mm[1]
+                radius = _radius_mm(shape) if name == "tube" else None
                 lines.append(
                     [
                         name, kind, f"{SPACING_MM / count:.2f}", str(s["vertices"]), f"{s['energy_n_mm']:.2f}",
@@ -81,3 +83,20 @@ def _shape(name: str, kind: str, count: int) -> Shape:
     shape = exact_shape(Design.from_dict(data))
     print(name, kind, f"{SPACING_MM / count:.2f} mm: {shape.summary['wall_s']:.1f} s", flush=True)
     return shape
+
+
+def _radius_mm(shape: Shape) -> float:
+    """Of the circular cylinder that is closest to the star centres."""
+    points = shape.positions[shape.star_vertices]
+    points = points - points.mean(axis=0)
+    axes = np.linalg.svd(points)[2]
+
+    def apart(a: np.ndarray, axis: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        along = axis + a[0] * u + a[1] * v
+        return np.linalg.norm(np.cross(points - a[2] * u - a[3] * v, along / np.linalg.norm(along)), axis=1) - a[4]
+
+    starts = [
+        (np.roll(axes, -i, axis=0), at) for i in range(3) for at in ((0, 0), (10, 0), (-10, 0), (0, 10), (0, -10))
+    ]
+    fits = [least_squares(apart, [0.0, 0.0, *at, 20.0], args=tuple(turned)) for turned, at in starts]
+    return float(abs(min(fits, key=lambda fit: fit.cost).x[4]))

@@ -41,11 +41,10 @@ GALLERY_HEADER = [
     "design", "stars", "vertices", "energy N mm", "height mm", "height of the preview mm", "width x depth mm",
     "contraction", "smallest eigenvalue N/mm", "minima of the starts", "next minimum %",
 ]  # fmt: skip
-PATTERN_STARTS = 3
 # twice the size at which the studio's first page shows them, for fine screens
 START_PX = np.array([440, 300])
 PATTERNS_PAGE = ROOT / "docs" / "how-to" / "patterns.md"
-FORMS_DESIGN, FORMS_STARTS = "fig8-h-decreasing", 10
+FORMS_DESIGN = "fig8-h-decreasing"
 # name of a picture: design, page of its layout.pdf
 EXPORTED = {"sheet-layout": ("u-shape", 0), "sheet-needles": ("roof", 2)}
 
@@ -55,7 +54,7 @@ def gallery(*names: str) -> None:
     rows = []
     for name, design in _named(names):
         is_pattern = name in designs.pattern_names()
-        shape, shown = exact_shape(design, starts=PATTERN_STARTS if is_pattern else 1), None
+        shape, shown = exact_shape(design, starts=3 if is_pattern else 1), None
         draw(shape, f"pattern-{name}" if is_pattern else name, name)
         try:
             shown = preview(design)
@@ -127,7 +126,7 @@ def pages(*names: str) -> None:
     shown = {table["name"]: table for table in tables if f"pictures/{table['name']}.png" in text}
     for name in names or (*shown, "branches"):
         if name == "branches":
-            shape = exact_shape(designs.load(FORMS_DESIGN), starts=FORMS_STARTS)
+            shape = exact_shape(designs.load(FORMS_DESIGN), starts=10)
             for count, form in enumerate((shape, *shape.others[:1]), 1):
                 draw(form, f"branches-{count}", FORMS_DESIGN)
         else:
