@@ -66,7 +66,7 @@ def test_commands_start_from_nothing_and_install(name: str) -> None:
     first, second, *_ = steps(name)
     assert first == ["python3", "-m", "venv", ".venv"]
     assert second[:2] == [".venv/bin/pip", "install"]
-    assert second[2:] == (["."] if name == "run" else [".[test]"])
+    assert second[2:] == ([".[mkl]"] if name == "run" else [".[test]"])
 
 
 def test_the_main_job_runs_a_design_of_the_gallery() -> None:

@@ -102,7 +102,7 @@ def test_a_law_of_few_such_cells_is_silent() -> None:
 
 
 def test_what_a_law_keeps_of_its_cells_stability_is_what_its_cells_say() -> None:
-    """The paper's has 19 tight ones in 1400, which it says itself."""
+    """The paper's has 19 tight ones in 1400."""
     law = load_law()
     assert unstable_tubes(law.samples) == {"count": 1400, "unstable": 19}
     free = [copy.deepcopy(cell) for cell in law.samples[-3:]]
