@@ -58,9 +58,9 @@ def main() -> None:
     finally:
         gc.unfreeze()
         gc.enable()
+    # while Python ends, Ctrl-C would cause a traceback
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     if status == 130:
-        # a second Ctrl-C would cause a traceback
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
         stop("interrupted", 130)
     sys.exit(status)
 
