@@ -1,5 +1,5 @@
-"""Designs that were drawn and solved before the preview model was changed: a first set of two halves, and later sets.
+"""Designs that are drawn and solved before the preview model changes: a first set of two halves, and later sets.
 
-Models are chosen on the first two sets. The third judged the model of 26 November 2026, after its last change, and is
-open since. The next change needs a set of its own.
+Models are chosen on the first two sets. A later set judges one model, after its last change, and the next change needs
+a set of its own.
 """
