@@ -112,7 +112,8 @@ def test_it_serves_its_page_and_keeps_unsaved_work_at_ctrl_c(running: tuple[subp
         until(page, "document")
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 0 and err == ""
+    # a slow start gives a sign of life
+    assert process.returncode == 0 and not [line for line in err.splitlines() if "still computing" not in line]
     assert ".dome.autosave.toml" in out
     assert "7.5" in (folder / ".dome.autosave.toml").read_text(encoding="utf-8")
     assert (folder / "dome.toml").read_bytes() == gallery.path("dome").read_bytes()

@@ -172,5 +172,5 @@ def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatc
         assert "\n" not in str(caught.value)
     assert load_target(wrong["light.3dm"][0], unit="cm").diameter_mm == pytest.approx(100.0 * np.sqrt(2.0))
     monkeypatch.setitem(sys.modules, "rhino3dm", None)
-    with pytest.raises(TargetError, match=r'needs rhino3dm: pip install "asterism-fabric\[rhino\]"'):
+    with pytest.raises(TargetError, match=r'needs rhino3dm: pip install "asterism-fabric\[cad\]"'):
         load_target(tmp_path / "whole.3dm")

@@ -131,6 +131,6 @@ def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     Drawing().saved(tmp_path)
     monkeypatch.setitem(__import__("sys").modules, "rhino3dm", None)
     with pytest.raises(
-        DesignError, match=r'''x\.3dm': reading 3DM needs rhino3dm: pip install "asterism-fabric\[rhino\]"'''
+        DesignError, match=r'''x\.3dm': reading 3DM needs rhino3dm: pip install "asterism-fabric\[cad\]"'''
     ):
         sheet(tmp_path)
