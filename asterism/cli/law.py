@@ -1,4 +1,4 @@
-"""`asterism law`: the content of a law, the universal law, and the unit cell of a motif."""
+"""`asterism law`: the content of a law, its cells of other mesh edges, and the unit cell of a motif."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from asterism.cli.common.options import DaskAddress, Processes, output_option
 from asterism.cli.common.run import Run, command
 
 app = typer.Typer(
-    help="Show a law, add cells of other mesh edges, make the universal law, or solve the cell of a motif.",
+    help="Show a law, add cells of other mesh edges, or solve the cell of a motif.",
     invoke_without_command=True,
 )
 
@@ -21,7 +21,7 @@ def _needs_a_command(context: typer.Context) -> None:
     from asterism.cli.common.mistake import Mistake
 
     if context.invoked_subcommand is None:
-        raise Mistake("law: needs a command: show, edges, errors, universal or cell")
+        raise Mistake("law: needs a command: show, edges or cell")
 
 
 @command
@@ -87,64 +87,6 @@ def edges(
 
 
 @command
-def errors(
-    run: Run,
-    path: Annotated[
-        Path | None, typer.Argument(help="File of a universal law (.npz). Without a file: the one of the package.")
-    ] = None,
-) -> None:
-    """Print the range of the universal law, and its errors at cells that are left out."""
-    from asterism.laws.universal import universal_law_lines
-
-    run.lines(universal_law_lines(path))
-
-
-@command
-def universal(
-    run: Run,
-    output: Annotated[Path, output_option("File of the law.")] = Path("universal.npz"),
-    cells: Annotated[int, typer.Option(min=64, max=100_000, help="Cells spread over the whole range.")] = 4000,
-    rounds: Annotated[int, typer.Option(min=0, max=20, help="Rounds of further cells where the law is worst.")] = 2,
-    refined: Annotated[int, typer.Option(min=1, max=10_000, help="Cells of each round.")] = 500,
-    start: Annotated[
-        Path | None, typer.Option("--from", help="Universal law whose cells are used again (default: the package's).")
-    ] = None,
-    afresh: Annotated[bool, typer.Option("--afresh", help="Solve all cells again.")] = False,
-    jobs: Processes = None,
-    dask: DaskAddress = None,
-) -> None:
-    """Compute the universal law: one law for all fabrics, plastics, stretches and spacings.
-
-    The command continues an interrupted run: finished cells stay beside the law, in LAW.samples.
-    """
-    from asterism.cli.common.mistake import Mistake
-    from asterism.cli.common.stop import stop
-    from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.homogenize.universal.universal_campaign import UniversalPlan
-    from asterism.homogenize.universal.universal_law_file import PACKAGED_UNIVERSAL_LAW
-    from asterism.laws.calibrate import samples_folder
-    from asterism.laws.universal import make_universal_law, universal_law_lines
-
-    if output.suffix != ".npz":
-        raise Mistake(f"--output: {str(output)!r} must end with .npz")
-    if jobs is not None and dask is not None:
-        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
-    if afresh and start is not None:
-        raise Mistake("--afresh: conflicts with --from")
-    begun = None if afresh else start or (PACKAGED_UNIVERSAL_LAW if PACKAGED_UNIVERSAL_LAW.exists() else None)
-    try:
-        make_universal_law(
-            UniversalPlan(cells, rounds, refined), output, begun, jobs or default_jobs(), dask, run.hand_over()
-        )
-    except KeyboardInterrupt:
-        folder = samples_folder(output)
-        if not folder.exists():
-            raise
-        stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
-    run.lines(universal_law_lines(output))
-
-
-@command
 def cell(
     run: Run,
     file: Annotated[Path, typer.Argument(help="Design with a motif, [[rods.motif]].")],
@@ -169,5 +111,5 @@ def cell(
     return DONE if responses.comparison.has_law else NO_ANSWER
 
 
-for function in (show, edges, errors, universal, cell):
+for function in (show, edges, cell):
     app.command()(function)

@@ -26,13 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.design import Design
-from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
-
-# of the cells that stand for all others; results do not depend on them
-REFERENCE_SPACING_MM = float(DEFAULT_SPACING_MM)
-REFERENCE_MODULUS_MPA = 7.1875
 
 
 @dataclass(frozen=True)
@@ -41,7 +35,7 @@ class Group:
 
     Attributes
     ----------
-    key : in files.
+    key : in the code.
     name : in sentences.
     limits : range of the universal law.
     logarithmic : the law is interpolated over the logarithm.
@@ -58,13 +52,6 @@ class Group:
         if self.logarithmic:
             return np.asarray(np.log(values / low) / np.log(high / low))
         return np.asarray((values - low) / (high - low))
-
-    def at_coordinate(self, coordinate: Floats) -> Floats:
-        """The inverse of `coordinate`."""
-        low, high = self.limits
-        if self.logarithmic:
-            return np.asarray(low * (high / low) ** coordinate)
-        return np.asarray(low + (high - low) * coordinate)
 
 
 GROUPS = (
@@ -111,32 +98,6 @@ def star_groups(fabric: Fabric, plastic: Plastic, spacing_mm: float, edge_mm: fl
     ones = np.ones(len(length))
     columns = (length / d, stretch * ones, bending, couple, plate * ones, width / thickness, thickness / d)
     return np.column_stack([*columns, edge_mm / d * ones])
-
-
-def reference_cell(groups: Floats) -> tuple[Design, float]:
-    """A design and a mesh edge (mm) whose cell has these groups (G,).
-
-    Raises
-    ------
-    DesignError
-        The groups are beyond what a design may have.
-    """
-    arm, stretch, bending, _, fabric, aspect, thickness, edge = map(float, groups)
-    d = REFERENCE_SPACING_MM
-    h2, h = fabric * d, thickness * d
-    width = aspect * h
-    design = {
-        "fabric": {"stretch": stretch, "thickness_mm": h2, "modulus_mpa": REFERENCE_MODULUS_MPA},
-        "plastic": {
-            "modulus_ratio": 12.0 * bending * h2 * d**3 / (width * h**3),
-            "rest_curvature": "none",
-            "kappa_bar_per_mm": float(arm_curl(groups)) / d,
-        },
-        "lattice": {"spacing_mm": d},
-        "stars": {"length_mm": arm * d, "thickness_mm": h, "width_mm": width},
-        "border": {"rectangle_mm": [3.0 * d, 3.0 * d]},
-    }
-    return Design.from_dict(design), edge * d
 
 
 def arm_curl(groups: Floats) -> Floats:

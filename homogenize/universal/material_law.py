@@ -18,9 +18,12 @@ from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.universal.groups import GROUP_KEYS, GROUPS, MIN_FABRIC_TO_EDGE, star_groups
-from asterism.homogenize.universal.law_errors import NEAREST_CELLS, STATED_QUANTITIES, errors_of_cells, left_out_errors
-from asterism.homogenize.universal.solved_cells import WAVE_COUNT, quantity_scales
-from asterism.homogenize.universal.universal_law import UniversalLaw, bare_quantities, within_limits
+from asterism.homogenize.universal.universal_law import (
+    STATED_QUANTITIES,
+    UniversalLaw,
+    bare_quantities,
+    within_limits,
+)
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.stars import MIN_ARM_MM
@@ -31,6 +34,9 @@ COMMON = {"fabric.poisson": 0.3, "fabric.model": "neo-hookean", "fabric.bending"
 LENGTH_NODES = 16
 # largest ratio of adjacent thicknesses and widths
 NODE_RATIO = 1.2
+# powers of the spacing and of `E2 h2` that each quantity is divided by
+LENGTH_POWERS = {"kappa": -1, "bending": 2, "c3": 3, "offset_mm": 1}
+FORCE_POWERS = {"bending": 1, "a11": 1, "a12": 1, "c3": 1}
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,7 @@ class UniversalLawErrors:
         return dict(zip(STATED_QUANTITIES, map(float, rms), strict=True))
 
 
-def check_common(design: Design) -> None:
-    """Raise LawError if a design differs from the cells of the universal law in what is no group."""
+def _check_common(design: Design) -> None:
     for key, value in COMMON.items():
         section, name = key.split(".")
         own = getattr(getattr(design, section), name)
@@ -76,13 +81,17 @@ def check_common(design: Design) -> None:
 
 
 def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_mm: float) -> UniversalLawErrors:
-    """The errors of the law at stars of these sizes (S, A), see `check_common` for LawError."""
-    check_common(design)
+    """The errors of the law at stars of these sizes (S, A).
+
+    Raises
+    ------
+    LawError
+        The design differs from the cells of the law in what is no group.
+    """
+    _check_common(design)
     groups = star_groups(design.fabric, design.plastic, design.lattice.spacing_mm, edge_mm, sizes)
     covered = law.covers(groups)
-    errors = left_out_errors(law)
-    near = law.nearest_cells(groups, NEAREST_CELLS)
-    percent = errors_of_cells(errors.percent, errors.separated, near)
+    percent = law.errors(groups)
     is_known = np.isfinite(percent).all(axis=1)
     outside = ""
     if not covered.all():
@@ -92,20 +101,10 @@ def universal_law_errors(law: UniversalLaw, design: Design, sizes: Floats, edge_
     return UniversalLawErrors(percent, covered & is_known, outside)
 
 
-def material_law(law: UniversalLaw, design: Design, nodes: Sequence[Sequence[float]], edge_mm: float) -> Law:
-    """The law of a design's material, as a table for a mesh of this edge.
-
-    Parameters
-    ----------
-    nodes : of each axis, mm, from `table_nodes`.
-
-    Raises
-    ------
-    LawError
-        See `check_common`.
-    """
-    check_common(design)
+def material_law(law: UniversalLaw, design: Design, edge_mm: float) -> Law:
+    """The law of a design's material, as a table for a mesh of this edge; see `universal_law_errors` for its range."""
     spacing = design.lattice.spacing_mm
+    nodes = table_nodes(spacing)
     grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(AXES))
     groups = star_groups(design.fabric, design.plastic, spacing, edge_mm, grid)
     shape = tuple(len(each) for each in nodes)
@@ -113,7 +112,7 @@ def material_law(law: UniversalLaw, design: Design, nodes: Sequence[Sequence[flo
     rows = _rows_near(law, groups, solved)
     scales = quantity_scales(spacing, design.fabric.modulus_mpa * design.fabric.thickness_mm)
     values = (rows[:, : len(QUANTITY_NAMES)] * scales).reshape(*shape, -1)
-    waves = rows[:, len(QUANTITY_NAMES) :].reshape(*shape, 2, WAVE_COUNT) * np.array([[spacing], [spacing**2]])
+    waves = rows[:, len(QUANTITY_NAMES) :].reshape(*shape, 2, -1) * np.array([[spacing], [spacing**2]])
     fabric = bare_quantities(groups[:1])[0] * scales
     values[0], waves[0] = fabric, 0.0
     solved[0] = True
@@ -122,6 +121,18 @@ def material_law(law: UniversalLaw, design: Design, nodes: Sequence[Sequence[flo
     axis_nodes = tuple(np.array(each) for each in nodes)
     table = LawTable(stretch, spacing, axis_nodes, values, waves, solved, units, np.empty((*shape, 0)))
     return Law(_material(design, nodes, edge_mm), (table,), (), {}, dict(law.made))
+
+
+def quantity_scales(spacing_mm: float, force: float) -> Floats:
+    """(Q,) units of `law_table.QUANTITY_NAMES`: a quantity is its dimensionless value times its unit.
+
+    Parameters
+    ----------
+    force : N/mm, modulus times thickness of the fabric.
+    """
+    return np.array(
+        [spacing_mm ** LENGTH_POWERS.get(name, 0) * force ** FORCE_POWERS.get(name, 0) for name in QUANTITY_NAMES]
+    )
 
 
 def _rows_near(law: UniversalLaw, groups: Floats, covered: Bools) -> Floats:

@@ -38,7 +38,6 @@ CASES = [
     (["law", "show"], "paper-law/cells.csv/", "laws.show_law.draw_law"),
     (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
     (["calibrate", "d.toml"], "d-law.samples", "laws.calibrate.run_campaign"),
-    (["law", "universal"], "universal.samples", "laws.universal.run_universal_campaign"),
     (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.read_shape.read_shape"),
 ]
 

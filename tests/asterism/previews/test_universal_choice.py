@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 
 from asterism.homogenize.errors import ForeignLaw
-from asterism.homogenize.universal.solve_cells import solve_cells
-from asterism.homogenize.universal.universal_campaign import spread_groups
-from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
 from asterism.pattern.design.design import Design
 from asterism.previews import universal_choice as module
 from asterism.previews.default_law import paper_law
@@ -18,29 +15,14 @@ from asterism.previews.run import preview
 from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.previews.universal_choice import universal_choice
-from tests.homogenize import same_process
-from tests.homogenize.universal import answers
 
 SIZES = np.array([[7.0, 0.42, 1.1]])
+STARS = {"length_mm": 7.0, "thickness_mm": 0.42, "width_mm": 1.1}
 
 
 def design(**more: Any) -> Design:
     fabric = {"stretch": 1.5, "thickness_mm": 0.9}
-    return Design.from_dict({"fabric": fabric, "stars": {"length_mm": 7.0}, "border": {"rings": 1}} | more)
-
-
-@pytest.fixture(scope="module")
-def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
-        cells = solve_cells(spread_groups(120), tmp_path_factory.mktemp("cells"), solve=answers.solve)
-    return universal_law(cells, 120)
-
-
-@pytest.fixture(autouse=True)
-def in_the_package(law: UniversalLaw, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "packaged_universal_law", lambda: law)
-    module._kept_table.cache_clear()
+    return Design.from_dict({"fabric": fabric, "stars": STARS, "border": {"rings": 1}} | more)
 
 
 def test_another_material_gets_the_universal_law_and_a_statement() -> None:
@@ -58,7 +40,7 @@ def test_the_paper_s_material_keeps_its_own_law() -> None:
 @pytest.mark.slow
 def test_edits_of_a_session_go_from_law_to_law() -> None:
     session = Preview(design(fabric={}))
-    for sheet in (design(), design(fabric={}), design(stars={"length_mm": 6.5})):
+    for sheet in (design(), design(fabric={}), design(stars=STARS | {"length_mm": 6.5})):
         other = session.update(sheet)
         fresh = preview(sheet)
         assert other.summary["law"] == fresh.summary["law"]
@@ -94,7 +76,7 @@ def test_up_to_a_fifth_of_the_stars_may_lie_outside(outside: int, serves: bool) 
 
 @pytest.mark.slow
 def test_a_star_outside_the_universal_law_is_named() -> None:
-    long = {"length_mm": 7.0, "override": [{"site": [0, 0], "length_mm": 14.5}]}
+    long = STARS | {"override": [{"site": [0, 0], "length_mm": 14.5}]}
     warnings = preview(design(stars=long)).summary["warnings"]
     assert any("star" in line and "length_mm = 14.5 is outside the law's" in line for line in warnings)
     assert any(line.startswith("the universal law stands in") for line in warnings)

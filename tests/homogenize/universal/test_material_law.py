@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,25 +10,18 @@ import pytest
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_table import QUANTITY_NAMES
 from asterism.homogenize.universal.groups import star_groups
-from asterism.homogenize.universal.law_errors import STATED_QUANTITIES
 from asterism.homogenize.universal.material_law import (
     law_edge,
     material_law,
+    quantity_scales,
     table_nodes,
     universal_law_errors,
 )
-from asterism.homogenize.universal.solve_cells import solve_cells
-from asterism.homogenize.universal.solved_cells import quantity_scales
-from asterism.homogenize.universal.universal_campaign import spread_groups
-from asterism.homogenize.universal.universal_law import UniversalLaw, universal_law
+from asterism.homogenize.universal.universal_law import STATED_QUANTITIES, UniversalLaw, load_universal_law
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-from tests.homogenize import same_process
-from tests.homogenize.universal import answers
 
 SIZES = np.array([[7.0, 0.4, 1.2], [9.0, 0.5, 1.2]])
 EDGE = 1.2
-NODES = table_nodes(float(DEFAULT_SPACING_MM))
 
 
 def design(**more: Any) -> Design:
@@ -38,16 +30,13 @@ def design(**more: Any) -> Design:
 
 
 @pytest.fixture(scope="module")
-def law(tmp_path_factory: pytest.TempPathFactory) -> UniversalLaw:
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
-        cells = solve_cells(spread_groups(80), tmp_path_factory.mktemp("cells"), solve=answers.solve)
-    return universal_law(cells, 80)
+def law() -> UniversalLaw:
+    return load_universal_law()
 
 
 def test_the_table_has_the_values_of_the_law(law: UniversalLaw) -> None:
     sheet = design()
-    table = material_law(law, sheet, NODES, EDGE).check(sheet)
+    table = material_law(law, sheet, EDGE).check(sheet)
     sizes = np.array([[7.4, 0.42, 1.1], [5.3, 0.48, 1.3]])
     groups = star_groups(sheet.fabric, sheet.plastic, sheet.lattice.spacing_mm, EDGE, sizes)
     scales = quantity_scales(sheet.lattice.spacing_mm, 2.0 * 0.9)
@@ -62,7 +51,7 @@ def test_the_table_has_the_values_of_the_law(law: UniversalLaw) -> None:
 
 def test_bare_fabric_is_exact_and_large_stars_are_outside(law: UniversalLaw) -> None:
     sheet = design()
-    found = material_law(law, sheet, NODES, EDGE).evaluate(sheet, [0.0, 16.0], 0.4, 1.2)
+    found = material_law(law, sheet, EDGE).evaluate(sheet, [0.0, 16.0], 0.4, 1.2)
     assert found.value["lam_n"][0] == pytest.approx(1 / 1.5) and found.value["kappa"][0] == 0.0
     assert found.inside.tolist() == [True, False] and "length_mm = 16" in found.outside[0]
 
@@ -94,20 +83,20 @@ def test_what_is_outside_is_named(law: UniversalLaw) -> None:
 )
 def test_other_fabrics_and_lattices_are_refused(law: UniversalLaw, more: dict[str, Any], field: str) -> None:
     with pytest.raises(LawError) as refused:
-        material_law(law, design(**more), NODES, EDGE)
+        universal_law_errors(law, design(**more), SIZES, EDGE)
     assert refused.value.field == field and "universal law is for" in str(refused.value)
 
 
-def test_the_edge_of_the_mesh_is_a_group(law: UniversalLaw, tmp_path: Path) -> None:
+def test_the_edge_of_the_mesh_is_a_group(law: UniversalLaw) -> None:
     sheet = design()
-    coarse, fine = (material_law(law, sheet, NODES, edge) for edge in (1.7, 0.9))
+    coarse, fine = (material_law(law, sheet, edge) for edge in (1.7, 0.9))
     assert coarse.edge_mm == 1.7
     assert coarse.evaluate(sheet, 8.0, 0.4, 1.2).value["kappa"] > fine.evaluate(sheet, 8.0, 0.4, 1.2).value["kappa"]
 
 
 def test_a_close_lattice_has_no_arms_that_cannot_be_printed(law: UniversalLaw) -> None:
     sheet = design(lattice={"spacing_mm": 12.0})
-    table = material_law(law, sheet, table_nodes(12.0), 0.9).check(sheet)
+    table = material_law(law, sheet, 0.9).check(sheet)
     assert table.axis_nodes[0][:2].tolist() == [0.0, 1.0] and table.min_length_mm == 0.0
 
 
