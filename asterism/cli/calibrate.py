@@ -35,9 +35,9 @@ def calibrate(
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
     from asterism.homogenize.campaign.workers import default_jobs
+    from asterism.homogenize.law.any_law import AnyLaw
     from asterism.homogenize.law.motif_plan import MotifPlan
     from asterism.laws import calibrate as calibration
-    from asterism.laws.calibrate_motif import calibrate_motif, motif_calibration_lines, plan_from_file
     from asterism.laws.design_law import is_design, law_output_path
     from asterism.pattern.design.errors import DesignError
 
@@ -46,17 +46,15 @@ def calibrate(
         raise Mistake(f"--output: {str(path)!r} must end with .npz")
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
-    chosen = plan_from_file(file, material, run.warn)
+    chosen = calibration.plan_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     try:
         workers = jobs or default_jobs()
         if isinstance(chosen, MotifPlan):
-            law = calibrate_motif(chosen, path, workers, dask, line, run.hand_over())
-            lines = motif_calibration_lines(law, path)
+            law: AnyLaw = calibration.calibrate_motif(chosen, path, workers, dask, line, run.hand_over())
         else:
-            star_law = calibration.calibrate(chosen, path, workers, dask, line, run.hand_over())
-            lines = calibration.calibration_lines(star_law, path)
+            law = calibration.calibrate(chosen, path, workers, dask, line, run.hand_over())
     except KeyboardInterrupt:
         folder = calibration.samples_folder(path)
         if not folder.exists():
@@ -64,7 +62,7 @@ def calibrate(
         stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
     except DesignError as error:
         raise error.within(material or file or "") from None
-    run.lines(lines)
+    run.lines(calibration.calibration_lines(law, path))
     if is_design(file):
         other = f" --material {quote(str(material))}" if material else ""
         run.lines([f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}"])

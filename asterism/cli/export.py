@@ -61,7 +61,7 @@ def export(
 
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
-    from asterism.laws.any_design_law import any_law_for_design
+    from asterism.laws.design_law import any_law_for_design
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
     from asterism.print.formats.registry import formats_left_out

@@ -68,6 +68,7 @@ def edges(
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
     from asterism.homogenize.campaign.workers import default_jobs
+    from asterism.homogenize.law.law_file import load_law
     from asterism.laws.calibrate import samples_folder
     from asterism.laws.edge_tables import add_edges, edge_lines
 
@@ -77,7 +78,7 @@ def edges(
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
     try:
-        law = add_edges(path, new, jobs or default_jobs(), dask, run.stream, edge, stretch, length, thickness)
+        law = add_edges(load_law(path), new, jobs or default_jobs(), dask, run.stream, edge, stretch, length, thickness)
     except KeyboardInterrupt:
         folder = samples_folder(new)
         if not folder.exists():

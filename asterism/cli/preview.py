@@ -46,7 +46,7 @@ def preview(
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.results_folder import results_folder
     from asterism.homogenize.law.law import Law
-    from asterism.laws.any_design_law import any_law_for_design
+    from asterism.laws.design_law import any_law_for_design
     from asterism.previews.run import preview as compute
     from asterism.print.known_printers import size_warning
     from asterism.reports.write_results import write_results

@@ -35,7 +35,7 @@ def report(
     plan = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
     from asterism.homogenize.errors import LawError
-    from asterism.laws.any_design_law import any_law_for_design
+    from asterism.laws.design_law import any_law_for_design
     from asterism.reports.design_report import report as write
 
     if law and results:

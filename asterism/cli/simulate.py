@@ -56,7 +56,7 @@ def simulate(
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
     from asterism.homogenize.law.motif_law import MotifLaw
-    from asterism.laws.any_design_law import any_law_for_design
+    from asterism.laws.design_law import any_law_for_design
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
     from asterism.verification.both_starts import BOTH_STARTS

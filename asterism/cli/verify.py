@@ -39,7 +39,7 @@ def verify(
     from asterism.cli.common.results_folder import results_folder
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
-    from asterism.laws.any_design_law import any_law_for_design
+    from asterism.laws.design_law import any_law_for_design
     from asterism.reports.verification_files import write_verification
     from asterism.results.doubts import doubts
     from asterism.verification.run import verify as compute

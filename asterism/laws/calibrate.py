@@ -1,27 +1,59 @@
-"""`asterism calibrate`: a campaign of unit cells, and the law from their samples."""
+"""`asterism calibrate`: a campaign of unit cells of a star or a motif, and the law from their samples."""
 
 from __future__ import annotations
 
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism.homogenize.campaign.campaign import CampaignProgress, run_campaign
+from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
+from asterism.homogenize.campaign.motif_campaign import MotifRecord, SolveMotif, motif_code_version, run_motif_campaign
+from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
+from asterism.homogenize.cell.motif_responses import motif_responses
+from asterism.homogenize.law.any_law import AnyLaw
 from asterism.homogenize.law.law import WITHOUT_BENDING, Law
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.motif_law_file import motif_law_bytes
+from asterism.homogenize.law.motif_plan import MotifPlan
+from asterism.laws.design_law import is_design, material_from_file
 from asterism.laws.law_text import law_lines
+from asterism.laws.motif_law_text import motif_law_lines
+from asterism.laws.replace_material import Note, with_material
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.load_design import load_design
 from asterism.process.count_line import CountLine
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_folder, check_writable, write_file
+
+
+def plan_from_file(file: Path | None, other: Path | None = None, note: Note | None = None) -> Material | MotifPlan:
+    """The cells of the law of a material, of a design's stars, or of a design's motif.
+
+    Parameters
+    ----------
+    file, other, note : as of `material_from_file`.
+
+    Raises
+    ------
+    DesignError
+        The file is wrong, or there is no law of its material or pattern.
+    """
+    if file is None or not is_design(file) or (design := load_design(file)).rods is None:
+        return material_from_file(file, other, note)
+    try:
+        return plan_for_motif(with_material(design, other, note))
+    except DesignError as error:
+        raise error.within(file) from None
 
 
 def samples_folder(law: Path) -> Path:
@@ -61,9 +93,42 @@ def calibrate(
     start = time.perf_counter()
     with solving_cells(output, stream) as (folder, report):
         records = run_campaign(material, folder, jobs, dask, report)
-    made = origin(command, start, sum(record.seconds for record in records))
+    made = _origin(command, code_version(), start, records)
     law = fit_law(material, records, made)
     write_file(output, law_bytes(law))
+    return law
+
+
+def calibrate_motif(
+    plan: MotifPlan,
+    output: Path,
+    jobs: int = 1,
+    dask: str | None = None,
+    command: str = "asterism in Python",
+    stream: TextIO | None = None,
+    respond: SolveMotif = motif_responses,
+) -> MotifLaw:
+    """Solve the plan's cells, those that are not there yet, fit the law and write it.
+
+    Parameters
+    ----------
+    plan : of a design, see `homogenize.campaign.motif_design_plan`.
+    output, jobs, dask, command, stream : as of `calibrate`.
+    respond : solves a cell.
+
+    Raises
+    ------
+    AddressError
+        No cluster answers at the address.
+    CampaignError
+        No cell has a law, or the workers have ended.
+    """
+    start = time.perf_counter()
+    with solving_cells(output, stream) as (folder, report):
+        records = run_motif_campaign(plan, folder, jobs, dask, report, respond)
+    made = _origin(command, motif_code_version(), start, records)
+    law = fit_motif_law(plan, records, made)
+    write_file(output, motif_law_bytes(law))
     return law
 
 
@@ -89,27 +154,22 @@ def solving_cells(output: Path, stream: TextIO | None) -> Iterator[tuple[Path, C
             folder.rmdir()
 
 
-def origin(command: str, start: float, cell_seconds: float) -> dict[str, Any]:
+def _origin(command: str, code: str, start: float, records: Sequence[SampleRecord | MotifRecord]) -> dict[str, Any]:
     """What made a law, for its file.
 
     Parameters
     ----------
+    code : version of the code that solves its cells.
     start : time of `time.perf_counter` when the campaign began.
-    cell_seconds : sum of the wall times of its cells.
     """
     return {
         "command": command,
-        "code": code_version(),
-        "versions": package_versions(),
+        "code": code,
+        "versions": {"asterism": __version__, **{name: version(name) for name in ("numpy", "scipy", "numba")}},
         "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
-        "cell_seconds": cell_seconds,
+        "cell_seconds": sum(record.seconds for record in records),
         "wall_seconds_of_last_run": time.perf_counter() - start,
     }
-
-
-def package_versions() -> dict[str, str]:
-    """Versions of the packages that compute the cells."""
-    return {"asterism": __version__, **{name: version(name) for name in ("numpy", "scipy", "numba")}}
 
 
 class ProgressLine(CountLine):
@@ -126,9 +186,10 @@ class ProgressLine(CountLine):
         self.show(progress.done, progress.total, progress.failed, progress.seconds_left)
 
 
-def calibration_lines(law: Law, output: Path) -> list[str]:
+def calibration_lines(law: AnyLaw, output: Path) -> list[str]:
     """Lines that the command prints at its end."""
-    return [*law_lines(law), law_written(output)]
+    lines = motif_law_lines(law) if isinstance(law, MotifLaw) else law_lines(law)
+    return [*lines, law_written(output)]
 
 
 def law_written(output: Path) -> str:

@@ -7,10 +7,12 @@ from shlex import quote
 
 from asterism.homogenize.campaign.design_plan import plan_for_sizes
 from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.any_law import AnyLaw
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
+from asterism.homogenize.law.motif_law_file import is_motif_law, load_motif_law
 from asterism.homogenize.universal.groups import MIN_FABRIC_TO_EDGE
 from asterism.laws.replace_material import Note, with_material
 from asterism.pattern.design.design import Design
@@ -108,6 +110,34 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
                 refused += f"; {calibration} makes its law, for --law {quote(str(design_law_path(file, other)))}"
         raise LawError(refused, error.stars, error.place_mm, error.field) from None
     return own_law
+
+
+def any_law_for_design(design: Design, law: Path | None, file: Path, other: Path | None = None) -> AnyLaw | None:
+    """The law of a preview, of stars (`law_for_design`) or of a motif; None for a motif whose cells the preview solves.
+
+    Raises
+    ------
+    LawError
+        The file is not a law, or the law does not fit; the message names the command that makes one.
+    """
+    path = chosen_law_path(design, law)
+    if design.rods is None:
+        return law_for_design(design, law, file, other)
+    if path is None:
+        return None
+    if path.is_file() and not is_motif_law(path):
+        raise ForeignLaw(f"{file}: {path}: is a law of stars, not of the motif of drawn rods", field="rods.motif")
+    own = load_motif_law(path)
+    try:
+        own.check(design)
+    except LawError as error:
+        refused = f"{file}: {error}"
+        if isinstance(error, ForeignLaw):
+            material = f" --material {quote(str(other))}" if other else ""
+            refused += f" ({path}); asterism calibrate {quote(str(file))}{material} makes its law"
+            refused += f", for --law {quote(str(design_law_path(file, other)))}"
+        raise type(error)(refused, field=error.field) from None
+    return own
 
 
 def is_too_thin(design: Design) -> bool:

@@ -8,9 +8,8 @@ from pathlib import Path
 from asterism.homogenize.law.any_law import load_any_law
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.laws.cells_csv import cells_csv
 from asterism.laws.law_picture import draw_law
-from asterism.laws.law_record import law_record
+from asterism.laws.law_record import cells_csv, law_record
 from asterism.laws.law_text import law_lines
 from asterism.laws.motif_law_picture import draw_motif_law
 from asterism.laws.motif_law_record import motif_cells_csv, motif_law_record

@@ -30,7 +30,7 @@ def preview(
     design : from `load_design`, `new` or `Design.from_dict`.
     law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
         material, or else the universal law where it serves. A warning then states how accurate that is. For a motif
-        the cells are solved, which takes seconds; `motif_law_for_design` makes its law.
+        the cells are solved, which takes seconds.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.

@@ -12,13 +12,21 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
-from asterism.homogenize.campaign.sample_rows import record_data, sample_problem, sample_row
+from asterism.homogenize.cell.effective_stiffness import isotropic_constants
+from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.errors import CampaignError
-from asterism.homogenize.law.anisotropy import anisotropy_size
-from asterism.homogenize.law.axes import AXES, coordinates
+from asterism.homogenize.law.anisotropy import anisotropy_size, sample_anisotropy
+from asterism.homogenize.law.axes import AXES, coordinates, named_sizes
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_residuals import broken_symmetry, law_residuals, mesh_differences, unstable_tubes
-from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, from_stored, quantity_units, to_stored
+from asterism.homogenize.law.law_table import (
+    QUANTITIES,
+    QUANTITY_NAMES,
+    LawTable,
+    from_stored,
+    quantity_units,
+    to_stored,
+)
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import Sizes
 
@@ -47,7 +55,7 @@ def fit_law(material: Material, records: Sequence[SampleRecord], made: dict[str,
         own = [record for record in records if record.task.stretch == stretch]
         tables.append(_table(material, stretch, [record for record in own if not record.task.held_out]))
         tests.append([(record.task, _test_quantities(record)) for record in own if record.task.held_out])
-    samples = [record_data(record) for record in records]
+    samples = [_record_data(record) for record in records]
     errors = law_residuals(tables, tests, material.plan.kind)
     for name, entry in errors.items():
         own_samples = [each for each in samples if f"{each['stretch']:g}" == name]
@@ -57,20 +65,20 @@ def fit_law(material: Material, records: Sequence[SampleRecord], made: dict[str,
 
 
 def _test_quantities(record: SampleRecord) -> Floats | None:
-    row = sample_row(record, 0)
+    row = _sample_row(record, 0)
     return None if row is None else row[:_Q]
 
 
 def _table(material: Material, stretch: float, records: list[SampleRecord]) -> LawTable:
     columns = anisotropy_size(material.lattice)
-    rows = {record.task: sample_row(record, columns) for record in records}
+    rows = {record.task: _sample_row(record, columns) for record in records}
     fabric = next((row for task, row in rows.items() if task.is_bare), None)
     if fabric is None:
-        reason = next((sample_problem(record) for record in records if record.task.is_bare), "not solved")
+        reason = next((_sample_problem(record) for record in records if record.task.is_bare), "not solved")
         raise CampaignError(f"the bare fabric at stretch {stretch:g} has no answer: {reason}")
     stars = {task.sizes: row for task, row in rows.items() if not task.is_bare}
     if 2 * sum(row is not None for row in stars.values()) < len(stars):
-        reason = next(why for record in records if (why := sample_problem(record)) is not None)
+        reason = next(why for record in records if (why := _sample_problem(record)) is not None)
         raise CampaignError(f"fewer than half of the cells at stretch {stretch:g} have an answer; the first: {reason}")
     units = quantity_units(fabric[:_Q], material.lattice.spacing_mm)
     fit = _grid_rows if material.plan.kind == "grid" else _scattered_rows
@@ -176,3 +184,74 @@ def unit_cube_places(sizes: Floats, axis_nodes: Sequence[Floats]) -> Floats:
 def radial_interpolator(places: Floats, values: Floats) -> RBFInterpolator:
     """Cubic radial functions with a linear part."""
     return RBFInterpolator(places, values, kernel="cubic", degree=1)
+
+
+def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:
+    """(Q,) the quantities `law_table.QUANTITY_NAMES` of one sample.
+
+    With threefold symmetry, means over directions are those of 0 and 30 degrees, where a sixfold function has its
+    extremes. Otherwise they are those of all six directions. The membrane constants are those of the isotropic tensor
+    nearest to the mean of the natural tubes.
+
+    Parameters
+    ----------
+    sample : plain data of `homogenize.cell.sample.Sample`.
+    stretch : of the fabric.
+    """
+    chosen = averaged_directions(sample["natural_curvature"])
+    ends = {
+        name: np.array(sample[name], dtype=float)[chosen]
+        for name in ("natural_curvature", "natural_hoop", "natural_axial", "natural_membrane", "bending")
+    }
+    a11, a12 = isotropic_constants(ends["natural_membrane"].mean(axis=0))
+    offset = sample["natural_centre_offset_mm"]
+    curled = abs(ends["natural_curvature"].mean()) * sample["spacing_mm"] > MIN_RESOLVED_CURL
+    bare = sample["length_mm"] == 0.0
+    quantities = {
+        "lam": 1.0 / stretch if bare else sample["lam"],
+        "lam_n": 1.0 / stretch if bare else float(np.sqrt(ends["natural_hoop"] * ends["natural_axial"]).mean()),
+        "kappa": 0.0 if bare else float(ends["natural_curvature"].mean()),
+        "bending": float(ends["bending"].mean()),
+        "a11": a11,
+        "a12": a12,
+        "c3": float(np.array(sample["sixfold"], dtype=float)) if curled else 0.0,
+        "offset_mm": 0.0 if bare or offset is None else float(np.mean(np.array(offset, dtype=float)[chosen])),
+    }
+    return np.array([quantities[name] for name in QUANTITY_NAMES])
+
+
+def _sample_problem(record: SampleRecord) -> str | None:
+    """Why the fit cannot use a sample, in one line; None if it can."""
+    if record.failed is not None or record.sample is None:
+        return record.failed or "no answer"
+    bump = float(np.array(record.sample["natural_bump_mm"], dtype=float).min())
+    if record.sample["length_mm"] > 0 and not bump > 0:
+        return f"the star is not up: bump {bump:.3g} mm"
+    values = sample_quantities(record.sample, record.task.stretch)
+    for name, value in zip(QUANTITY_NAMES, values, strict=True):
+        if not np.isfinite(value) or (QUANTITIES[name].form == "log" and value <= 0):
+            return f"{name} = {value:.3g} is no answer"
+    return None
+
+
+def _sample_row(record: SampleRecord, columns: int) -> Floats | None:
+    """(Q + K + 2 W,) quantities, differences between directions (K = `columns`) and corrugation; None if unusable."""
+    if _sample_problem(record) is not None or record.sample is None:
+        return None
+    bare = record.task.is_bare
+    anisotropy = sample_anisotropy(record.sample) if columns and not bare else np.zeros(columns)
+    corrugation = np.array(record.sample["relief"], dtype=float).ravel()
+    quantities = sample_quantities(record.sample, record.task.stretch)
+    return np.concatenate([quantities, anisotropy, np.where(bare, 0.0, corrugation)])
+
+
+def _record_data(record: SampleRecord) -> dict[str, Any]:
+    """A record as plain data for the law's file, without the times, which differ from run to run."""
+    sample = record.sample and {k: v for k, v in record.sample.items() if k != "seconds"}
+    return {
+        "stretch": record.task.stretch,
+        "held_out": record.task.held_out,
+        **named_sizes(record.task.sizes),
+        "problem": _sample_problem(record),
+        "sample": sample,
+    }

@@ -16,12 +16,13 @@ import pytest
 
 from asterism.homogenize.cell.motif_responses import MotifResponses
 from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.motif_law_file import load_motif_law, motif_law_bytes
-from asterism.laws import calibrate_motif as module
-from asterism.laws import motif_design_law
-from asterism.laws.motif_design_law import motif_law_for_design
+from asterism.laws import calibrate as module
+from asterism.laws.design_law import any_law_for_design
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from tests.asterism.commands import Outcome, command
 from tests.homogenize import same_process
@@ -135,11 +136,11 @@ def test_designs_name_their_law(
     run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
     (place / "named.toml").write_text(design("0.42", '[material]\nlaw = "net-law.npz"\n'))
     sheet = load_design(place / "named.toml")
-    law = motif_law_for_design(sheet)
-    assert law.evaluate_at(sheet, np.zeros((1, 2))).inside.all()
+    law = any_law_for_design(sheet, None, place / "named.toml")
+    assert isinstance(law, MotifLaw) and law.evaluate_at(sheet, np.zeros((1, 2))).inside.all()
     (place / "other.toml").write_text(design("0.42", "[fabric]\nstretch = 1.5\n"))
     with pytest.raises(LawError) as refused:
-        motif_law_for_design(load_design(place / "other.toml"), place / "net-law.npz", Path("other.toml"))
+        any_law_for_design(load_design(place / "other.toml"), place / "net-law.npz", Path("other.toml"))
     assert str(refused.value) == (
         f"other.toml: fabric.stretch = 1.5: the law was made for 1.35 ({place / 'net-law.npz'}); "
         "asterism calibrate other.toml makes its law, for --law other-law.npz"
@@ -173,21 +174,21 @@ def test_designs_without_a_law_are_refused(
     assert not list(place.glob("*.npz")) and not list(place.glob("*.samples"))
 
 
-def test_without_a_file_the_cells_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_file_the_cells_are_solved_once(tmp_path: Path) -> None:
     calls: list[Design] = []
 
     def solve(sheet: Design, edge_mm: float, say: Callable[[str], None]) -> MotifResponses:
         calls.append(sheet)
         return made_up(sheet, edge_mm)
 
-    monkeypatch.setattr(motif_design_law, "serving_motif_law", functools.partial(serving_motif_law, solve=solve))
     (tmp_path / "net.toml").write_text(design())
     sheet = load_design(tmp_path / "net.toml")
-    first, again = motif_law_for_design(sheet), motif_law_for_design(sheet)
+    first, again = (serving_motif_law(sheet, print_layout(sheet), solve=solve) for _ in range(2))
     assert len(calls) == 1 and motif_law_bytes(first) == motif_law_bytes(again)
     (tmp_path / "thin.toml").write_text(design("0.3"))
+    thin = load_design(tmp_path / "thin.toml")
     with pytest.raises(LawError, match=r"^rods.motif: the motif has no law of one cell"):
-        motif_law_for_design(load_design(tmp_path / "thin.toml"))
+        serving_motif_law(thin, print_layout(thin), solve=solve)
 
 
 def test_a_motif_that_lies_on_its_copies_beside_the_sheet_is_refused_with_its_place_once(tmp_path: Path) -> None:
@@ -198,7 +199,7 @@ def test_a_motif_that_lies_on_its_copies_beside_the_sheet_is_refused_with_its_pl
     with pytest.raises(
         LawError, match=r"^rods: two lines named motif\[0\] lie on each other.*; use the exact"
     ) as refused:
-        motif_law_for_design(sheet)
+        serving_motif_law(sheet, print_layout(sheet))
     assert refused.value.field == "rods"
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.campaign.sample_rows import sample_quantities
+from asterism.homogenize.campaign.fit_law import sample_quantities
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.tube_directions import (
     ALL_ANGLES_RAD,

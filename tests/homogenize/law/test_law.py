@@ -14,8 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.homogenize.campaign.campaign import SampleRecord
-from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law
-from asterism.homogenize.campaign.sample_rows import sample_quantities
+from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, sample_quantities
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid
 from asterism.homogenize.law.law import Law

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.campaign import edge_campaign
 from asterism.homogenize.campaign.campaign import run_campaign
-from asterism.homogenize.campaign.edge_campaign import edge_materials, with_edges
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.material import Material
+from asterism.laws import edge_tables
+from asterism.laws.edge_tables import add_edges, edge_materials
 from tests.homogenize import fake, same_process
 from tests.homogenize.law.test_law import answers
 
@@ -56,10 +56,10 @@ def test_cells_that_the_law_lacks_are_refused(changes: dict[str, Any], why: str)
 
 def test_the_campaign_makes_tables_of_each_edge(tmp_path, monkeypatch) -> None:
     same_process.use(monkeypatch)
-    monkeypatch.setattr(edge_campaign, "run_campaign", partial(run_campaign, respond=fake.solve_cell))
-    made = with_edges(law(**SMALL), tmp_path)
+    monkeypatch.setattr(edge_tables, "run_campaign", partial(run_campaign, respond=fake.solve_cell))
+    made = add_edges(law(**SMALL), tmp_path / "edges.npz")
     assert [each.edge_mm for each in made.edges] == [1.9245, 0.6415, 0.4811]
-    again = with_edges(made, tmp_path, edges_mm=[0.64], lengths_mm=(7.0, 10.0))
+    again = add_edges(made, tmp_path / "edges.npz", edges_mm=[0.64], lengths_mm=(7.0, 10.0))
     assert [each.edge_mm for each in again.edges] == [1.9245, 0.4811, 0.6415]
     # these cells do not depend on their mesh, and neither does the law
     value = made.at(1.35)(5.7735, 0.3, 1.2).value["kappa"]
