@@ -12,6 +12,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips.form import csv_text, strip_form
 from asterism.measure.strips.specimen import THICKNESSES_MM, PrintedStrip, Specimen, lay_out_specimen, layer_heights
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.print.formats.pdf import write_pdf
 from asterism.print.formats.stl import write_stl
@@ -96,11 +97,12 @@ def new_strips(
     table, text = directory / "strips.csv", csv_text(specimen, stretch, fabric_thickness_mm)
     if table.exists() and table.read_bytes() != text.encode():
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
+    rounding = Rounding(first_layer_mm=heights[0], layer_mm=heights[1], line_mm=machine.nozzle_mm)
     solids = [_solid(strip, specimen) for strip in specimen.strips]
     under_nozzle = fabric_thickness_mm if stretched_thickness_mm is None else stretched_thickness_mm
     z_offset = machine.frame.plate_mm + under_nozzle
     with staged(directory) as folder:
-        write_3mf(folder / "strips.3mf", solids, "strips")
+        write_3mf(folder / "strips.3mf", solids, "strips", rounding)
         write_stl(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
         pages = strip_form(specimen, machine, under_nozzle, heights, stretch, fabric_thickness_mm)

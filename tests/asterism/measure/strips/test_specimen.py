@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections import Counter
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pypdfium2
@@ -12,6 +14,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from asterism.measure.strips.new_strips import new_strips
 from asterism.measure.strips.specimen import (
     BED_MARGIN_MM,
     STRIP_GAP_MM,
@@ -158,6 +161,18 @@ def test_the_table_waits_to_be_filled_in(folder: Path, tmp_path: Path) -> None:
     filled.write_text("\n".join(rows))
     (reading,) = read_strips(filled)
     assert (reading.strip, reading.thickness_mm, reading.stretch, reading.peeled) == ("1", 0.3, 1.35, False)
+
+
+def test_the_slicer_gets_the_layers_of_the_strips(tmp_path: Path) -> None:
+    """As in print.3mf of an export: a profile with other layers or fewer walls does not change them."""
+    written = new_strips(tmp_path, count=1)
+    with zipfile.ZipFile(tmp_path / "strips.3mf") as package:
+        config = ElementTree.fromstring(package.read("Metadata/Slic3r_PE_model.config"))
+    assert len(config) == len(written.specimen.strips)
+    for strip in config:
+        settings = {entry.get("key"): entry.get("value") for entry in strip.iter("metadata")}
+        assert float(settings["layer_height"]) == written.layers_mm[1] == 0.05
+        assert settings["extrusion_width"] == "0.4" and settings["fill_density"] == "100%"
 
 
 def test_a_table_with_measurements_is_kept(tmp_path: Path, capsys, monkeypatch) -> None:
