@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from asterism.reports.compare_designs import compare_designs
     from asterism.reports.design_report import report
     from asterism.reports.fit_files import write_fit
-    from asterism.reports.verification_files import write_verification
+    from asterism.reports.verification_page import write_verification
     from asterism.reports.write_results import write_results
     from asterism.shape.read_shape import read_shape
     from asterism.shape.shape import Shape
@@ -102,7 +102,7 @@ _HOMES = {
     "write_material": ("asterism.measure.strips.fit_strips", "write_material"),
     "write_results": ("asterism.reports.write_results", "write_results"),
     "write_sweep": ("asterism.sweeps.write_sweep", "write_sweep"),
-    "write_verification": ("asterism.reports.verification_files", "write_verification"),
+    "write_verification": ("asterism.reports.verification_page", "write_verification"),
 }
 __all__ = [
     "Design",

@@ -36,8 +36,7 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
 from asterism.print.profiles import load_printer
-from asterism.reports.fit_plots import signed_distance_map
-from asterism.reports.fit_views import fit_views
+from asterism.reports.fit_plots import fit_views, signed_distance_map
 from asterism.reports.html import png
 from benchmarks.report import PICTURES, chosen, markdown, number, write_report
 

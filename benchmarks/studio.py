@@ -24,9 +24,8 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.studio.child import ENGINE, StartedProcess
 from asterism.studio.engine import Engine
-from asterism.studio.engine_orders import Edit, Stop
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Frame, StudioProblem
+from asterism.studio.messages import Edit, Frame, Stop, StudioProblem
 from benchmarks.report import markdown, write_report
 
 DESIGNS = ("dome", "u-shape")

@@ -8,7 +8,14 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DaskAddress, MaterialFile, Processes, output_option
+from asterism.cli.common.options import (
+    DaskAddress,
+    MaterialFile,
+    Processes,
+    check_law_name,
+    check_workers,
+    output_option,
+)
 from asterism.cli.common.run import Run, command
 
 
@@ -32,8 +39,6 @@ def calibrate(
     The command continues an interrupted run: finished cells stay beside the law, in LAW.samples. The exit status is 1
     if too many cells have no equilibrium, or no cell of a motif stands for its sheet.
     """
-    from asterism.cli.common.mistake import Mistake
-    from asterism.cli.common.stop import stop
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.homogenize.law.any_law import AnyLaw
     from asterism.homogenize.law.motif_plan import MotifPlan
@@ -42,24 +47,18 @@ def calibrate(
     from asterism.pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
-    if path.suffix != ".npz":
-        raise Mistake(f"--output: {str(path)!r} must end with .npz")
-    if jobs is not None and dask is not None:
-        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+    check_law_name(path)
+    check_workers(jobs, dask)
     chosen = calibration.plan_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
+    workers = jobs or default_jobs()
     try:
-        workers = jobs or default_jobs()
-        if isinstance(chosen, MotifPlan):
-            law: AnyLaw = calibration.calibrate_motif(chosen, path, workers, dask, line, run.hand_over())
-        else:
-            law = calibration.calibrate(chosen, path, workers, dask, line, run.hand_over())
-    except KeyboardInterrupt:
-        folder = calibration.samples_folder(path)
-        if not folder.exists():
-            raise
-        stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
+        with run.resumable(calibration.samples_folder(path), "cells"):
+            if isinstance(chosen, MotifPlan):
+                law: AnyLaw = calibration.calibrate_motif(chosen, path, workers, dask, line, run.hand_over())
+            else:
+                law = calibration.calibrate(chosen, path, workers, dask, line, run.hand_over())
     except DesignError as error:
         raise error.within(material or file or "") from None
     run.lines(calibration.calibration_lines(law, path))

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from asterism.cli.common.options import FileUnit, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
-
-
-class _View(StrEnum):
-    above = "above"
-    front = "front"
-    side = "side"
 
 
 @command
@@ -26,7 +19,8 @@ def compare(
     output: Annotated[Path | None, output_option("Directory (default: SCAN-compared).")] = None,
     units: Annotated[FileUnit | None, typer.Option(help="Unit of the numbers in the file (default: mm).")] = None,
     view: Annotated[
-        _View | None, typer.Option(help="Direction of the photograph of an outline (default: above).")
+        Literal["above", "front", "side"] | None,
+        typer.Option(help="Direction of the photograph of an outline (default: above)."),
     ] = None,
     trim: Annotated[
         float, typer.Option(min=0.0, max=0.8, help="Largest part of the scan that does not belong to the sheet.")
@@ -45,7 +39,7 @@ def compare(
     directory = output or scan.with_name(f"{scan.stem}-compared")
     check_comparison_directory(directory, shape)
     with run.computing():
-        comparison = measure(shape, scan, units=units and units.value, view=view and view.value, trim=trim)
+        comparison = measure(shape, scan, units=units, view=view, trim=trim)
         files = write_comparison(comparison, directory)
     run.table(comparison.rows, 22)
     run.files(directory, files)

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import LawFile, MaterialFile, output_option
+from asterism.cli.common.errors import Mistake
+from asterism.cli.common.options import LawFile, MaterialFile, PlasticName, PrinterName, output_option
 from asterism.cli.common.run import Run, command
 
 # characters of the widest label and of a number in the table on the terminal
@@ -21,10 +22,8 @@ def compare_designs(
     designs: Annotated[list[Path], typer.Argument(help="Design files (.toml or .json), 2 to 12.")],
     output: Annotated[Path | None, output_option("File of the page (default: A-B-C.html beside the first).")] = None,
     exact: Annotated[bool, typer.Option("--exact", help="Compute exact shapes, not previews.")] = False,
-    printer: Annotated[
-        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
-    ] = "ultimaker2",
-    plastic: Annotated[str, typer.Option(help="Name of a plastic, or its file.")] = "tpu95a",
+    printer: PrinterName = "ultimaker2",
+    plastic: PlasticName = "tpu95a",
     law: LawFile = None,
     material: MaterialFile = None,
 ) -> None:
@@ -32,7 +31,6 @@ def compare_designs(
 
     Differences are those from the first design. A design without a shape is on the page with the reason.
     """
-    from asterism.cli.common.mistake import Mistake
     from asterism.exact.cost import exact_cost
     from asterism.homogenize.law.any_law import load_any_law
     from asterism.laws.replace_material import read_design

@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option, two_sizes
+from asterism.cli.common.options import (
+    DesignFile,
+    LawFile,
+    MaterialFile,
+    PlasticName,
+    PrinterName,
+    output_option,
+    results_folder,
+    two_sizes,
+)
 from asterism.cli.common.run import Run, command
 
 
@@ -16,10 +25,8 @@ def export(
     run: Run,
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory (default: DESIGN-print).")] = None,
-    printer: Annotated[
-        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
-    ] = "ultimaker2",
-    plastic: Annotated[str, typer.Option(help="Name of a plastic, or its file.")] = "tpu95a",
+    printer: PrinterName = "ultimaker2",
+    plastic: PlasticName = "tpu95a",
     material: MaterialFile = None,
     shape: Annotated[Path | None, typer.Option(help="Results of simulate, preview or verify, or a shape.vtu.")] = None,
     preview: Annotated[
@@ -59,7 +66,6 @@ def export(
 
     plan = with_material(load_design(design), material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.cli.common.results_folder import results_folder
     from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import any_law_for_design
     from asterism.print.export import check_shape_request

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
+from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import FileUnit, LawFile, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
-
-
-class _PlasticSideOption(StrEnum):
-    auto = "auto"
-    normals = "normals"
-    other = "other"
 
 
 @command
@@ -39,9 +33,9 @@ def fit(
         float | None, typer.Option(help="Width of a picture, or of heights in .npy or .csv, along x.")
     ] = None,
     side: Annotated[
-        _PlasticSideOption,
+        Literal["auto", "normals", "other"],
         typer.Option(help="Side of the plastic; auto: the convex one. normals: that of the file's normals."),
-    ] = _PlasticSideOption.auto,
+    ] = "auto",
     stretch: Annotated[
         float | None, typer.Option(help="Stretch of the fabric (default: the smallest one of the law that suffices).")
     ] = None,
@@ -93,7 +87,6 @@ def fit(
     rods.vtu, target.obj and fit.png. The exit status is 1 if the shape is further from the target than --within, or
     is no minimum.
     """
-    from asterism.cli.common.mistake import Mistake
     from asterism.fitting.fit import fit as compute
     from asterism.fitting.load_target import load_target
     from asterism.homogenize.law.law_file import load_law
@@ -114,9 +107,7 @@ def fit(
     directory = file.with_name(f"{file.stem}-fit")
     check_writable(file.parent, file.name)
     check_writable(directory)
-    surface = load_target(
-        target, None if unit is None else unit.value, size_mm, side.value, heights_mm, extent_mm
-    )  # fmt: skip
+    surface = load_target(target, unit, size_mm, side, heights_mm, extent_mm)
     run.warn(*surface.notes)
     chosen_printer = load_printer(printer) if rounding else None
     chosen_law = None if law is None else load_law(law)

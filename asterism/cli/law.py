@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DaskAddress, Processes, output_option
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.errors import Mistake
+from asterism.cli.common.options import DaskAddress, Processes, check_law_name, check_workers, output_option
+from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 app = typer.Typer(
     help="Show a law, add cells of other mesh edges, or solve the cell of a motif.",
@@ -18,8 +19,6 @@ app = typer.Typer(
 
 @app.callback()
 def _needs_a_command(context: typer.Context) -> None:
-    from asterism.cli.common.mistake import Mistake
-
     if context.invoked_subcommand is None:
         raise Mistake("law: needs a command: show, edges or cell")
 
@@ -65,25 +64,16 @@ def edges(
 
     The command continues an interrupted run: finished cells stay beside the law, in LAW.samples.
     """
-    from asterism.cli.common.mistake import Mistake
-    from asterism.cli.common.stop import stop
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.homogenize.law.law_file import load_law
     from asterism.laws.calibrate import samples_folder
     from asterism.laws.edge_tables import add_edges, edge_lines
 
     new = output or (Path("paper-edges.npz") if path is None else path.with_name(f"{path.stem}-edges.npz"))
-    if new.suffix != ".npz":
-        raise Mistake(f"--output: {str(new)!r} must end with .npz")
-    if jobs is not None and dask is not None:
-        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
-    try:
+    check_law_name(new)
+    check_workers(jobs, dask)
+    with run.resumable(samples_folder(new), "cells"):
         law = add_edges(load_law(path), new, jobs or default_jobs(), dask, run.stream, edge, stretch, length, thickness)
-    except KeyboardInterrupt:
-        folder = samples_folder(new)
-        if not folder.exists():
-            raise
-        stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
     run.lines(edge_lines(law, new))
 
 
@@ -99,7 +89,6 @@ def cell(
 
     The exit status is 1 if one cell does not stand for the sheet, which a cell of 2 x 2 motifs decides.
     """
-    from asterism.cli.common.run import DONE, NO_ANSWER
     from asterism.laws.motif_cell import motif_cell, motif_cell_rows
     from asterism.pattern.design.errors import DesignError
 

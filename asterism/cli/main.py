@@ -14,8 +14,7 @@ import re
 import signal
 import sys
 from types import FrameType
-
-from asterism.cli.common.stop import stop
+from typing import NoReturn
 
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -61,7 +60,7 @@ def main() -> None:
     # while Python ends, Ctrl-C would cause a traceback
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if status == 130:
-        stop("interrupted", 130)
+        _stop("interrupted", 130)
     sys.exit(status)
 
 
@@ -97,19 +96,25 @@ def _run() -> int:
             sys.stdout.flush()
         return status if isinstance(status, int) else 0
     except usage_error as error:
-        stop(plain_words(error.format_message()), 2)  # type: ignore[attr-defined]
+        _stop(plain_words(error.format_message()), 2)  # type: ignore[attr-defined]
     except Error as error:
-        stop(str(error), error.exit_status)
+        _stop(str(error), error.exit_status)
     except typer.Abort:
         return 130
     except MemoryError:
-        stop("not enough memory: a larger mesh.edge_mm needs less", 1)
+        _stop("not enough memory: a larger mesh.edge_mm needs less", 1)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         if error.filename is not None:
-            stop(f"{error.filename}: {reason}", 2)
+            _stop(f"{error.filename}: {reason}", 2)
         if error.errno not in FULL_OR_GONE:
             raise
         # discard unprinted text: Python would try again at its end, and print an error
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        stop(f"cannot print: {reason}", 1)
+        _stop(f"cannot print: {reason}", 1)
+
+
+def _stop(line: str, status: int) -> NoReturn:
+    """Print one line on standard error, and exit."""
+    print("asterism: " + " ".join(line.split()), file=sys.stderr)
+    sys.exit(status)

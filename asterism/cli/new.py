@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
@@ -23,7 +24,6 @@ def new(
     output: Annotated[Path | None, output_option("File of the design (default: NAME.toml).")] = None,
 ) -> None:
     """Write a template, a design of the paper's figures, or a drawn pattern, to a file that you can change."""
-    from asterism.cli.common.mistake import Mistake
     from asterism.pattern import gallery
     from asterism.results.files import write_file
 

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import output_option, two_sizes
 from asterism.cli.common.run import Run, command
 
@@ -30,7 +31,6 @@ def picture(
     """Draw results as FOLDER-VIEW.png beside their folders, all at one scale."""
     from io import BytesIO
 
-    from asterism.cli.common.mistake import Mistake
     from asterism.draw.view_picture import check_picture, fitting_scale, view_image
     from asterism.results.files import check_writable, write_file
     from asterism.shape.read_shape import read_shape

@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.errors import Mistake
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option, results_folder
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
@@ -42,20 +43,17 @@ def preview(
 
     chosen = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.cli.common.asked_edge import asked_edge
-    from asterism.cli.common.mistake import Mistake
-    from asterism.cli.common.results_folder import results_folder
     from asterism.homogenize.law.law import Law
     from asterism.laws.design_law import any_law_for_design
     from asterism.previews.run import preview as compute
-    from asterism.print.known_printers import size_warning
+    from asterism.print.bed_placement import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.doubts import doubts
     from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
 
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = any_law_for_design(chosen, law, design, material)
-    asked = None if edge is None else asked_edge(edge)
+    asked = None if edge is None else _edge_mm(edge)
     on_mesh = chosen_law
     if asked is not None:
         if not isinstance(chosen_law, Law):
@@ -76,19 +74,36 @@ def preview(
             "asterism.simulate(design, near=shape)"
         )
     elif warnings:
-        run.warn(f"check with the exact model:  {check_command(design, law, material, edge)}")
+        run.warn(f"check with the exact model:  {_check_command(design, law, material, edge)}")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER
 
 
-def check_command(design: Path, law: Path | None, material: Path | None, edge: str | None) -> str:
+def _check_command(design: Path, law: Path | None, material: Path | None, edge: str | None) -> str:
     """The command that compares a preview of these options with the exact shape.
 
-    >>> check_command(Path("dome.toml"), None, None, "0.7")
+    >>> _check_command(Path("dome.toml"), None, None, "0.7")
     'asterism verify dome.toml --edge 0.7'
     """
-    from asterism.cli.common.asked_edge import IN_THE_LIMIT
-
     # no exact mesh is infinitely fine: the design's own is taken
-    options = {"--law": law, "--material": material, "--edge": None if edge == IN_THE_LIMIT else edge}
+    options = {"--law": law, "--material": material, "--edge": None if edge == "limit" else edge}
     words = [str(word) for option, value in options.items() if value is not None for word in (option, value)]
     return join(["asterism", "verify", str(design), *words])
+
+
+def _edge_mm(text: str) -> float:
+    """The edge in mm that the option names; 0 for the limit of an infinitely fine mesh.
+
+    Raises
+    ------
+    Mistake
+        The text is neither a length nor `limit`.
+    """
+    if text == "limit":
+        return 0.0
+    try:
+        edge = float(text)
+    except ValueError:
+        edge = -1.0
+    if not 0.2 <= edge <= 100.0:
+        raise Mistake(f"--edge: {text!r} must be a length from 0.2 to 100 mm, or limit")
+    return edge

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, PlasticName, PrinterName, output_option
 from asterism.cli.common.run import Run, command
 
 
@@ -22,10 +22,8 @@ def report(
             help="Results of simulate, preview or verify (default: those beside the design, or a new preview)."
         ),
     ] = None,
-    printer: Annotated[
-        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
-    ] = "ultimaker2",
-    plastic: Annotated[str, typer.Option(help="Name of a plastic, or its file.")] = "tpu95a",
+    printer: PrinterName = "ultimaker2",
+    plastic: PlasticName = "tpu95a",
     material: MaterialFile = None,
     law: LawFile = None,
 ) -> None:

@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import BackendOption, Contact, DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import (
+    BackendOption,
+    Contact,
+    DesignFile,
+    LawFile,
+    MaterialFile,
+    output_option,
+    results_folder,
+    with_overrides,
+)
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
@@ -50,8 +59,6 @@ def simulate(
 
     read = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.cli.common.overrides import with_overrides
-    from asterism.cli.common.results_folder import results_folder
     from asterism.discrete.energies.contact import ipc_toolkit
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from shlex import quote
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.options import nonempty_path, output_option
+from asterism.cli.common.errors import Mistake
+from asterism.cli.common.options import PrinterName, nonempty_path, output_option
 from asterism.cli.common.run import Run, command
 
 app = typer.Typer(help="Measure plastic and fabric with printed strips.", invoke_without_command=True)
@@ -17,21 +17,8 @@ app = typer.Typer(help="Measure plastic and fabric with printed strips.", invoke
 
 @app.callback()
 def _needs_a_command(context: typer.Context) -> None:
-    from asterism.cli.common.mistake import Mistake
-
     if context.invoked_subcommand is None:
         raise Mistake("strips: needs a command: new, fit, weigh or overhang")
-
-
-class _Formula(StrEnum):
-    paper = "paper"
-    timoshenko = "timoshenko"
-
-
-class _KappaBar(StrEnum):
-    constant = "constant"
-    per_thickness = "per-thickness"
-    zero = "zero"
 
 
 @app.command()
@@ -39,9 +26,7 @@ class _KappaBar(StrEnum):
 def new(
     run: Run,
     output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
-    printer: Annotated[
-        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
-    ] = "ultimaker2",
+    printer: PrinterName = "ultimaker2",
     thickness: Annotated[
         list[float] | None,
         typer.Option(help="Thickness of strips in mm; give it several times (default: 0.3, 0.35, 0.4 and 0.45)."),
@@ -64,8 +49,7 @@ def new(
     """Write a test print: strips as STL and 3MF, start code, instructions, and a table to fill in."""
     from asterism.measure.strips.new_strips import new_strips
     from asterism.measure.strips.specimen import THICKNESSES_MM
-    from asterism.print.adjusted_printer import adjusted_printer
-    from asterism.print.profiles import load_printer
+    from asterism.print.profiles import adjusted_printer, load_printer
 
     thicknesses = tuple(thickness or THICKNESSES_MM)
     machine = adjusted_printer(load_printer(printer), plate=plate)
@@ -109,9 +93,11 @@ def fit(
         Path | None, output_option("File of the material (default: material.toml beside the table).")
     ] = None,
     rest_curvature: Annotated[
-        _Formula, typer.Option(help="Formula for the curvature of a strip with its fabric.")
-    ] = _Formula.paper,
-    kappa_bar: Annotated[_KappaBar, typer.Option(help="Model of the curvature of peeled strips.")] = _KappaBar.constant,
+        Literal["paper", "timoshenko"], typer.Option(help="Formula for the curvature of a strip with its fabric.")
+    ] = "paper",
+    kappa_bar: Annotated[
+        Literal["constant", "per-thickness", "zero"], typer.Option(help="Model of the curvature of peeled strips.")
+    ] = "constant",
     stretch: Annotated[
         float | None, typer.Option(min=1.01, max=3, help="Stretch of the fabric, if the table has no such column.")
     ] = None,
@@ -144,8 +130,8 @@ def fit(
         check_material_path(kept)
     material = fit_strips(
         strips,
-        rest_curvature=rest_curvature.value,
-        kappa_bar=kappa_bar.value,
+        rest_curvature=rest_curvature,
+        kappa_bar=kappa_bar,
         stretch=stretch,
         fabric_thickness_mm=fabric_thickness,
         outside=outside,
@@ -178,7 +164,6 @@ def weigh(
     ] = False,
 ) -> None:
     """Compute Young's modulus of a fabric from a strip that hangs with a weight, for designs with gravity."""
-    from asterism.cli.common.mistake import Mistake
     from asterism.measure.fabric_modulus import fabric_modulus_mpa
 
     if not 1.0 <= before <= 1e4:
@@ -207,7 +192,6 @@ def overhang(
     ] = None,
 ) -> None:
     """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
-    from asterism.cli.common.mistake import Mistake
     from asterism.measure.overhang import bending_stiffness, read_overhangs
     from asterism.measure.overhang_form import write_overhang_form
     from asterism.pattern.design.errors import DesignError
@@ -243,8 +227,6 @@ def overhang(
 
 
 def _overhang(text: str) -> float:
-    from asterism.cli.common.mistake import Mistake
-
     try:
         return float(text)
     except ValueError:

@@ -36,7 +36,7 @@ def studio(
         run.lines([line])
 
     try:
-        from asterism.studio.run import run_studio
+        from asterism.studio.server import run_studio
 
         run_studio(design, port=port, listen=listen, opens_browser=browser, say=say, engine=engine)
     finally:

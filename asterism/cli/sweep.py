@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import DaskAddress, DesignFile, LawFile, MaterialFile, Processes, output_option
+from asterism.cli.common.errors import Mistake
+from asterism.cli.common.options import (
+    DaskAddress,
+    DesignFile,
+    LawFile,
+    MaterialFile,
+    Processes,
+    check_workers,
+    output_option,
+    results_folder,
+)
 from asterism.cli.common.run import NO_ANSWER, Run, command
 
 
@@ -40,9 +50,6 @@ def sweep(
     an interrupted sweep: finished designs are in the folder designs of the directory. The exit status is 1 if no design
     has a shape.
     """
-    from asterism.cli.common.mistake import Mistake
-    from asterism.cli.common.results_folder import results_folder
-    from asterism.cli.common.stop import stop
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.homogenize.law.any_law import load_any_law
     from asterism.laws.replace_material import read_design
@@ -52,8 +59,7 @@ def sweep(
     from asterism.sweeps.run import SweepProgressLine, check_model, sampled, sweep_design, sweep_parameters
     from asterism.sweeps.write_sweep import write_sweep
 
-    if jobs is not None and dask is not None:
-        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+    check_workers(jobs, dask)
     if exact and law is not None:
         raise Mistake("--law: is for previews, not with --exact")
     chosen = read_design(design, material, run.warn)
@@ -66,7 +72,7 @@ def sweep(
     count = len(sampled(parameters, samples, seed))
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs(), law is not None))
     own_law = load_any_law(law) if law else None
-    try:
+    with run.resumable(folder, "designs"):
         with SweepProgressLine(run.hand_over()) as progress:
             result = sweep_design(
                 chosen,
@@ -81,10 +87,6 @@ def sweep(
                 report=progress.report,
             )
         files = write_sweep(result, directory)
-    except KeyboardInterrupt:
-        if not folder.exists():
-            raise
-        stop(f"interrupted; finished designs are in {folder}, and the same command continues from there", 130)
     run.table(result.summary.table(), doubts=result.doubts)
     run.files(directory, files)
     if result.failed < len(result.points):

@@ -9,7 +9,16 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import BackendOption, Contact, DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import (
+    BackendOption,
+    Contact,
+    DesignFile,
+    LawFile,
+    MaterialFile,
+    output_option,
+    results_folder,
+    with_overrides,
+)
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
@@ -35,12 +44,10 @@ def verify(
 
     read = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.cli.common.overrides import with_overrides
-    from asterism.cli.common.results_folder import results_folder
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import any_law_for_design
-    from asterism.reports.verification_files import write_verification
+    from asterism.reports.verification_page import write_verification
     from asterism.results.doubts import doubts
     from asterism.verification.run import verify as compute
 

@@ -13,8 +13,8 @@ from asterism.previews.solve import EDIT_START
 from asterism.shape.shape import Shape
 from asterism.studio import frames
 from asterism.studio.engine_problem import engine_problem
+from asterism.studio.frames import frame_parts, mesh_bytes
 from asterism.studio.messages import Frame
-from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.shape_frame import shape_messages
 from asterism.studio.sheet_view import SheetView
 

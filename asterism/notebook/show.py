@@ -14,7 +14,6 @@ from asterism.shape.shape import Shape
 if TYPE_CHECKING:
     from asterism.notebook.widget import SheetWidget
 
-HEIGHT_PX = 420
 HEIGHT_RANGE_PX = (120, 4000)
 
 
@@ -22,7 +21,7 @@ class NotebookError(Error):
     """The notebook lacks what a widget needs."""
 
 
-def show(shown: Shape | Preview, sliders: Sequence[str] | None = None, height_px: int = HEIGHT_PX) -> SheetWidget:
+def show(shown: Shape | Preview, sliders: Sequence[str] | None = None, height_px: int = 420) -> SheetWidget:
     """Show a sheet in a notebook: drag to turn it, click into it and use the wheel to zoom.
 
     A preview gets sliders. They change the preview in place, by `Preview.edit`: `preview.design` is the design that the

@@ -19,10 +19,7 @@ SIZE_SLIDERS = {"length": "Length", "thickness": "Thickness", "width": "Width"}
 SLIDERS = (*SIZE_SLIDERS, "stretch", "needle_scale", "needle_height")
 # factors of sizes, of places and of heights; the range of the law limits sizes further
 SIZE_FACTORS = (0.5, 1.5)
-PLACE_FACTORS = (0.8, 1.2)
-HEIGHT_FACTORS = (0.0, 2.0)
 SIZE_FACTOR_STEP, PLACE_FACTOR_STEP, HEIGHT_FACTOR_STEP = 0.01, 0.005, 0.02
-SCALED_SIZE_DIGITS = 4  # mm, of sizes that a factor gives
 
 
 @dataclass(frozen=True)
@@ -153,16 +150,12 @@ class SliderBoard:
             )
         if design.pins:
             out.append(
-                Slider(
-                    "needle_scale", "Distances of the needles", *PLACE_FACTORS, PLACE_FACTOR_STEP, unit="×", digits=3
-                )
+                Slider("needle_scale", "Distances of the needles", 0.8, 1.2, PLACE_FACTOR_STEP, unit="×", digits=3)
             )
         heights = [height for pins in design.pins for height in _heights(pins) if height != 0]
         if heights:
             base = (min(heights), max(heights))
-            out.append(
-                Slider("needle_height", "Heights of the needles", *HEIGHT_FACTORS, HEIGHT_FACTOR_STEP, base=base)
-            )
+            out.append(Slider("needle_height", "Heights of the needles", 0.0, 2.0, HEIGHT_FACTOR_STEP, base=base))
         return out
 
     def _with_sizes(self, factors: Sequence[float]) -> Design:
@@ -171,7 +164,8 @@ class SliderBoard:
         changed = np.array([factor != 1.0 for factor in factors])
         if not changed.any():
             return design
-        sizes: Floats = np.round(self._layout.site_sizes_mm * np.asarray(factors), SCALED_SIZE_DIGITS)
+        # mm, of sizes that a factor gives
+        sizes: Floats = np.round(self._layout.site_sizes_mm * np.asarray(factors), 4)
         numbers = {
             key: getattr(design.required_stars, key)
             for key, is_changed in zip(SIZE_KEYS, changed, strict=True)

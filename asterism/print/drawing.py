@@ -11,9 +11,6 @@ from asterism.equilibrium.arrays import Floats
 
 # width and height of a page of A4 paper
 A4_MM = (210.0, 297.0)
-# largest widths of characters in common fonts, over the size of the font
-_WIDE_CHARACTER = 1.15
-_USUAL_CHARACTER = 0.85
 
 
 @dataclass(frozen=True)
@@ -114,5 +111,26 @@ def offset_points(at: Floats, *offsets: tuple[float, float]) -> Floats:
 
 def font_size_within(text: str, largest_mm: float, room_mm: float) -> float:
     """Size (mm) at which a bold text is at most `room_mm` wide in common fonts."""
-    ems = sum(_WIDE_CHARACTER if sign in "WMmw@%" or sign > "\u2e80" else _USUAL_CHARACTER for sign in text)
+    # largest widths of characters in common fonts, over the size of the font
+    ems = sum(1.15 if sign in "WMmw@%" or sign > "\u2e80" else 0.85 for sign in text)
     return min(largest_mm, room_mm / max(ems, 1.0))
+
+
+# the layers of the sheets
+FRAME = DrawingLayer("frame", "#6b6b6b", 0.5, meaning="frame")
+OPENING = DrawingLayer("frame-opening", "#6b6b6b", 0.2, meaning="inside of the frame")
+BED = DrawingLayer("printable-area", "#2f6fc1", 0.25, (4.0, 2.0), meaning="what the nozzle reaches")
+STARS = DrawingLayer("stars", "#3a3a44", filled=True, meaning="stars")
+RODS = DrawingLayer("rods", STARS.colour, filled=True, meaning="printed lines")
+GUIDE = DrawingLayer("printed-border", "#8a8a94", filled=True, meaning="printed line to cut along")
+CUT = DrawingLayer("cut", "#d01c1c", 0.25, meaning="cut here")
+MARKS = DrawingLayer("alignment", "#0a7d32", 0.2, meaning="alignment marks")
+BEFORE = DrawingLayer(
+    "check-before-stretching", "#d98200", 0.25, (1.5, 1.5), meaning="square drawn on the relaxed fabric"
+)
+AFTER = DrawingLayer("check-after-stretching", "#d98200", 0.3, meaning="the same square on the stretched fabric")
+NEEDLES = DrawingLayer("needles", "#a0109a", 0.3, meaning="needles")
+OUTLINE_IN_SPACE = DrawingLayer(
+    "outline", "#d01c1c", 0.2, (3.0, 1.5), meaning="edge of the sheet in space, seen from above"
+)
+TEXT = DrawingLayer("text", "#26262b")

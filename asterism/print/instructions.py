@@ -8,23 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.print.drawing import A4_MM, Circle, Drawing, Label, Polyline, font_size_within
+from asterism.print.drawing import A4_MM, TEXT, Circle, Drawing, Label, Polyline, font_size_within
+from asterism.print.formats.threemf import WALLS, wider_mm
 from asterism.print.job import Job
-from asterism.print.layers import TEXT
 from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
-from asterism.print.slicing import WALLS, wider_mm
-from asterism.results.records.export import PrintCostRecord, TinyStarRecord
+from asterism.results.records.export import TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
 # margin of a page of instructions
-_INSTRUCTION_MARGIN_MM = 18.0
-# characters in a line of the instructions
-_INSTRUCTION_LETTERS = 98
+_MARGIN_MM = 18.0
 # largest number of tiny stars, and of heights of needles, in the instructions
 _MAX_LISTED_PLACES = 12
-# largest number of widths of arms in the instructions
-_MAX_LISTED_WIDTHS = 4
 
 
 @dataclass(frozen=True)
@@ -36,9 +31,9 @@ class Chapter:
     code: tuple[str, ...] = ()
 
 
-def chapters(job: Job, cost: PrintCostRecord, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
-    """The chapters for a job; `cost` from `print_cost`, `tiny` from `tiny_stars`."""
-    return (_stretch(job), _mount(job), _offset(job), _slice(job, tiny), _print(job, cost), _finish(job))
+def chapters(job: Job, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
+    """The chapters for a job; `tiny` from `tiny_pieces`."""
+    return (_stretch(job), _mount(job), _offset(job), _slice(job, tiny), _print(job), _finish(job))
 
 
 def _stretch(job: Job) -> Chapter:
@@ -135,10 +130,12 @@ def _lines_across(job: Job) -> str:
     widths |= {w for rod in job.rods for w in rod.width.tolist()}
     at = {max(round(width / job.rounding.line_mm), 1): width for width in sorted(widths)}
     each = [f"{lines} line{'s' * (lines > 1)} across {width:.3g} mm" for lines, width in sorted(at.items())]
-    return ", ".join(each) if len(each) <= _MAX_LISTED_WIDTHS else f"{each[0]} to {each[-1]}"
+    # largest number of widths of arms in the instructions
+    return ", ".join(each) if len(each) <= 4 else f"{each[0]} to {each[-1]}"
 
 
-def _print(job: Job, cost: PrintCostRecord) -> Chapter:
+def _print(job: Job) -> Chapter:
+    cost = job.cost
     return Chapter(
         "5. Print",
         (
@@ -221,17 +218,18 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
     """The instructions as A4 pages."""
     name = job.design.name
     pages: list[list[Polyline | Circle | Label]] = []
-    top, bottom = A4_MM[1] - _INSTRUCTION_MARGIN_MM, _INSTRUCTION_MARGIN_MM
-    size = font_size_within(name, 6.5, A4_MM[0] - 2 * _INSTRUCTION_MARGIN_MM)
+    top, bottom = A4_MM[1] - _MARGIN_MM, _MARGIN_MM
+    size = font_size_within(name, 6.5, A4_MM[0] - 2 * _MARGIN_MM)
     items: list[Polyline | Circle | Label] = [
-        Label(TEXT, np.array([_INSTRUCTION_MARGIN_MM, top - 6.0]), name, size, bold=True),
-        Label(TEXT, np.array([_INSTRUCTION_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
+        Label(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
+        Label(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
     ]
     y = top - 24.0
     for part in parts:
         lines = [(part.title, True, False, 6.4)]
         for paragraph in part.paragraphs:
-            wrapped = textwrap.wrap(paragraph, _INSTRUCTION_LETTERS) or [""]
+            # characters in a line of the instructions
+            wrapped = textwrap.wrap(paragraph, 98) or [""]
             lines += [(line, False, False, 4.5) for line in wrapped[:-1]] + [(wrapped[-1], False, False, 5.9)]
         lines += [(line, False, True, 4.3) for line in part.code]
         # a chapter stays on one page
@@ -239,7 +237,7 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
             pages.append(items)
             items, y = [], top - 6.0
         for line, bold, code, step in lines:
-            at = np.array([_INSTRUCTION_MARGIN_MM + (6.0 if code else 0.0), y])
+            at = np.array([_MARGIN_MM + (6.0 if code else 0.0), y])
             items.append(Label(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
             y -= step
         y -= 2.8

@@ -1,8 +1,9 @@
-"""The print job: a design prepared for a printer, from which all files of an export are written."""
+"""The print job: a design prepared for a printer, from which all files of an export are written, and its cost."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,14 +18,18 @@ from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.print.arm_pieces import ArmPiece, arm_pieces
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_through_arms
-from asterism.print.plastic_profile import PlasticProfile
-from asterism.print.plastic_regions import border_terrace, cutting_lines, plastic_terraces
-from asterism.print.print_cost import print_cost
-from asterism.print.printer import Printer
-from asterism.print.rod_pieces import RodPiece, rod_pieces
+from asterism.print.pieces import (
+    ArmPiece,
+    RodPiece,
+    arm_pieces,
+    border_terrace,
+    cutting_lines,
+    plastic_terraces,
+    rod_pieces,
+)
+from asterism.print.printer import PlasticProfile, Printer
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
@@ -32,8 +37,6 @@ from asterism.shape.shape import Shape
 
 # sides of check squares, the preferred first
 CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)
-# largest part of the frame's opening for the stretched check square
-_MAX_CHECK_SQUARE_PART = 0.8
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,8 @@ class Job:
     def check_before_mm(self) -> float:
         """Side of the check square on the released fabric; after stretching it lies well within the frame."""
         room = np.asarray(self.printer.frame.opening_mm) / self.design.fabric.stretch_xy
-        most = _MAX_CHECK_SQUARE_PART * float(room.min()) + 1e-9
+        # largest part of the frame's opening for the stretched check square
+        most = 0.8 * float(room.min()) + 1e-9
         return next((side for side in CHECK_SQUARES_MM if side <= most), CHECK_SQUARES_MM[-1])
 
     @property
@@ -177,7 +181,7 @@ class Job:
 
     @cached_property
     def cost(self) -> PrintCostRecord:
-        """Plastic and time for the pattern and the border line, see `asterism.print.print_cost`."""
+        """Plastic and time for the pattern and the border line, see `print_cost`."""
         prints = [self.pattern, *([(self.border,)] if self.border is not None else [])]
         return print_cost(prints, self.printer, self.rounding, self.plastic)
 
@@ -293,3 +297,63 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
             raise DesignError("--shape", "must be of this design, but its fabric was stretched otherwise")
         if (made_from.fabric, made_from.plastic) != (design.fabric, design.plastic):
             raise DesignError("--shape", "must be of this design, but its material is another")
+
+
+def print_cost(
+    prints: Sequence[Sequence[Terrace]], printer: Printer, rounding: Rounding, plastic: PlasticProfile
+) -> PrintCostRecord:
+    """Volume, mass, filament and time of a print.
+
+    Lines as wide as the nozzle fill each layer at the printer's speed. The nozzle travels from each island of a layer
+    to the nearest one, and loses `speed.island_s` at each. Acceleration is not modelled.
+
+    Parameters
+    ----------
+    prints : nested terraces of each solid.
+    """
+    volume = float(
+        sum(
+            step.region.area * (step.height_mm - below)
+            for steps in prints
+            for step, below in zip(steps, [0.0, *(step.height_mm for step in steps)], strict=False)
+        )
+    )
+    seconds = 60.0 * printer.speed.heating_min
+    top = max(step.height_mm for steps in prints for step in steps)
+    layers = 1 + max(round((top - rounding.first_layer_mm) / rounding.layer_mm), 0)
+    length = 0.0
+    for layer in range(layers):
+        middle = rounding.first_layer_mm + (layer - 0.5) * rounding.layer_mm if layer else 0.5 * rounding.first_layer_mm
+        area, islands, travel = _slice(prints, middle)
+        lines = area / rounding.line_mm
+        speed = printer.speed.print_mm_s if layer else printer.speed.first_layer_mm_s
+        seconds += lines / speed + travel / printer.speed.travel_mm_s + islands * printer.speed.island_s
+        length += lines
+    return PrintCostRecord(
+        volume_mm3=volume,
+        mass_g=volume * plastic.density_kg_m3 * 1e-6,
+        filament_m=volume / (math.pi / 4 * printer.filament_mm**2) * 1e-3,
+        layers=layers,
+        lines_m=length * 1e-3,
+        minutes=seconds / 60.0,
+    )
+
+
+def _slice(prints: Sequence[Sequence[Terrace]], height_mm: float) -> tuple[float, int, float]:
+    """Area (mm^2), number of islands, and travel between them (mm) of the slice at a height."""
+    area, islands, travel = 0.0, 0, 0.0
+    for steps in prints:
+        # terraces are nested: the first one above this height is the slice
+        here = next((step.region for step in steps if step.height_mm > height_mm), None)
+        if here is None:
+            continue
+        parts = shapely.get_parts(here)
+        centres = shapely.get_coordinates(shapely.centroid(parts))
+        area += here.area
+        islands += len(parts)
+        if len(parts) > 1:
+            nearest = shapely.STRtree(parts).query_nearest(
+                parts, exclusive=True, all_matches=False, return_distance=False
+            )
+            travel += float(np.linalg.norm(centres[nearest[0]] - centres[nearest[1]], axis=1).sum())
+    return area, islands, travel

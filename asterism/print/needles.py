@@ -18,14 +18,10 @@ from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.graph import CORNER_DEG
 from asterism.shape.shape import Shape
 
-# smallest distance of a needle from the edge of the fabric
-MIN_EDGE_DISTANCE_MM = 2.0
 # largest distance of needles on supported edges, unless another one is chosen
 NEEDLE_SPACING_MM = 20.0
 # diameter of the hole for a needle in the base
 HOLE_DIAMETER_MM = 1.0
-# a needle at a lower height holds the sheet on the base
-BASE_TOLERANCE_MM = 0.05
 
 
 @dataclass(frozen=True)
@@ -56,7 +52,8 @@ class Needle:
     @property
     def is_raised(self) -> bool:
         """Whether the needle holds the sheet above or below the base."""
-        return self.height_mm is not None and abs(self.height_mm) > BASE_TOLERANCE_MM
+        # a needle at a lower height holds the sheet on the base
+        return self.height_mm is not None and abs(self.height_mm) > 0.05
 
 
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
@@ -123,7 +120,7 @@ def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
         return []
     printed = np.array([needle.printed for needle in some])
     away = np.min([distance_to_outline(printed, line) for line in (plan.outline, *plan.holes)], axis=0)
-    return [needle.number for needle, far in zip(some, away, strict=True) if far < MIN_EDGE_DISTANCE_MM]
+    return [needle.number for needle, far in zip(some, away, strict=True) if far < 2.0]
 
 
 def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:

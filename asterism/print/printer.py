@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.design.section import Line, Number, Point, Section, Text
+from asterism.pattern.design.section import Line, MassDensity, Number, Point, Section, Text
 
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # names in braces that a start code may contain
@@ -18,8 +18,6 @@ PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
 NOT_COMPLETE = "; not a complete start: put it after the slicer's own, which heats, homes and purges"
 # height of the nozzle above the fabric when the start code sets z
 ABOVE_FABRIC_MM = 10.0
-# smallest width of the opening between the bars of a frame
-_MIN_OPENING_MM = 5.0
 
 
 class PrintSpeed(Section):
@@ -60,7 +58,8 @@ class FabricFrame(Section):
 
     @model_validator(mode="after")
     def _bars_leave_an_opening(self) -> Self:
-        most = (min(self.size_mm) - _MIN_OPENING_MM) / 2
+        # smallest width of the opening between the bars of a frame
+        most = (min(self.size_mm) - 5.0) / 2
         if self.bar_mm > most:
             sides = f"{self.size_mm[0]:g} x {self.size_mm[1]:g}"
             raise DesignError("bar_mm", f"must be at most {most:g} in a frame of {sides} mm", self.bar_mm)
@@ -159,3 +158,22 @@ def _sides(size: Point) -> Point:
     if not all(10 <= side <= 5000 for side in size):
         raise DesignError("", "must be two sides from 10 to 5000 mm", size)
     return size
+
+
+class PlasticProfile(Section):
+    """A plastic for the printer. Its stiffness belongs to the design.
+
+    Attributes
+    ----------
+    density_kg_m3 : density, for the mass.
+    tiny_arm_mm : the export names stars with shorter arms, which may jump off the fabric.
+    nozzle_c, bed_c : temperatures in the instructions; None for no advice.
+    advice : lines of the instructions.
+    """
+
+    name: Line = Field(min_length=1, max_length=100)
+    density_kg_m3: MassDensity = Field(gt=0)
+    tiny_arm_mm: Number = Field(3.0, ge=0, le=100)
+    nozzle_c: Number | None = Field(None, ge=0, le=500)
+    bed_c: Number | None = Field(None, ge=0, le=200)
+    advice: tuple[Line, ...] = Field((), max_length=20)

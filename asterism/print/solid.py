@@ -13,8 +13,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 
 # corners lie on this grid, which single precision (as in STL) resolves
 GRID_MM = 1e-3
-# rounds of joining parts, which may bring other corners together
-_MAX_JOIN_ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,8 @@ def nested_terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Terr
     """
     heights = np.array([round(height, 6) for height, _ in regions])
     shapes = shapely.set_precision([region for _, region in regions], GRID_MM)
-    for _ in range(_MAX_JOIN_ROUNDS):
+    # rounds of joining parts, which may bring other corners together
+    for _ in range(5):
         steps = _subdivided(heights, shapes)
         touching = [(step.height_mm, _touching_points(step.region)) for step in steps]
         if not any(len(points) for _, points in touching):

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from asterism.pattern.design.design import save_design
 from asterism.print import instructions, sheets
-from asterism.print.drawing import Drawing, DrawingLayer, Polyline
+from asterism.print.drawing import RODS, Drawing, DrawingLayer, Polyline
 from asterism.print.formats.registry import ExportFormat, FormatKind, export_formats, write_all
 from asterism.print.job import Job
-from asterism.print.layers import RODS
 from asterism.print.rounded import better_layers, tiny_pieces
 from asterism.results.files import EXPORT_COMPANIONS, EXPORT_SUMMARY_FILE, holds_result, staged
 from asterism.results.records.export import (
@@ -28,34 +27,6 @@ from asterism.results.records.export import (
 )
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
-
-# characters that names of layers cannot have in DXF
-_NOT_IN_DXF = re.compile(r'[<>/\\":;?*=`|,\x00-\x1f]')
-
-
-def middle_lines(job: Job) -> Drawing:
-    """The rods of the printed design in printed coordinates: a layer for each name and width, lines as wide as rods.
-
-    A rod whose width varies has its mean width. The page is the box around the cut lines.
-    """
-    rods = job.plan.drawn_rods
-    widths: dict[str, set[float]] = {}
-    keys = [(_NOT_IN_DXF.sub("_", rod.name), round(float(rod.width.mean()), 3)) for rod in rods]
-    for name, width in keys:
-        widths.setdefault(name, set()).add(width)
-    layers = {
-        (name, width): DrawingLayer(
-            name if len(widths[name]) == 1 else f"{name} {width:g}", RODS.colour, width, is_printed_width=True
-        )
-        for name, width in dict.fromkeys(keys)
-    }
-    items = []
-    for rod, key in zip(rods, keys, strict=True):
-        closed = rod.start == rod.end
-        items.append(Polyline(layers[key], rod.points[:-1] if closed else rod.points, closed=closed))
-    everything = np.concatenate(job.cut)
-    return Drawing(f"{job.design.name}: middle lines", everything.min(axis=0), everything.max(axis=0), tuple(items))
-
 
 # name of the rounded design
 ROUNDED = "rounded.toml"
@@ -98,7 +69,7 @@ def write_export(
         write_all("print", folder, "print", job.solids, job.design.name, job.rounding)
         write_all("script", folder, job.pattern_file, job)
         _write_sheets(job, folder)
-        parts = instructions.chapters(job, job.cost, tiny)
+        parts = instructions.chapters(job, tiny)
         write_all("pages", folder, "instructions", instructions.as_pages(job, parts))
         (folder / "instructions.txt").write_text(instructions.as_text(job, parts), encoding="utf-8", newline="\n")
         (folder / "start.gcode").write_text(job.start_code, encoding="utf-8", newline="\n")
@@ -129,14 +100,12 @@ def export_file_names(has_shape: bool) -> list[str]:
     }
     if not has_shape:
         del stems["shape"]
-    names = [
-        f"{stem}{export_format.suffix}"
-        for stem, kinds in stems.items()
-        for kind in kinds
-        for export_format in export_formats(kind)
-    ]
     vtu = ["shape.vtu", "rods.vtu"] if has_shape else []
-    return sorted([ROUNDED, "instructions.txt", "start.gcode", *names, *vtu])
+    return sorted([ROUNDED, "instructions.txt", "start.gcode", *_in_all_formats(stems), *vtu])
+
+
+def _in_all_formats(stems: Mapping[str, Sequence[FormatKind]]) -> list[str]:
+    return [f"{stem}{each.suffix}" for stem, kinds in stems.items() for kind in kinds for each in export_formats(kind)]
 
 
 def stale_files(directory: str | Path) -> str | None:
@@ -156,13 +125,7 @@ def stale_files(directory: str | Path) -> str | None:
     """
     if not (Path(directory) / EXPORT_SUMMARY_FILE).is_file():
         return None
-    names = [
-        re.escape(f"{stem}{export_format.suffix}")
-        for stem, kinds in OPTIONAL_FILES.items()
-        for kind in kinds
-        for export_format in export_formats(kind)
-        if not re.fullmatch(EXPORT_COMPANIONS, f"{stem}{export_format.suffix}")
-    ]
+    names = [re.escape(name) for name in _in_all_formats(OPTIONAL_FILES) if not re.fullmatch(EXPORT_COMPANIONS, name)]
     # the others may belong to that result
     return "|".join(names if holds_result(directory) else [*names, EXPORT_COMPANIONS])
 
@@ -224,3 +187,28 @@ def _rounding(job: Job) -> RoundingRecord:
         width=job.size_changes["width"],
         better_layers=None if better is None else LayersRecord(**better.model_dump(mode="json")),
     )
+
+
+def middle_lines(job: Job) -> Drawing:
+    """The rods of the printed design in printed coordinates: a layer for each name and width, lines as wide as rods.
+
+    A rod whose width varies has its mean width. The page is the box around the cut lines.
+    """
+    rods = job.plan.drawn_rods
+    widths: dict[str, set[float]] = {}
+    # characters that names of layers cannot have in DXF
+    keys = [(re.sub(r'[<>/\\":;?*=`|,\x00-\x1f]', "_", rod.name), round(float(rod.width.mean()), 3)) for rod in rods]
+    for name, width in keys:
+        widths.setdefault(name, set()).add(width)
+    layers = {
+        (name, width): DrawingLayer(
+            name if len(widths[name]) == 1 else f"{name} {width:g}", RODS.colour, width, is_printed_width=True
+        )
+        for name, width in dict.fromkeys(keys)
+    }
+    items = []
+    for rod, key in zip(rods, keys, strict=True):
+        closed = rod.start == rod.end
+        items.append(Polyline(layers[key], rod.points[:-1] if closed else rod.points, closed=closed))
+    everything = np.concatenate(job.cut)
+    return Drawing(f"{job.design.name}: middle lines", everything.min(axis=0), everything.max(axis=0), tuple(items))

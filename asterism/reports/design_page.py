@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -24,28 +24,30 @@ from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import families, printable
 from asterism.draw.picture import draw_shape
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.residual_curvature import ResidualCurvature
+from asterism.pattern.layout.layout import Layout
 from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
-from asterism.reports.facts import Facts
+from asterism.results.words import VISIBLE_SAG_MM, distance_error, height_error
 from asterism.shape.shape import Shape
+
+Facts = dict[str, list[str]]
+
 
 # width and height of the page
 PAGE_MM = np.array(A4_MM)
 # empty border of the page
-DESIGN_PAGE_MARGIN_MM = 15.0
+_MARGIN_MM = 15.0
 # colours of needles and warnings, and of the sheet
 RED = "#c8553d"
 SHEET = "#f3f1ea"
 # size of the area for the layout, and its lower left corner on the page
 LAYOUT_MM = np.array([112.0, 122.0])
 LAYOUT_AT = np.array([83.0, 42.0])
-# baselines of the first and of the last line of the facts; their distances, below a line and below a paragraph
-FACTS_MM = (170.0, 40.0)
 LINE_MM, HEAD_MM = 4.2, 6.4
 # the page lists the places of at most this many needles
 MAX_LISTED_NEEDLES = 12
-# longest line of the warnings, in characters
-WARNING_WIDTH = 145
 # largest number of lines of the warnings
 MAX_WARNING_LINES = 3
 # scales 1:n of the layout
@@ -60,7 +62,7 @@ def write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], 
     Parameters
     ----------
     job : the design on the printer's bed.
-    facts : from `asterism.reports.facts.design_facts`.
+    facts : from `asterism.reports.design_page.design_facts`.
     lines : warnings about the shape.
     shape : shape of the picture; the page has no picture if it is None.
 
@@ -72,7 +74,7 @@ def write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], 
     FigureCanvasAgg(figure)
     to_page = Affine2D().scale(_POINTS)
     name = job.design.name
-    _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
+    _text(figure, to_page, _MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
     if shape is not None:
         _picture(figure, shape)
     _warnings(figure, to_page, lines)
@@ -96,9 +98,9 @@ def _picture(figure: Figure, shape: Shape) -> None:
         # without the caption, which the page repeats as text
         pixels = np.asarray(image.convert("RGB"))[140:]
     height, width = pixels.shape[:2]
-    size = np.array([PAGE_MM[0] - 2 * DESIGN_PAGE_MARGIN_MM, 0.0])
+    size = np.array([PAGE_MM[0] - 2 * _MARGIN_MM, 0.0])
     size[1] = size[0] * height / width
-    low = np.array([DESIGN_PAGE_MARGIN_MM, 270.0 - size[1]])
+    low = np.array([_MARGIN_MM, 270.0 - size[1]])
     axes = figure.add_axes((*(low / PAGE_MM), *(size / PAGE_MM)))
     axes.imshow(pixels, interpolation="none")
     axes.axis("off")
@@ -106,23 +108,25 @@ def _picture(figure: Figure, shape: Shape) -> None:
 
 def _warnings(figure: Figure, to_page: Transform, texts: Sequence[str]) -> None:
     """Write the warnings between the picture and the facts, as many as fit."""
-    lines = [line for text in texts for line in textwrap.wrap(text, WARNING_WIDTH)]
+    # longest line of the warnings, in characters
+    lines = [line for text in texts for line in textwrap.wrap(text, 145)]
     if len(lines) > MAX_WARNING_LINES:
         lines = [*lines[: MAX_WARNING_LINES - 1], "... and more: see the summary of the results"]
     for k, line in enumerate(lines):
-        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
+        _text(figure, to_page, _MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
 
 
 def _facts(figure: Figure, to_page: Transform, facts: Facts) -> None:
-    top, bottom = FACTS_MM
+    # baselines of the first and of the last line of the facts; their distances, below a line and below a paragraph
+    top, bottom = (170.0, 40.0)
     needed = sum(LINE_MM * len(lines) for lines in facts.values()) + HEAD_MM * (len(facts) - 1)
     squeezed = min(1.0, (top - bottom) / needed)
     y = top
     for head, lines in facts.items():
-        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
+        _text(figure, to_page, _MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
         for line in lines:
             y -= LINE_MM * squeezed
-            _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, line, 2.7 * squeezed)
+            _text(figure, to_page, _MARGIN_MM, y, line, 2.7 * squeezed)
         y -= HEAD_MM * squeezed
 
 
@@ -159,19 +163,19 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
 def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
     needles = job.needles
     if not needles:
-        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
+        _text(figure, to_page, _MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
         return
-    _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
+    _text(figure, to_page, _MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
     if len(needles) > MAX_LISTED_NEEDLES:
         text = "Red dots in the layout. asterism export writes their places (needles.csv) and a drilling template."
-        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 30.5, text, 2.7)
+        _text(figure, to_page, _MARGIN_MM, 30.5, text, 2.7)
         return
     for i, needle in enumerate(needles):
         column, row = divmod(i, 4)
         printed = _numbers(needle.printed)
         place = "slides" if needle.place is None else _numbers(needle.place)
         text = f"{needle.number}: printed ({printed}), stands at ({place})"
-        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+        _text(figure, to_page, _MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
 
 
 def _numbers(place: Floats) -> str:
@@ -191,3 +195,152 @@ def _text(
 ) -> None:
     settings: dict[str, Any] = {"color": INK, "family": families(), "parse_math": False} | style
     figure.text(float(x), float(y), printable(text), transform=to_page, fontsize=size_mm * _POINTS, **settings)
+
+
+def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
+    """Lines on parameters, shape, accuracy and material, as far as they are available.
+
+    Parameters
+    ----------
+    job : the design on the printer's bed.
+    summary : summary of the shape; empty if there is no shape.
+    source : origin of the shape, or the reason for its absence.
+    """
+    facts = {
+        "Fabric": _fabric(job.design),
+        "Plastic": _plastic(job.design),
+        "Stars": _stars(job.drawn_plan, job.design) if job.arms else [],
+        "Rods": _rods(job.drawn_plan),
+        "Shape": [source, *_as_drawn(job, summary), *_shape(summary), *_hanging(job)],
+        "Computation": _accuracy(summary),
+        "Print": _print(job),
+    }
+    return {head: lines for head, lines in facts.items() if lines}
+
+
+def _fabric(design: Design) -> list[str]:
+    x, y = design.fabric.stretch_xy
+    stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
+    lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
+    if design.gravity.on:  # without gravity, the shape does not depend on the modulus
+        x, y, z = design.gravity.direction
+        lines.append(f"E {design.fabric.modulus_mpa:g} MPa, weight along ({x:g}, {y:g}, {z:g})")
+    return lines
+
+
+def _plastic(design: Design) -> list[str]:
+    plastic = design.plastic
+    kept = plastic.kappa_bar_per_mm
+    bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:g} /mm"
+    return [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"]
+
+
+def _stars(plan: Layout, design: Design) -> list[str]:
+    width, height = np.ptp(plan.outline, axis=0)
+    return [
+        f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
+        f"length {_range(plan.arm_length)} mm",
+        f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
+        *_sides(plan),
+        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+    ]
+
+
+def _rods(plan: Layout) -> list[str]:
+    """The drawn rods; empty without any."""
+    rods = plan.drawn_rods
+    if not rods:
+        return []
+    width, height = np.ptp(plan.outline, axis=0)
+    thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
+    return [
+        f"{len(rods)} between nodes, {sum(rod.length for rod in rods):.0f} mm in all",
+        f"joints: {len(plan.graph.joints)}",
+        f"thickness {_range(thickness)}, width {_range(widths)} mm",
+        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+    ]
+
+
+def _sides(plan: Layout) -> list[str]:
+    """The number of stars that start down or flat."""
+    down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
+    parts = [f"{count} {how}" for count, how in ((down, "down"), (free, "flat")) if count]
+    return ["started " + ", ".join(parts)] if parts else []
+
+
+def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
+    """A line if the shape belongs to the design as drawn, and the printer rounds its sizes."""
+    if not job.is_rounded or "design" not in summary:
+        return []
+    shown = Design.from_dict(summary["design"])
+    if (shown.stars, shown.rods) == (job.design.stars, job.design.rods):
+        return []
+    return ["as drawn, before rounding (see Print)"]
+
+
+def _shape(summary: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if "height_mm" in summary:
+        lines.append(f"height {summary['height_mm']:.1f} mm")
+    if "extent_mm" in summary:
+        lines.append("extent " + " x ".join(f"{size:.1f}" for size in summary["extent_mm"]) + " mm")
+    if (above := summary.get("above_needles_mm")) is not None:
+        lines.append(f"rises {above:.1f} mm over its needles")
+    if "is_minimum" in summary:
+        lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT a certified equilibrium")
+    return lines
+
+
+def _hanging(job: Job) -> list[str]:
+    if job.hangs_mm is None or job.hangs_mm <= VISIBLE_SAG_MM:
+        return []
+    doubt = job.hangs_doubt_mm
+    below = f"hangs {job.hangs_mm:.1f} mm below its base"
+    return [below] if doubt is None else [f"{below},", f"give or take {doubt:.1f} mm"]
+
+
+def _accuracy(summary: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if (expected := summary.get("expected_rms_percent")) is not None:
+        lines += ["estimated rms distance from the exact model:", distance_error(expected, summary.get("diameter_mm"))]
+    if (height := summary.get("expected_height_percent")) is not None:
+        lines.append(f"height give or take {height_error(height, summary['height_mm'])}")
+    if (mesh := summary.get("mesh_error_percent")) is not None:
+        lines.append(f"mesh error about {mesh:.1f} % of the diameter")
+    elif (change := summary.get("mesh_change_percent")) is not None:
+        lines += ["mesh error unknown;", f"{change:.1f} % from the next coarser mesh"]
+    elif summary and summary.get("model") != "preview":
+        lines.append("mesh error unknown: one mesh was solved")
+    elif summary and not lines:
+        lines.append("no error estimate")
+    if (law := summary.get("law")) is not None:
+        lines.append(f"law: {law['material']}, edges of {law['edge_mm']:g} mm")
+    if lines:
+        lines += ["Errors of the computation, not of the print,", "whose distance was not measured."]
+    return lines
+
+
+def _print(job: Job) -> list[str]:
+    cost = job.cost
+    return [
+        *([f"LARGER than the {job.printer.name} can print in its frame"] if job.too_large else []),
+        f"{job.printer.name}, {job.plastic.name}",
+        *_rounded(job),
+        f"{cost.mass_g:.1f} g, {cost.filament_m:.2f} m of filament",
+        f"about {cost.minutes:.0f} minutes",
+        f"nozzle starts {job.z_offset_mm:g} mm above the bed" + ("" if job.fabric_given else ", on released fabric"),
+    ]
+
+
+def _rounded(job: Job) -> list[str]:
+    """The sizes that the printer makes, if they differ from those of the design."""
+    lines = []
+    for name, size in job.size_changes.items():
+        if size.stars_changed or size.rods_changed:
+            lines.append(f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm after rounding")
+    return lines
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.3g}" if high - low < 0.005 * high else f"{low:.3g} to {high:.3g}"

@@ -12,11 +12,9 @@ from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.print.job import Job, prepare
-from asterism.print.plastic_profile import PlasticProfile
-from asterism.print.printer import Printer
+from asterism.print.printer import PlasticProfile, Printer
 from asterism.print.profiles import load_plastic, load_printer
-from asterism.reports.design_page import write_design_page
-from asterism.reports.facts import design_facts
+from asterism.reports.design_page import design_facts, write_design_page
 from asterism.results.files import OutputError, check_writable, staged
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape

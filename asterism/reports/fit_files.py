@@ -20,18 +20,17 @@ from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.fit_page import fit_page
-from asterism.reports.fit_plots import TARGET_COLOUR, draw_section
+from asterism.reports.fit_plots import TARGET_COLOUR, colour_limit, draw_section
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 
-# size of the picture in inches, and its resolution
-FIT_PICTURE_SIZE_IN = (14.0, 8.4)
-FIT_PICTURE_DPI = 100
+_DPI = 100
 
 
 def draw_target_fit(fitted: Fit, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw a fit as PNG."""
-    figure = Figure(figsize=FIT_PICTURE_SIZE_IN, dpi=FIT_PICTURE_DPI, facecolor="white")
+    # size of the picture in inches, and its resolution
+    figure = Figure(figsize=(14.0, 8.4), dpi=_DPI, facecolor="white")
     FigureCanvasAgg(figure)
     summary, distance = fitted.summary, fitted.distance
     by = "exact model" if fitted.verification is not None else "preview"
@@ -46,12 +45,12 @@ def draw_target_fit(fitted: Fit, path_or_file: str | Path | IO[bytes]) -> None:
         draw_section(figure.add_axes((0.05, 0.53 - 0.45 * row, 0.42, 0.3)), fitted, along)
     _distance_map(figure, fitted)
     _length_map(figure, fitted)
-    figure.savefig(path_or_file, format="png", dpi=FIT_PICTURE_DPI)
+    figure.savefig(path_or_file, format="png", dpi=_DPI)
 
 
 def _distance_map(figure: Figure, fitted: Fit) -> None:
     shape, mean = fitted.shape, fitted.distance.mean_mm
-    far = max(float(np.quantile(np.abs(mean), 0.98)), 0.05)
+    far = colour_limit(fitted)
     axes = figure.add_axes((0.52, 0.5, 0.36, 0.36))
     mesh = Triangulation(shape.printed[:, 0], shape.printed[:, 1], shape.triangles)
     drawn = axes.tripcolor(mesh, mean, cmap=colormaps["RdBu_r"], vmin=-far, vmax=far, shading="gouraud")

@@ -1,4 +1,4 @@
-"""Plots of a fit: signed distance and needed contraction on the print, what stars can do, and sections."""
+"""Views and plots of a fit: target and shape, signed distance, needed contraction, and sections."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from matplotlib.tri import Triangulation
 
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
+from asterism.draw.render import Scene, bare, scene
+from asterism.draw.shading import FABRIC_SIDE
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.result import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
-from asterism.reports.fit_views import colour_limit
-from asterism.reports.plots import BLUE, png_of
+from asterism.pattern.geometry.normals import vertex_normals
+from asterism.reports.plots import BLUE, ORANGE, aligned_views, png_of, together
 
 TARGET_COLOUR = "#c8553d"
-CONTRACTION_COLOURS = colormaps["viridis"]
 PLOT_DPI = 130
 
 
@@ -48,7 +49,7 @@ def contraction_map(fitted: Fit) -> bytes:
     triangles = target_map.flat.disk.triangles
     mesh = Triangulation(target_map.printed[:, 0], target_map.printed[:, 1], triangles)
     needed = np.exp(target_map.log_contraction)
-    drawn = axes.tripcolor(mesh, needed, cmap=CONTRACTION_COLOURS, shading="gouraud")
+    drawn = axes.tripcolor(mesh, needed, cmap=colormaps["viridis"], shading="gouraud")
     figure.colorbar(drawn, label="length in space over printed length", shrink=0.85)
     _outline(axes, fitted)
     plan = fitted.shape.layout
@@ -139,3 +140,39 @@ def _outline(axes: Axes, fitted: Fit) -> None:
     assert plan is not None
     axes.plot(*np.vstack([plan.outline, plan.outline[:1]]).T, color="0.3", linewidth=0.8)
     axes.plot(*plan.pin_points.T, "o", color=PALE, markersize=4)
+
+
+def fit_views(fitted: Fit) -> dict[str, list[Floats]]:
+    """Images (height, width, 4) by name, all with the same cameras and scale.
+
+    - `target`, `shape`: alone, in perspective; the shape with its arms.
+    - `overlaid`: the target in orange and the sheet in blue, in perspective, from the front and from the side.
+    - `distance`: the sheet in the colours of its signed distance, red on the plastic side.
+    """
+    shape, target = scene(fitted.shape), _target_scene(fitted)
+    things = {
+        "target": target,
+        "shape": shape,
+        "overlaid": together(bare(fitted.shape, FABRIC_SIDE), target),
+        "distance": bare(fitted.shape, _distance_colours(fitted)),
+    }
+    return aligned_views(things, np.concatenate([shape.points, target.points]))
+
+
+def colour_limit(fitted: Fit) -> float:
+    """The distance in mm at which the colours of signed distances end."""
+    # colours end at this quantile of the distance, so that a few places at the rim do not make the rest pale
+    # mm, smallest distance at which colours end
+    return max(float(np.quantile(np.abs(fitted.distance.mean_mm), 0.98)), 0.05)
+
+
+def _distance_colours(fitted: Fit) -> Floats:
+    share = 0.5 + 0.5 * np.clip(fitted.distance.mean_mm / colour_limit(fitted), -1.0, 1.0)
+    return np.asarray(SIGNED_DISTANCE_COLOURS(share))[:, :3]
+
+
+def _target_scene(fitted: Fit) -> Scene:
+    disk = fitted.target.disk
+    normals = vertex_normals(disk.vertices, disk.triangles)
+    colours = np.broadcast_to(ORANGE, disk.vertices.shape)
+    return Scene(disk.vertices, normals, disk.triangles, len(disk.triangles), colours=colours)

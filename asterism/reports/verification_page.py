@@ -5,48 +5,51 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from html import escape
+from pathlib import Path
 from typing import Any
 
+from asterism.pattern.design.arguments import check_type
+from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.html import figures, html_page, html_table, png, tiles, warnings_box
-from asterism.reports.plots import distance_map, profiles
-from asterism.reports.views import comparison_views
-from asterism.results.records.exact import ExactRecord, mesh_error_in_words
+from asterism.reports.plots import comparison_views, distance_map, profiles
+from asterism.results.files import SUMMARY_FILE, staged_result
+from asterism.results.records.exact import mesh_error_in_words
+from asterism.results.records.verification import VerificationRecord
 from asterism.results.words import direction, height_error, small_percent, times
+from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 
-
-def origins(summary: Mapping[str, Any]) -> list[list[str]]:
-    """Rows of a table, from the summary of a verification. The law is missing if another shape replaced the preview."""
-    preview, exact = summary["preview"], summary["exact"]
-    rows = [["command", summary["command"]]] if summary["command"] else []
-    if law := preview.get("law"):
-        made = f", made by {law['made_by']}" if law["made_by"] else ""
-        what = f"{law['material']}, fabric stretched {law['stretch']:g}, edges of {law['edge_mm']:g} mm{made}"
-        rows.append(["law", what])
-    if "shell_triangles" in preview:
-        rows.append(["preview", f"{preview['shell_triangles']} triangles, side {preview['side']}"])
-    mesh = f"edges of {exact['edge_mm']:g} mm, {exact['triangles']} triangles ({exact['mesh']} mesh)"
-    rows.append(["exact model", f"{mesh}, fabric bending {exact['fabric_bending']}, solver {exact['backend']}"])
-    return [*rows, ["asterism", summary["version"]]]
-
-
-MINIMA_HEADER = ["exact model", "energy, N mm", "stars up", "certified", "distance of the preview", "iterations"]
-# how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free
-# how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free
-MOTIONS_TAKEN_OUT = {
-    0: "with both shapes in space as their supports hold them",
-    6: "after the preview is rotated and shifted onto the exact shape",
-}
-SOME_MOTIONS_TAKEN_OUT = "after the preview is rotated and shifted as far as the supports allow"
-# smaller distances, in % of the diameter, are not explained by a rigid motion
-LARGE_SWING_PERCENT = 1.0
-# the distance is mostly a rigid motion if at most this part of it remains after the best one
-LARGE_SWING_SHARE = 0.5
-# longer entries of the design are shortened to this number of characters
-MAX_ENTRY_LETTERS = 600
 START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
+
+
+def write_verification(verification: Verification, directory: str | Path) -> list[str]:
+    """Write report.html, summary.json, and exact and preview (laid on the exact shape) as .vtu and .obj.
+
+    The files appear together, or none of them if writing fails.
+
+    Returns
+    -------
+    Their names.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    check_type(verification, Verification, "verify makes them")
+    with staged_result(directory) as folder:
+        # the command line may hold file names that are not valid text
+        (folder / "report.html").write_text(
+            verification_page(verification), encoding="utf-8", errors="backslashreplace"
+        )
+        compared = {"exact": verification.comparison.reference, "preview": verification.comparison.other}
+        for name, shape in compared.items():
+            write_shape_vtu(shape, folder / f"{name}.vtu")
+            write_shape_obj(folder / f"{name}.obj", shape, f"{verification.design.name}, {name}")
+        (folder / SUMMARY_FILE).write_text(verification.summary.json_text())
+        return sorted(file.name for file in folder.iterdir())
 
 
 def verification_page(verification: Verification) -> str:
@@ -57,42 +60,47 @@ def verification_page(verification: Verification) -> str:
         f'<p class="lead">{_verdict(s)}</p>',
         tiles(_headline(s)),
         f'<p class="small">{_how(s)}</p>',
-        warnings_box("Before you trust these numbers", s["warnings"]),
+        warnings_box("Before you trust these numbers", s.warnings),
         *_pictures(verification),
         "<h2>Numbers</h2>",
         html_table(["", "exact", "preview", "difference"], _numbers(s)),
-        f"<p>Mesh error of the exact shape: {escape(mesh_error_in_words(ExactRecord.from_json(s['exact'])))}.</p>",
+        f"<p>Mesh error of the exact shape: {escape(mesh_error_in_words(s.exact))}.</p>",
         "<h2>Minima seen</h2>",
-        html_table(MINIMA_HEADER, _minima(s)),
+        html_table(
+            ["exact model", "energy, N mm", "stars up", "certified", "distance of the preview", "iterations"],
+            _minima(s),
+        ),
         f"<p>{_agreement(s)}</p>",
         "<h2>Computing time</h2>",
         html_table(["without compilation of loops", "s"], _seconds(s)),
         "<h2>The design</h2>",
-        html_table(["", "as computed, with defaults"], design_rows(s["design"]), numbers=False),
+        html_table(["", "as computed, with defaults"], design_rows(s.design), numbers=False),
         "<h2>Other inputs</h2>",
-        html_table(["", ""], origins(s), numbers=False),
+        html_table(["", ""], _origins(s), numbers=False),
     ]
     return html_page(f"{name}: preview and exact model", parts)
 
 
-def _verdict(s: Mapping[str, Any]) -> str:
-    if not s["exact"]["is_minimum"]:
+def _verdict(s: VerificationRecord) -> str:
+    if not s.exact.is_minimum:
         return (
             'The exact model has <span class="bad">not found a certified equilibrium</span>. Therefore the preview '
             "cannot be judged. Pictures and numbers show the state in which the exact model stopped."
         )
-    branch = "the same form as" if s["same_branch"] else '<span class="bad">another form</span> than'
-    expected = s["expected_rms_percent"]
+    branch = "the same form as" if s.same_branch else '<span class="bad">another form</span> than'
+    expected = s.expected_rms_percent
     estimate = "" if expected is None else f" Its estimated error is {expected:.1f} %."
-    distance = f"{s['rms_percent']:.2f} % of the diameter ({s['rms_mm']:.2g} mm)"
+    distance = f"{s.rms_percent:.2f} % of the diameter ({s.rms_mm:.2g} mm)"
     verdict = f"The preview shows {branch} the exact model, at an rms distance of {distance}."
     return f"{verdict}{estimate}{_swung(s)}{_nearly(s)}"
 
 
-def _swung(s: Mapping[str, Any]) -> str:
+def _swung(s: VerificationRecord) -> str:
     """A sentence if most of the distance is a rigid motion that the supports do not leave free."""
-    rest = s["rms_after_motion_percent"]
-    if s["rms_percent"] < LARGE_SWING_PERCENT or rest > LARGE_SWING_SHARE * s["rms_percent"]:
+    rest = s.rms_after_motion_percent
+    # smaller distances, in % of the diameter, are not explained by a rigid motion
+    # the distance is mostly a rigid motion if at most this part of it remains after the best one
+    if s.rms_percent < 1.0 or rest > 0.5 * s.rms_percent:
         return ""
     return (
         f" Most of this distance is a rigid motion: after the best rigid motion, {rest:.2f} % remain. The motion "
@@ -100,25 +108,29 @@ def _swung(s: Mapping[str, Any]) -> str:
     )
 
 
-def _nearly(s: Mapping[str, Any]) -> str:
+def _nearly(s: VerificationRecord) -> str:
     """A sentence if another exact minimum is nearer to the preview, and its energy is almost the same."""
-    other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
-    more = gap(s["exact"], other)
-    nearer = other["is_minimum"] and other["rms_percent"] < s["rms_percent"]
-    if s["same_branch"] or not nearer or more > MIN_CERTAIN_GAP:
+    other = s.starts[RELEASE if s.result_from == PREVIEW else PREVIEW]
+    more = gap(s.exact, other)
+    nearer = other.is_minimum and other.rms_percent < s.rms_percent
+    if s.same_branch or not nearer or more > MIN_CERTAIN_GAP:
         return ""
     return (
-        f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
+        f" The exact model has another minimum, {other.rms_percent:.2f} % away, whose energy differs by "
         f"{small_percent(100.0 * more)}. It is uncertain which of the two is lower."
     )
 
 
-def _how(s: Mapping[str, Any]) -> str:
+def _how(s: VerificationRecord) -> str:
     """An explanation of the numbers for readers who do not know the documentation."""
-    motions = MOTIONS_TAKEN_OUT.get(s["free_motions"], SOME_MOTIONS_TAKEN_OUT)
+    # how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free
+    motions = {
+        0: "with both shapes in space as their supports hold them",
+        6: "after the preview is rotated and shifted onto the exact shape",
+    }.get(s.free_motions, "after the preview is rotated and shifted as far as the supports allow")
     return (
         f"Distances are measured between the positions of the same printed points, {motions}. "
-        f"Percentages refer to the diameter of the exact shape, {s['diameter_mm']:.0f} mm. "
+        f"Percentages refer to the diameter of the exact shape, {s.diameter_mm:.0f} mm. "
         f"Surfaces are compared without {'the bumps of the stars' if _has_stars(s) else 'their relief'} (means over a "
         f"cell of the lattice), {_points(s)} with {'them' if _has_stars(s) else 'it'}. "
         "rms means root mean square. Accuracy means agreement with the exact model with the paper's hinges. "
@@ -126,38 +138,36 @@ def _how(s: Mapping[str, Any]) -> str:
     )
 
 
-def _has_stars(s: Mapping[str, Any]) -> bool:
-    return bool(s["preview"].get("stars", 1))
+def _has_stars(s: VerificationRecord) -> bool:
+    return bool(s.preview.get("stars", 1))
 
 
-def _points(s: Mapping[str, Any]) -> str:
+def _points(s: VerificationRecord) -> str:
     """The places of the second comparison."""
     return "star centres" if _has_stars(s) else "lattice sites"
 
 
-def _headline(s: Mapping[str, Any]) -> dict[str, str]:
-    radius = s["roll_radius_error_percent"]
-    rise = s["rise_error_percent"]
-    if not s["exact"]["is_minimum"]:
+def _headline(s: VerificationRecord) -> dict[str, str]:
+    radius = s.roll_radius_error_percent
+    rise = s.rise_error_percent
+    if not s.exact.is_minimum:
         return {}
     return {
-        "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
-        "largest distance": _percent(s["max_percent"], 1),
-        f"distance of {_points(s)}, rms": _percent(s["rms_stars_percent"], 2),
-        **({} if _is_flat(s) else {"height error of the preview": _signed(s["height_error_percent"])}),
+        "distance of the surfaces, rms": _percent(s.rms_percent, 2),
+        "largest distance": _percent(s.max_percent, 1),
+        f"distance of {_points(s)}, rms": _percent(s.rms_stars_percent, 2),
+        **({} if _is_flat(s) else {"height error of the preview": _signed(s.height_error_percent)}),
         **({} if rise is None else {"error of the rise over the supports": _signed(rise)}),
         **({} if radius is None else {"error of the roll radius": _signed(radius)}),
-        **_mesh(s["mesh_error_percent"], s["mesh_change_percent"]),
-        f"{'faster than' if s['speedup'] > 1.0 else 'as fast as'} the exact model": f"{times(s['speedup'])} ×",
+        **_mesh(s.mesh_error_percent, s.mesh_change_percent),
+        f"{'faster than' if s.speedup > 1.0 else 'as fast as'} the exact model": f"{times(s.speedup)} ×",
     }
 
 
-def _is_flat(s: Mapping[str, Any]) -> bool:
+def _is_flat(s: VerificationRecord) -> bool:
     """Whether both sheets are nearly flat, so that the ratio of their heights has no meaning."""
-    exact, preview = s["heights_mm"]
-    return bool(
-        abs(preview - exact) < FLAT_HEIGHT_FACTOR * s["diameter_mm"] and abs(s["height_error_percent"] or 0.0) > 50.0
-    )
+    exact, preview = s.heights_mm
+    return bool(abs(preview - exact) < FLAT_HEIGHT_FACTOR * s.diameter_mm and abs(s.height_error_percent or 0.0) > 50.0)
 
 
 def _mesh(error: float | None, change: float | None) -> dict[str, str]:
@@ -198,74 +208,90 @@ def _pictures(verification: Verification) -> list[str]:
     ]
 
 
-def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
-    off = "" if _is_flat(s) else _signed(s["height_error_percent"])
-    rows = [["height, mm", *_pair(s["heights_mm"], 1), off]]
-    if s["rises_mm"] is not None:
-        rows.append(["rise over the supports, mm", *_pair(s["rises_mm"], 1), _signed(s["rise_error_percent"])])
-    if s["roll_radii_mm"] is not None:
-        rows.append(["radius of the roll, mm", *_pair(s["roll_radii_mm"], 1), _signed(s["roll_radius_error_percent"])])
-    if s["volumes_mm3"] is not None:
-        cm3 = [volume / 1000.0 for volume in s["volumes_mm3"]]
-        rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s["volume_error_percent"])])
-    axes = ["-" if axis is None else direction(axis) for axis in s["roll_axes_deg"]]
+def _numbers(s: VerificationRecord) -> list[list[str]]:
+    off = "" if _is_flat(s) else _signed(s.height_error_percent)
+    rows = [["height, mm", *_pair(s.heights_mm, 1), off]]
+    if s.rises_mm is not None:
+        rows.append(["rise over the supports, mm", *_pair(s.rises_mm, 1), _signed(s.rise_error_percent)])
+    if s.roll_radii_mm is not None:
+        rows.append(["radius of the roll, mm", *_pair(s.roll_radii_mm, 1), _signed(s.roll_radius_error_percent)])
+    if s.volumes_mm3 is not None:
+        cm3 = [volume / 1000.0 for volume in s.volumes_mm3]
+        rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s.volume_error_percent)])
+    axes = ["-" if axis is None else direction(axis) for axis in s.roll_axes_deg]
     if axes != ["-", "-"]:
-        itself = s["preview"].get("roll_axis_deg")
-        turned = itself is not None and direction(itself) != axes[1]
-        laid = f" (of the preview before the rigid motion: {direction(itself)})" if turned else ""
+        itself = s.preview.get("roll_axis_deg")
+        laid = ""
+        if itself is not None and direction(itself) != axes[1]:
+            laid = f" (of the preview before the rigid motion: {direction(itself)})"
         rows.append([f"axis of the roll on the print, deg{laid}", *axes, ""])
-    high = s["expected_height_percent"]
+    high = s.expected_height_percent
     return [
         *rows,
-        ["normals, rms", "", "", f"{s['normals_rms_deg']:.1f}°"],
-        ["surface, rms", "", "", _percent(s["rms_percent"], 2)],
-        ["surface, largest", "", "", _percent(s["max_percent"], 2)],
-        [f"{_points(s)}, rms", "", "", _percent(s["rms_stars_percent"], 2)],
-        [f"{_points(s)}, largest", "", "", _percent(s["max_stars_percent"], 2)],
-        ["bumps, rms, relative to their size", "", "", _percent(s["relief_error_percent"], 0)],
-        ["surface, rms, estimated by the preview", "", "", _percent(s["expected_rms_percent"], 2)],
-        ["height, estimated by the preview", "", "", "-" if high is None else height_error(high, s["heights_mm"][1])],
-        ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
+        ["normals, rms", "", "", f"{s.normals_rms_deg:.1f}°"],
+        ["surface, rms", "", "", _percent(s.rms_percent, 2)],
+        ["surface, largest", "", "", _percent(s.max_percent, 2)],
+        [f"{_points(s)}, rms", "", "", _percent(s.rms_stars_percent, 2)],
+        [f"{_points(s)}, largest", "", "", _percent(s.max_stars_percent, 2)],
+        ["bumps, rms, relative to their size", "", "", _percent(s.relief_error_percent, 0)],
+        ["surface, rms, estimated by the preview", "", "", _percent(s.expected_rms_percent, 2)],
+        ["height, estimated by the preview", "", "", "-" if high is None else height_error(high, s.heights_mm[1])],
+        ["diameter, mm", f"{s.diameter_mm:.1f}", "", ""],
     ]
 
 
-def _minima(s: Mapping[str, Any]) -> list[list[str]]:
+def _minima(s: VerificationRecord) -> list[list[str]]:
     return [
         [
-            START_NAMES[name] + (" (result)" if name == s["result_from"] else ""),
-            f"{one['energy_n_mm']:.4f}",
-            str(one["stars_up"]),
-            "yes" if one["is_minimum"] else "no",
-            _percent(one["rms_percent"], 2),
-            str(one["iterations"]),
+            START_NAMES[name] + (" (result)" if name == s.result_from else ""),
+            f"{one.energy_n_mm:.4f}",
+            str(one.stars_up),
+            "yes" if one.is_minimum else "no",
+            _percent(one.rms_percent, 2),
+            str(one.iterations),
         ]
-        for name, one in s["starts"].items()
+        for name, one in s.starts.items()
     ]
 
 
-def _agreement(s: Mapping[str, Any]) -> str:
-    if not s["exact"]["is_minimum"]:
+def _agreement(s: VerificationRecord) -> str:
+    if not s.exact.is_minimum:
         return "Neither start has reached a certified minimum."
-    if s["starts_agree"]:
+    if s.starts_agree:
         return "Both starts end in the same minimum."
-    lost = [START_NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
+    lost = [START_NAMES[name] for name, one in s.starts.items() if not one.is_minimum]
     if lost:
         return f"One start ({lost[0]}) has not reached a certified minimum. The other one is the result."
-    apart = f"{s['starts_distance_percent']:.2g} % of the diameter apart and of different energy"
-    each = [f"{one['rms_percent']:.2g} % from the one {START_NAMES[name]}" for name, one in s["starts"].items()]
+    apart = f"{s.starts_distance_percent:.2g} % of the diameter apart and of different energy"
+    each = [f"{one.rms_percent:.2g} % from the one {START_NAMES[name]}" for name, one in s.starts.items()]
     return (
         f"The two starts end in different minima, {apart}. The preview is {' and '.join(each)}. The certified one of "
         "lower energy is the result."
     )
 
 
-def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
+def _seconds(s: VerificationRecord) -> list[list[str]]:
     names = {
-        "preview_s": "preview",
-        "exact_s": "exact model, " + START_NAMES[RELEASE],
-        "exact_from_preview_s": "exact model, " + START_NAMES[PREVIEW],
+        "preview": s.preview_s,
+        f"exact model, {START_NAMES[RELEASE]}": s.exact_s,
+        f"exact model, {START_NAMES[PREVIEW]}": s.exact_from_preview_s,
     }
-    return [[text, f"{s[key]:.3g}"] for key, text in names.items()]
+    return [[text, f"{seconds:.3g}"] for text, seconds in names.items()]
+
+
+def _origins(s: VerificationRecord) -> list[list[str]]:
+    """Rows of a table, from the summary of a verification. The law is missing if another shape replaced the preview."""
+    preview, exact = s.preview, s.exact
+    rows = [["command", s.command]] if s.command else []
+    if law := preview.get("law"):
+        made = f", made by {law['made_by']}" if law["made_by"] else ""
+        what = f"{law['material']}, fabric stretched {law['stretch']:g}, edges of {law['edge_mm']:g} mm{made}"
+        rows.append(["law", what])
+    if "shell_triangles" in preview:
+        rows.append(["preview", f"{preview['shell_triangles']} triangles, side {preview['side']}"])
+    mesh = f"edges of {exact.edge_mm:g} mm, {exact.triangles} triangles ({exact.mesh} mesh)"
+    rows.append(["exact model", f"{mesh}, fabric bending {exact.fabric_bending}, solver {exact.backend}"])
+    return [*rows, ["asterism", s.version]]
 
 
 def design_rows(design: Mapping[str, Any]) -> list[list[str]]:
@@ -281,11 +307,7 @@ def design_rows(design: Mapping[str, Any]) -> list[list[str]]:
 
 def _shortened(text: str) -> str:
     """The beginning of a long entry, such as an image or an outline of many corners."""
-    return (
-        text
-        if len(text) <= MAX_ENTRY_LETTERS
-        else f"{text[:MAX_ENTRY_LETTERS]} ... (all {len(text)} characters: summary.json)"
-    )
+    return text if len(text) <= 600 else f"{text[:600]} ... (all {len(text)} characters: summary.json)"
 
 
 def _pair(values: list[float], digits: int) -> list[str]:

@@ -7,12 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from asterism.pattern.design.errors import DesignError
-from asterism.studio.local_files import FileNameError, file_below
+from asterism.studio.file_names import FileNameError, file_below
 
 MAX_DEPTH = 8
-# keys that name a file, and those whose content makes reading it unnecessary
-FILE_KEYS = ("image", "file")
-STORED_KEYS = ("grey", "lines", "rings_mm", "polygon_mm")
 
 
 def with_changes(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -79,11 +76,12 @@ def check_files(value: Any, folder: Path) -> None:
             check_files(inner, folder)
     if not isinstance(value, Mapping):
         return
-    is_read = not any(value.get(key) for key in STORED_KEYS)
+    # a file is not read where its content is stored
+    is_read = not any(value.get(key) for key in ("grey", "lines", "rings_mm", "polygon_mm"))
     for key, inner in value.items():
         check_files(inner, folder)
         name = key.rpartition(".")[2]
-        if name in FILE_KEYS and isinstance(inner, str) and is_read:
+        if name in ("image", "file") and isinstance(inner, str) and is_read:
             try:
                 file_below(folder, inner)
             except FileNameError as error:

@@ -17,9 +17,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 # The body of an engine's process.
-ENGINE = "asterism.studio.engine_process:run_engine"
-# Seconds that a process has to end by itself before it is killed.
-END_GRACE_S = 0.5
+ENGINE = "asterism.studio.engine:run_engine"
 
 
 def run_child(target: str, niceness: int, connection: Connection, *arguments: Any) -> None:
@@ -97,7 +95,7 @@ class Child:
     def close(self) -> None:
         """End the process and wait for it."""
         self.kill()
-        self._process.join(END_GRACE_S)
+        self._process.join(0.5)
 
     def _read(self) -> None:
         with suppress(EOFError, OSError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,15 +18,12 @@ from asterism.pattern.design.stars import Site
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import write_file
-from asterism.studio import painted, weights
+from asterism.studio import star_sizes, weights
 from asterism.studio.autosave import Autosave, autosave_path
 from asterism.studio.changes import check_files, with_changes
-from asterism.studio.design_texts import DesignTexts
-from asterism.studio.disk_file import check_unchanged
-from asterism.studio.history import History, Step
+from asterism.studio.design_file import DesignTexts, check_unchanged, file_text
+from asterism.studio.history import History, Step, Thumbnails
 from asterism.studio.painted_field import Brush, PaintedField
-from asterism.studio.thumbnails import Thumbnails
-from asterism.studio.watcher import file_text
 
 _numbers = itertools.count(1)
 
@@ -41,6 +38,7 @@ class Document:
     ----------
     number : of this document, unlike that of any other one of the session; a saved copy goes on under it.
     path : the design file; it need not exist yet.
+    history : the states before and after.
     layout : of the last table that was laid out, see `check`.
     thumbnails : small plans of the last states.
     autosave : unsaved work of this session and of a former one.
@@ -50,7 +48,7 @@ class Document:
         self, table: Mapping[str, Any], path: Path, text: str | None = None, autosave: Autosave | None = None
     ) -> None:
         self.number, self.path = next(_numbers), path
-        self._history = History(dict(table))
+        self.history = History(dict(table))
         self._gesture: Any = None
         self._texts = DesignTexts(text)
         self._is_checked = False
@@ -94,17 +92,12 @@ class Document:
     @property
     def table(self) -> dict[str, Any]:
         """The table of the design file, as it is shown."""
-        return self._history.shown.table
+        return self.history.shown.table
 
     @property
     def revision(self) -> int:
         """Number of the state that is shown."""
-        return self._history.shown.revision
-
-    @property
-    def history(self) -> History:
-        """The states before and after."""
-        return self._history
+        return self.history.shown.revision
 
     @property
     def is_saved(self) -> bool:
@@ -149,9 +142,9 @@ class Document:
         """
         Design.from_dict(table, self.path.parent)
         if gesture is not None and gesture == self._gesture:
-            self._history.replace(table)
+            self.history.replace(table)
         else:
-            self._history.push(table, label)
+            self.history.push(table, label)
             self._gesture = gesture
         self._is_checked = False
 
@@ -173,7 +166,7 @@ class Document:
 
     def take_back(self) -> None:
         """Forget the last step: the sheet cannot be laid out with it."""
-        self._history.drop()
+        self.history.drop()
         self._gesture = None
         self.check()
 
@@ -185,7 +178,7 @@ class Document:
 
     def paint(self, sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
         """Other sizes (mm) of stars at lattice sites."""
-        self._stars(painted.painted(self._entries(), sites, sizes), gesture, "sizes")
+        self._stars(star_sizes.painted(self._entries(), sites, sizes), gesture, "sizes")
 
     def brush(self, key: RodSizeKey, brush: Brush, places: Sequence[Sequence[Point]], gesture: Any = None) -> None:
         """Paint a size of the rods, see `PaintedField.brushed`. The design file keeps 256 values of it.
@@ -207,42 +200,32 @@ class Document:
         self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture, "sizes")
         self._painted = self.revision, key, field
 
-    def remove(self, sites: Sequence[Site], gesture: Any = None) -> None:
-        """Remove stars."""
-        self._stars(painted.removed(self._entries(), sites), gesture, "remove")
-
-    def restore(self, sites: Sequence[Site], gesture: Any = None) -> None:
-        """Bring removed stars back."""
-        self._stars(painted.restored(self._entries(), sites), gesture, "restore")
-
-    def reset(self, sites: Sequence[Site], gesture: Any = None) -> None:
-        """Give stars the sizes of the design's profiles."""
-        self._stars(painted.reset(self._entries(), sites), gesture, "reset")
+    def change_stars(self, what: Literal["remove", "restore", "reset"], sites: Sequence[Site], gesture: Any) -> None:
+        """Remove stars, bring removed ones back, or give them the sizes of the design's profiles."""
+        self._stars(star_sizes.changed(self._entries(), sites, what), gesture, what)
 
     def weigh(self, sites: Sequence[Site], values: Sequence[float | None], gesture: Any = None) -> None:
         """Other weights of places in a fit, at lattice sites; None takes a weight away."""
         self.apply(weights.weighed(self.table, sites, values), gesture, "weights")
 
     def _entries(self) -> dict[Site, dict[str, Any]]:
-        return painted.entries_by_site(self.table, self.layout)
+        return star_sizes.entries_by_site(self.table, self.layout)
 
     def _stars(self, entries: Mapping[Site, Mapping[str, Any]], gesture: Any, label: str) -> None:
-        self.apply(painted.with_entries(self.table, entries), gesture, label)
+        self.apply(star_sizes.with_entries(self.table, entries), gesture, label)
 
     def undo(self) -> Step:
         """Show the state before."""
-        self._gesture, self._is_checked = None, False
-        return self._history.undo()
+        return self.go(self.history.position - 1)
 
     def redo(self) -> Step:
         """Show the state after."""
-        self._gesture, self._is_checked = None, False
-        return self._history.redo()
+        return self.go(self.history.position + 1)
 
     def go(self, position: int) -> Step:
         """Show the state at a position of the history."""
         self._gesture, self._is_checked = None, False
-        return self._history.go(position)
+        return self.history.go(position)
 
     def save(self, path: Path | None = None, over: bool = False) -> None:
         """Write the design file, complete or not at all, and drop the autosave.

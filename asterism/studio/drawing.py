@@ -1,8 +1,8 @@
-"""Drawings that a page sends: their lines, layer by layer, to be laid on the sheet as rods or as its outline."""
+"""Drawings that a page sends: their lines, layer by layer, and the design with rods and outline from them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,17 +11,17 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import OUTLINE_CURVE_MM
 from asterism.pattern.design.errors import DesignError, NoUnitError
 from asterism.pattern.design.file_lines import MM_OF_UNITS, FileLine, read_lines
 from asterism.pattern.design.rods import IMPORT_CURVE_MM
-from asterism.studio.uploads import UploadError
+from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
+from asterism.studio.requests import LayerUse, PlaceDrawing
+from asterism.studio.uploads import MAX_CORNERS, UploadError
 
 DRAWING_FORMATS = (".svg", ".dxf", ".3dm")
-MAX_KEPT = 4
 # ends of lines that are nearer than this are one corner of the outline
 JOINED_MM = 0.01
-# pictures of a drawing are simplified by this part of its size
-PICTURE_TOLERANCE = 1 / 500
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,8 @@ class SentDrawing:
     def data(self, number: int) -> dict[str, Any]:
         """Name, size, and layers with their widths and simplified lines, for the page."""
         size = np.ptp(np.concatenate([line.points for line in self.lines]), axis=0)
-        tolerance = PICTURE_TOLERANCE * float(size.max())
+        # pictures of a drawing are simplified by this part of its size
+        tolerance = float(size.max()) / 500
         return {
             "number": number,
             "name": self.name,
@@ -70,7 +71,7 @@ class Drawings:
         """Keep a drawing; its number."""
         self._count += 1
         self._kept[self._count] = drawing
-        self._kept.pop(self._count - MAX_KEPT, None)
+        self._kept.pop(self._count - 4, None)
         return self._count
 
     def get(self, number: int) -> SentDrawing:
@@ -153,3 +154,163 @@ def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str,
         "is_one_ring": is_closed == [True],
         "lines": pictured,
     }
+
+
+_DIGITS = 6
+# keys of the border that give an outline
+OUTLINE_KEYS = ("rings", "rectangle_mm", "polygon_mm", "file", "layer", "origin", "units", "rods")
+
+
+def with_drawing(
+    table: Mapping[str, Any], drawing: SentDrawing, choice: PlaceDrawing, outline: Floats
+) -> tuple[dict[str, Any], str]:
+    """The table of a design with a drawing, and a line on what another outline has left out.
+
+    Lines are stored in the design, so that no file is needed. A section that all layers share becomes that of `[rods]`,
+    where the pattern is new: a profile over the sheet can take its place.
+
+    Parameters
+    ----------
+    outline : (B, 2) mm of the sheet, for borders whose outline depends on the stars that are replaced.
+
+    Raises
+    ------
+    UploadError
+        The choice names no layer of the drawing, or the layers of the outline hold no closed line.
+    """
+    chosen = {name: layer for name, layer in choice.layers.items() if name in drawing.layers}
+    if not chosen:
+        raise UploadError("choose a layer for the rods or for the outline")
+    rods = [name for name, layer in chosen.items() if layer.use in ("rods", "both")]
+    edges = [name for name, layer in chosen.items() if layer.use == "outline"]
+    rim = next((name for name, layer in chosen.items() if layer.use == "both"), None)
+    outer = rings(drawing.lines_of(edges or [rim] if rim else edges))
+    if (edges or rim) and not outer:
+        raise UploadError(f"{drawing.name}: {', '.join(edges) or rim}: an outline must have a closed line")
+    box = outer[0] if outer else np.concatenate([line.points for line in drawing.lines_of(rods)])
+    shift = 0.5 * (box.min(axis=0) + box.max(axis=0)) if choice.origin == "middle" else np.zeros(2)
+    changed = dict(table)
+    if rods:
+        changed = _with_rods(changed, drawing, {name: chosen[name] for name in rods}, shift, choice)
+    if edges or rim:
+        rims = [ring - shift for ring in (outer if edges else outer[:1])]
+        changed["border"] = _border(changed, rim, rims if edges else [])
+        return _with_pins_on(changed, rims)
+    if choice.sheet == "around":
+        changed["border"] = _around(changed, box - shift)
+        return _with_pins_on(changed, [np.asarray(changed["border"]["polygon_mm"])])
+    changed["border"] = _kept_border(changed, outline)
+    return changed, ""
+
+
+def _with_rods(
+    table: dict[str, Any], drawing: SentDrawing, layers: dict[str, LayerUse], shift: Floats, choice: PlaceDrawing
+) -> dict[str, Any]:
+    lines = drawing.lines_of(layers)
+    sizes: dict[str, dict[str, Any]] = {name: {"thickness_mm": layer.thickness} for name, layer in layers.items()}
+    entry: dict[str, Any] = {"file": drawing.name, "layers": sizes}
+    if choice.strokes:
+        entry["width"] = "stroke"
+    else:
+        for name, layer in layers.items():
+            sizes[name]["width_mm"] = layer.width
+    shown = dict(table)
+    if choice.keep:
+        rods = dict(table.get("rods", {}))
+    else:
+        # keys of `[rods]` that a new pattern keeps
+        rods = {
+            key: value for key, value in table.get("rods", {}).items() if key in ("rounding", "curve_mm", "join_mm")
+        }
+        for key in ("stars", "fit"):
+            shown.pop(key, None)
+        for key in ("thickness_mm", "width_mm"):
+            values = {size.get(key) for size in sizes.values()}
+            if len(values) == 1 and (value := values.pop()) is not None:
+                rods[key] = value
+                for size in sizes.values():
+                    del size[key]
+    entry["lines"] = [_stored(line, shift, choice.strokes) for line in lines]
+    shown["rods"] = {**rods, "import": [*rods.get("import", ()), entry]}
+    return shown
+
+
+def _stored(line: FileLine, shift: Floats, has_width: bool) -> dict[str, Any]:
+    stored = {"points_mm": np.round(line.points - shift, _DIGITS).tolist(), "layer": line.layer}
+    return stored | ({"width_mm": round(line.width_mm, _DIGITS)} if has_width and line.width_mm else {})
+
+
+def _border(table: Mapping[str, Any], rim: str | None, outer: list[Floats]) -> dict[str, Any]:
+    """The border whose outline is the largest ring, with the others as holes, or a closed rod of this name."""
+    kept = {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}
+    if not outer:
+        return {**kept, "rods": rim}
+    corners, *inner = [_corners(ring) for ring in outer]
+    sheet = shapely.polygons(corners)
+    if beside := [ring for ring in inner if not shapely.contains(sheet, shapely.polygons(ring))]:
+        x, y = np.mean(beside[0], axis=0)
+        raise UploadError(f"the outline must be one: a closed line lies beside it, about ({x:.1f}, {y:.1f}) mm")
+    holes = [{"polygon_mm": ring} for ring in inner]
+    return {**kept, "polygon_mm": corners, **({"holes": holes} if holes else {})}
+
+
+def _corners(ring: Floats) -> list[list[float]]:
+    """The corners of a ring, with as few as a print can show."""
+    closed = shapely.LineString(np.concatenate([ring, ring[:1]])).simplify(OUTLINE_CURVE_MM)
+    corners = shapely.get_coordinates(closed)[:-1]
+    if len(corners) > MAX_CORNERS:
+        raise UploadError(f"the outline has {len(corners)} corners; at most {MAX_CORNERS} are allowed")
+    listed: list[list[float]] = corners.round(_DIGITS).tolist()
+    return listed
+
+
+def _kept_border(table: Mapping[str, Any], outline: Floats) -> dict[str, Any]:
+    """The border as it is; an outline that stars or rods give becomes a polygon where these may have gone."""
+    border = dict(table["border"])
+    if ("rings" in border and "stars" not in table) or "rods" in border:
+        border = {key: value for key, value in border.items() if key not in OUTLINE_KEYS}
+        border["polygon_mm"] = outline.round(_DIGITS).tolist()
+    return border
+
+
+def _with_pins_on(table: dict[str, Any], rims: list[Floats]) -> tuple[dict[str, Any], str]:
+    """The table with the supports that another outline leaves, and a line on the others.
+
+    Numbers of edges, corners and holes are those of the former outline.
+
+    Parameters
+    ----------
+    rims : (n, 2) mm, of the outline and of its holes.
+    """
+    kept, lost = [], 0
+    sheet = shapely.Polygon(rims[0], rims[1:]).buffer(PIN_TOLERANCE_MM)
+    for pins in table.get("pins", ()):
+        if "points_mm" not in pins:
+            if "where" in pins:
+                kept.append(pins)
+            else:
+                lost += 1
+            continue
+        is_on = shapely.covers(sheet, shapely.points(np.asarray(pins["points_mm"], dtype=float)))
+        lost += int((~is_on).sum())
+        if not is_on.any():
+            continue
+        of_points = {"points_mm", *(["target_mm"] if np.ndim(pins.get("target_mm", 0)) == 2 else [])}
+        kept.append(pins | {key: [each for each, on in zip(pins[key], is_on, strict=True) if on] for key in of_points})
+    if not lost:
+        return table, ""
+    rest = {key: value for key, value in table.items() if key != "pins"}
+    supports = "1 support" if lost == 1 else f"{lost} supports"
+    note = (
+        f"{supports} of the former outline {'is' if lost == 1 else 'are'} left out; Undo brings the former sheet back."
+    )
+    return rest | ({"pins": kept} if kept else {}), note
+
+
+def _around(table: Mapping[str, Any], box: Floats) -> dict[str, Any]:
+    """A rectangle around the points (n, 2) of a drawing."""
+    kept = {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}
+    margin_mm = 10.0  # of fabric around the drawing
+    low, high = box.min(axis=0) - margin_mm, box.max(axis=0) + margin_mm
+    corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
+    return {**kept, "polygon_mm": np.round(corners, 3).tolist()}

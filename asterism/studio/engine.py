@@ -9,36 +9,48 @@ from __future__ import annotations
 
 import pickle
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
+from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.errors import LawError
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.layout.painted_stars import with_painted_stars
+from asterism.previews.default_law import law_of, paper_law
+from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.previews.watch import SearchLimitError
+from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
-from asterism.studio.engine_limits import EngineLimits
-from asterism.studio.engine_orders import Edit, FitTarget, Flip, Parts, ShowForm
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import NO_PREVIEW, Busy, StudioProblem
-from asterism.studio.pattern_kinds import pattern_kinds
-from asterism.studio.rest_summary import blank_summary, printed_summary, rest_summary
-from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, Cancelled, SearchBounds, Superseded
+from asterism.studio.messages import (
+    NO_PREVIEW,
+    Busy,
+    Edit,
+    FitTarget,
+    Flip,
+    Limits,
+    Parts,
+    Ready,
+    ShowForm,
+    StudioProblem,
+)
+from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
+from asterism.studio.summaries import blank_summary, printed_summary, rest_summary
 
 REST_S = 0.3  # without a message, after which the fine frame follows
-EQUILIBRIUM_EVERY_S = 0.25  # while edits follow each other
-MAX_LENGTH_CHANGE_MM = 1.0  # since the last equilibrium: the linear response is off after larger changes
 
 
 class Engine:
@@ -191,8 +203,9 @@ class Engine:
         """Whether the equilibrium can wait for a newer edit."""
         sizes, known = preview.sheet.layout.site_sizes_mm, self._equilibrium_sizes
         change = np.abs(sizes - known)[:, 0].max(initial=0.0) if sizes.shape == known.shape else np.inf
-        is_recent = time.monotonic() - self._equilibrium_at < EQUILIBRIUM_EVERY_S
-        return self._inbox.has_waiting and is_recent and bool(change < MAX_LENGTH_CHANGE_MM)
+        is_recent = time.monotonic() - self._equilibrium_at < 0.25
+        # since the last equilibrium: the linear response is off after larger changes
+        return self._inbox.has_waiting and is_recent and bool(change < 1.0)
 
     @staticmethod
     def _restores(preview: Preview, snapshot: bytes, design: Design) -> bool:
@@ -283,3 +296,71 @@ class Engine:
         frame = self._frames.fine(preview, seq)
         self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
         self._send(rest_summary(seq, preview, shape))
+
+
+class EngineLimits:
+    """Limits, where they differ from the last ones that were asked for."""
+
+    def __init__(self) -> None:
+        self._key: Any = None
+
+    def changed(self, design: Design, seq: int) -> Limits | None:
+        """The limits of a design; None if its material and lattice are those of the last one.
+
+        Raises
+        ------
+        DesignError, LawError
+            The file of the law cannot be read, or there is no law of such a design.
+        """
+        key = (design.fabric, design.lattice, design.plastic, design.material)
+        if key == self._key:
+            return None
+        if design.stars is None:
+            self._key = key
+            return Limits(seq, {}, ())  # cells of motifs are solved where the sizes are
+        ranges, statement = {}, None
+        self._key = None
+        try:
+            law = serving_law(design)
+            ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement
+            self._key = key
+        except (ForeignLaw, BlankSheetError):
+            pass  # the preview says so, and a law may serve other stars
+        return Limits(seq, ranges, law_of(design).stretches, statement)
+
+
+def pattern_kinds(design: Design) -> tuple[bool, bool, bool]:
+    """Whether the sheet has stars, lines that repeat on a lattice, and other lines. A preview is of one kind.
+
+    Examples
+    --------
+    >>> pattern_kinds(Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 2}}))
+    (True, False, False)
+    """
+    rods = design.rods
+    return design.stars is not None, rods is not None and bool(rods.motif), rods is not None and bool(rods.on_sheet)
+
+
+def run_engine(connection: Connection) -> None:
+    """The body of an engine's process: load everything, and serve until the pipe ends.
+
+    Parameters
+    ----------
+    connection : this process's end of a pipe, with the messages of `asterism.studio.messages` and
+        `asterism.studio.messages`.
+    """
+    begun, lock = time.monotonic(), threading.Lock()
+
+    def send(message: Any) -> None:
+        with lock:
+            connection.send(message)
+
+    def compiling(text: str) -> None:
+        send(Busy(0, text))
+
+    inbox, law = Inbox(connection.recv), paper_law()
+    with signs_while_compiling(compiling, SIGN_EVERY_S), clock_without_compiling() as clock:
+        if not inbox.has_waiting:
+            list(Preview(gallery.load("star"), law).edit(gallery.load("star")))
+        send(Ready(time.monotonic() - begun))
+        Engine(inbox, send, clock).serve()

@@ -1,4 +1,4 @@
-"""Frames of the engine's shapes: views of the sheet on a coarse and a fine mesh, with the parts that pages ask for."""
+"""Frames of the engine's shapes: on a coarse and a fine mesh, flat ones, and beside the target surface."""
 
 from __future__ import annotations
 
@@ -6,16 +6,22 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.equilibrium.arrays import Floats
+import numpy as np
+
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.measure.compare.nearest import NearestOnSurface
+from asterism.measure.compare.registration import register
+from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
-from asterism.studio.engine_orders import Parts
-from asterism.studio.flat_sheet import blank_messages, printed_messages
-from asterism.studio.messages import Frame, StudioProblem
+from asterism.shape.blank_sheet import blank_sheet
+from asterism.studio.messages import Frame, Parts, ShownMesh, StudioProblem, Surface, TargetDistance, TargetPose
+from asterism.studio.sheet_marks import STATIONS, SheetMarks, mesh_message, ribbon_stations
 from asterism.studio.sheet_view import SheetView
-from asterism.studio.target_distance import TargetComparison
 
 EQUILIBRIUM = "equilibrium"
 
@@ -106,3 +112,68 @@ class EngineFrames:
             self._meshes += 1
             self._send(view.numbered(self._meshes, layout))
         return view
+
+
+class TargetComparison:
+    """Compares sheets with one target.
+
+    Parameters
+    ----------
+    target : in the pose that is shown.
+    version : of this target and pose.
+    """
+
+    def __init__(self, target: Surface, version: int) -> None:
+        self._version = version
+        self._vertices = np.asarray(target.vertices, dtype=float)
+        self._triangles = np.asarray(target.triangles, dtype=np.int64)
+        self._nearest = NearestOnSurface(self._vertices, self._triangles)
+
+    def distance(self, positions: Floats, weights: Floats) -> TargetDistance:
+        """Distances of places (V, 3) mm of a sheet; each stands for a share (V,) of the sheet."""
+        away = np.abs(self._nearest(np.asarray(positions, dtype=float)).distance)
+        rms = float(np.sqrt(weights @ away**2 / weights.sum()))
+        return TargetDistance(away.astype(np.float32), rms, float(away.max()), self._version)
+
+    def pose(self, seq: int, positions: Floats, triangles: Ints) -> TargetPose:
+        """The motion that lays the target on a sheet with vertices (V, 3) mm and triangles (T, 3)."""
+        samples, _ = surface_samples(self._vertices, self._triangles, MAX_SCAN_POINTS, np.random.default_rng(0))
+        best = register(samples, np.asarray(positions, dtype=float), np.asarray(triangles, dtype=np.int64))[0]
+        return TargetPose(seq, best.rotation, best.shift)
+
+
+def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
+    """The flat, released sheet of a design without stars: its mesh under a number, and its frame."""
+    shape = blank_sheet(design)
+    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64), is_fine=True)
+    return mesh, _flat_frame(number, seq, shape.positions, None)
+
+
+def printed_messages(design: Design, layout: Layout, number: int, seq: int) -> tuple[ShownMesh, Frame]:
+    """The flat sheet as it is printed, with its rods."""
+    # edges of the triangles of a printed sheet over its diameter
+    edge = 0.05 * layout.diameter_mm
+    mesh = mesh_layout(layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+    positions = np.pad(mesh.points, ((0, 0), (0, 1)))
+    marks = SheetMarks(mesh.points, mesh.triangles)
+    shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(layout).site, is_fine=True)
+    normals = np.tile(np.array([0.0, 0.0, 1.0]), (len(positions), 1))
+    return shown, _flat_frame(number, seq, positions, marks.ribbons(layout, positions, normals))
+
+
+def _flat_frame(number: int, seq: int, positions: Floats, ribbons: tuple[Floats, Floats] | None) -> Frame:
+    """A flat sheet at positions (V, 3), with the ribbons of its rods."""
+    count, small = len(positions), np.float32
+    arms, arm_normals = ribbons or (np.empty((0, STATIONS, 2, 3)), np.empty((0, STATIONS, 3)))
+    return Frame(
+        seq=seq,
+        mesh=number,
+        stage="equilibrium",
+        positions=positions.astype(small),
+        curvature=np.zeros(count, dtype=small),
+        strain=np.zeros(count, dtype=small),
+        arms=arms.astype(small),
+        arm_normals=arm_normals.astype(small),
+        needles=np.empty((0, 2, 3), dtype=small),
+        is_minimum=True,
+    )

@@ -8,21 +8,25 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.studio.child import ENGINE, Child, StartedProcess
-from asterism.studio.engine_orders import Cancel, Edit, Flip, Parts, ShowForm, Stop
 from asterism.studio.inbox import merged
-from asterism.studio.messages import Busy, Frame, Ready, ShapeSummary, ShownMesh, StudioProblem, TargetPose
+from asterism.studio.messages import (
+    Busy,
+    Cancel,
+    Edit,
+    Flip,
+    Frame,
+    Parts,
+    Ready,
+    ShapeSummary,
+    ShowForm,
+    ShownMesh,
+    Stop,
+    StudioProblem,
+    TargetPose,
+)
 
-# An engine that owes an answer and gives no sign of life for so long is replaced.
-MAX_SILENCE_S = 30.0
-# The same while it loads: a first start compiles for half a minute on an idle machine.
-MAX_LOADING_S = 300.0
 # After so many deaths on one edit the engine waits for another edit.
 MAX_DEATHS = 2
-
-# What the page calls the searches that are asked for by themselves.
-SEARCHES: dict[type, str] = {Flip: "flip", ShowForm: "form"}
-
-CANNOT_COMPUTE = "the preview cannot compute this design; change it to go on"
 
 
 class EngineLink:
@@ -48,7 +52,7 @@ class EngineLink:
         changed: Callable[[], None],
         target: str = ENGINE,
         keeps_spare: bool = True,
-        max_silence_s: float = MAX_SILENCE_S,
+        max_silence_s: float = 30.0,
         first: StartedProcess | None = None,
     ) -> None:
         self.max_silence_s = max_silence_s
@@ -99,7 +103,7 @@ class EngineLink:
             self._child.send(Cancel(self._owes))
 
     def _ask(self, message: Any) -> None:
-        self._search = SEARCHES.get(type(message))
+        self._search = {Flip: "flip", ShowForm: "form"}.get(type(message))
         self._owes, self._asked = message.seq, time.monotonic()
         self._set("computing" if self._child in self._loaded else "starting")
         self._child.send(message)
@@ -144,7 +148,8 @@ class EngineLink:
     def watch(self) -> None:
         """Replace an engine that is silent although an answer is due; to be called now and then."""
         silent = time.monotonic() - max(self._child.last_sign, self._asked)
-        patience = self.max_silence_s if self._child in self._loaded else MAX_LOADING_S
+        # longer while it loads: a first start compiles for half a minute on an idle machine
+        patience = self.max_silence_s if self._child in self._loaded else 300.0
         if self._owes is not None and silent > patience:
             self._replace(f"the preview gave no sign for {patience:.0f} s and was started again")
 
@@ -162,7 +167,9 @@ class EngineLink:
         owed, self._owes = self._owes, None
         self._child, self._spare = self._spare or self._start(), None
         if self._deaths > MAX_DEATHS:
-            self._receive(StudioProblem(owed or 0, "engine", CANNOT_COMPUTE))
+            self._receive(
+                StudioProblem(owed or 0, "engine", "the preview cannot compute this design; change it to go on")
+            )
             self._set("failed")
             return
         self._receive(Busy(owed or 0, why))

@@ -1,39 +1,47 @@
-"""What the studio has the engine compute, and the engine's answers."""
+"""What the studio has the engine compute, the engine's answers, and what pages show beside the shape."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Protocol
 
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.engine_link import EngineLink
-from asterism.studio.engine_orders import Edit, FitTarget, Flip, ShowForm
-from asterism.studio.messages import ANSWERS, Busy, Frame, Limits, ShapeSummary, ShownMesh, StudioProblem, TargetPose
+from asterism.studio.messages import (
+    ANSWERS,
+    Busy,
+    Edit,
+    FitTarget,
+    Fitted,
+    Flip,
+    Frame,
+    Limits,
+    Parts,
+    ShapeSummary,
+    ShowForm,
+    ShownMesh,
+    StudioProblem,
+    TargetPose,
+)
 from asterism.studio.page_data import engine_problem_data
-from asterism.studio.painted import split
-from asterism.studio.shown import Shown
-from asterism.studio.tab import Tabs
-
-# Edits whose answers may still come.
-MAX_OPEN_EDITS = 200
-
-
-class PoseTaker(Protocol):
-    """What takes the answer to `FitTarget`."""
-
-    def move(self, pose: TargetPose) -> None: ...
+from asterism.studio.requests import RequestError
+from asterism.studio.shown_shape import Shown
+from asterism.studio.star_sizes import split
+from asterism.studio.tab import Tab, Tabs
+from asterism.studio.target import Target
 
 
-class ShapeOwner(Protocol):
-    """The part of the studio that `EngineRequests` uses."""
+class StudioOwner(Protocol):
+    """The part of the studio that its helpers use; they stand below it."""
 
     document: Document | None
     shown: Shown
     tabs: Tabs
+    engine: EngineRequests
+    parts: FrameParts
 
-    @property
-    def parts(self) -> PoseTaker: ...
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...
     def tell_document(self) -> None: ...
@@ -54,7 +62,7 @@ class EngineRequests:
     last_seq : number of the last question.
     """
 
-    def __init__(self, studio: ShapeOwner, make_engine: Callable[..., EngineLink]) -> None:
+    def __init__(self, studio: StudioOwner, make_engine: Callable[..., EngineLink]) -> None:
         self._studio = studio
         self.limits: Limits | None = None
         self.last_seq = 0
@@ -75,7 +83,8 @@ class EngineRequests:
         """Number of a new question about the document as it is."""
         self.last_seq += 1
         document = self._studio.document
-        self._revisions = {seq: one for seq, one in self._revisions.items() if seq > self.last_seq - MAX_OPEN_EDITS}
+        # answers to older edits do not come any more
+        self._revisions = {seq: one for seq, one in self._revisions.items() if seq > self.last_seq - 200}
         self._revisions[self.last_seq] = -1 if document is None else document.revision
         return self.last_seq
 
@@ -91,10 +100,10 @@ class EngineRequests:
             Edit(self._new_seq(), design, sites, sizes, removed, is_dragging, is_opened, snapshot, folder),
         )
 
-    def search(self, request: ask.FlipRequest | ask.FormRequest) -> None:
+    def search(self, request: ask.Simple | ask.FormRequest) -> None:
         """Have the engine search for the other side, or for another form."""
         seq = self._new_seq()
-        self.link.ask(Flip(seq) if isinstance(request, ask.FlipRequest) else ShowForm(seq, request.index))
+        self.link.ask(ShowForm(seq, request.index) if isinstance(request, ask.FormRequest) else Flip(seq))
 
     def fit_target(self) -> int:
         """Have the engine lay the target on the shape; return the number of the question."""
@@ -130,3 +139,86 @@ class EngineRequests:
             case Busy():
                 shown.busy = message.what
                 studio.tell_state()
+
+
+class FrameParts:
+    """Keeps the target surface and whether pages show the sheet without bumps, and has the engine send it.
+
+    Attributes
+    ----------
+    target : None without one.
+    version : increases with every change of the target or its pose.
+    """
+
+    def __init__(self, studio: StudioOwner) -> None:
+        self._studio = studio
+        self.target: Target | None = None
+        self.version = 0
+        self._requested = Parts(0)
+        self._fits: tuple[int, int] | None = None  # seq of the question, version of the target
+
+    def show_bumps(self, tab: Tab, shown: bool) -> None:
+        """A page shows the sheet with or without its bumps."""
+        tab.is_smooth = not shown
+        self.update()
+
+    def update(self) -> None:
+        """Have the engine send what the open pages show."""
+        smooth = any(tab.is_smooth for tab in self._studio.tabs)
+        if smooth != self._requested.smooth:
+            self._request(smooth)
+
+    def _request(self, smooth: bool) -> None:
+        surface = None if self.target is None else self.target.surface
+        self._requested = Parts(self._studio.engine.last_seq, smooth, surface, self.version)
+        self._studio.engine.link.request_parts(self._requested)
+
+    def load(self, target: Target) -> None:
+        """Show a target that was sent, laid on the shape if there is one."""
+        self.set_target(target)
+        if self._studio.shown.revision is not None:
+            self.fit()
+
+    def set_target(self, target: Target | None) -> None:
+        """Show another target, or none."""
+        self.target, self.version = target, self.version + 1
+        self._request(self._requested.smooth)
+        self._studio.tell_state()
+
+    def forget_target(self) -> None:
+        """Another design is open: the target was for the one before."""
+        if self.target is not None:
+            self.set_target(None)
+
+    def place(self, request: ask.TargetRequest) -> None:
+        """Do with the target what a page asks for."""
+        if self.target is None:
+            raise RequestError("target: send a file first")
+        if request.do == "remove":
+            self.set_target(None)
+            return
+        if request.unit is not None or request.do == "file":
+            self.set_target(self.target.as_in_file(request.unit))
+        if request.do == "fit":
+            self.fit()
+
+    def fit(self) -> None:
+        """Have the engine lay the target on the shape."""
+        self._fits = self._studio.engine.fit_target(), self.version
+
+    def move(self, pose: TargetPose) -> None:
+        """The engine has laid the target on the shape."""
+        if self.target is not None and self._fits == (pose.seq, self.version):
+            self.set_target(self.target.moved(pose))
+
+    def pose(self, fitted: Fitted, version: int) -> None:
+        """Show the target of a fit in its pose there; a free sheet has its own, so that the target is laid on it."""
+        if self.target is None or self.version != version:
+            return  # another target, or moved meanwhile
+        self.set_target(replace(self.target, rotation=fitted.rotation, shift=fitted.shift, is_fitted=True))
+        if not fitted.table.get("pins"):
+            self.fit()
+
+    def data(self) -> dict[str, object] | None:
+        """The target for the message `state`."""
+        return None if self.target is None else {**self.target.data(), "version": self.version}

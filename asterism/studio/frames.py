@@ -15,6 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Array
+from asterism.studio.messages import Frame, ShownMesh
+
 MESH, SHAPE, COMPARISON = 1, 2, 3
 _DTYPES = {"f": "f4", "u": "u4", "i": "u4", "b": "u1"}
 
@@ -65,3 +68,48 @@ def _block(values: Any) -> Any:
     array = np.asarray(values)
     kept = array.dtype.itemsize == 1 and array.dtype.kind in "iu"
     return np.ascontiguousarray(array if kept else array.astype("<" + _DTYPES[array.dtype.kind]))
+
+
+def mesh_bytes(mesh: ShownMesh) -> bytes:
+    """The binary frame of a mesh."""
+    arrays = {
+        "printed": mesh.printed,
+        "triangles": mesh.triangles,
+        "outline": mesh.outline,
+        "arm_site": mesh.arm_site,
+    }
+    return pack(MESH, {"mesh": mesh.mesh, "is_fine": mesh.is_fine}, arrays)
+
+
+def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and arrays of the binary frame of a shape."""
+    header: dict[str, Any] = {
+        "stage": frame.stage,
+        "height_mm": float(frame.height_mm),
+        "is_minimum": bool(frame.is_minimum),
+        "seconds": frame.seconds,
+    }
+    arrays = {
+        "positions": frame.positions,
+        "curvature": frame.curvature,
+        "strain": frame.strain,
+        "arms": frame.arms,
+        "arm_normals": _whole(frame.arm_normals),
+        "needles": frame.needles,
+    }
+    if (smooth := frame.smooth) is not None:
+        arrays |= {
+            "smooth": smooth.positions,
+            "smooth_arms": smooth.arms,
+            "smooth_arm_normals": _whole(smooth.arm_normals),
+            "smooth_needles": smooth.needles,
+        }
+    if (target := frame.target) is not None:
+        arrays["target"] = target.distance
+        header["target"] = {"rms_mm": target.rms_mm, "max_mm": target.max_mm, "version": target.version}
+    return header, arrays
+
+
+def _whole(normals: Array) -> Array:
+    """Unit vectors as whole numbers up to 127."""
+    return np.rint(127.0 * np.asarray(normals)).astype(np.int8)

@@ -1,4 +1,4 @@
-"""Undo and redo over whole documents: one step a gesture."""
+"""Undo and redo over whole documents, one step a gesture, and small plans of the last states."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import zlib
 from dataclasses import dataclass
 from typing import Any
 
-MAX_STEPS = 10_000
+import numpy as np
+
+from asterism.pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)
@@ -35,19 +37,23 @@ class Step:
 class History:
     """States of a document, oldest first, with the one that is shown.
 
+    Attributes
+    ----------
+    position : number of the state that is shown.
+
     Examples
     --------
     >>> history = History({"name": "a"})
     >>> history.push({"name": "b"}, "name")
     1
-    >>> history.undo().table, history.can_undo, history.redo().table
+    >>> history.go(0).table, history.can_undo, history.go(1).table
     ({'name': 'a'}, False, {'name': 'b'})
     """
 
     def __init__(self, table: dict[str, Any]) -> None:
         self._next = 0
         self._steps = [self._step(table, "opened")]
-        self._shown = 0
+        self.position = 0
         self._undone: list[Step] = []  # states that the last push dropped
 
     def _step(self, table: dict[str, Any], label: str) -> Step:
@@ -58,17 +64,17 @@ class History:
     @property
     def shown(self) -> Step:
         """The state that is shown."""
-        return self._steps[self._shown]
+        return self._steps[self.position]
 
     @property
     def can_undo(self) -> bool:
         """Whether there is an earlier state."""
-        return self._shown > 0
+        return self.position > 0
 
     @property
     def can_redo(self) -> bool:
         """Whether a later state was undone."""
-        return self._shown < len(self._steps) - 1
+        return self.position < len(self._steps) - 1
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -80,42 +86,66 @@ class History:
         """What made each state, oldest first."""
         return [step.label for step in self._steps]
 
-    @property
-    def position(self) -> int:
-        """Number of the state that is shown."""
-        return self._shown
-
     def push(self, table: dict[str, Any], label: str) -> int:
         """Append a state after the shown one, drop those that were undone, and return its revision."""
-        self._undone = self._steps[self._shown + 1 :]
-        del self._steps[self._shown + 1 :]
+        self._undone = self._steps[self.position + 1 :]
+        del self._steps[self.position + 1 :]
         self._steps.append(self._step(table, label))
-        if len(self._steps) > MAX_STEPS:
+        if len(self._steps) > 10_000:
             del self._steps[1]  # the first state stays: undoing everything gives it
-        self._shown = len(self._steps) - 1
+        self.position = len(self._steps) - 1
         return self.shown.revision
 
     def replace(self, table: dict[str, Any]) -> int:
         """Put another table in place of the shown state, and return its revision."""
-        self._steps[self._shown] = self._step(table, self.shown.label)
+        self._steps[self.position] = self._step(table, self.shown.label)
         return self.shown.revision
 
     def drop(self) -> None:
         """Take back the last `push`, as if it had not been made."""
-        if self._shown:
-            self._steps[self._shown :] = self._undone
+        if self.position:
+            self._steps[self.position :] = self._undone
             self._undone = []
-            self._shown -= 1
+            self.position -= 1
 
     def go(self, position: int) -> Step:
         """Show the state at a position, or the nearest one."""
-        self._shown = min(max(position, 0), len(self._steps) - 1)
+        self.position = min(max(position, 0), len(self._steps) - 1)
         return self.shown
 
-    def undo(self) -> Step:
-        """Show the state before, if there is one."""
-        return self.go(self._shown - 1)
 
-    def redo(self) -> Step:
-        """Show the state after, if there is one."""
-        return self.go(self._shown + 1)
+class Thumbnails:
+    """Outline, places and sizes of the stars, by the revision of a state."""
+
+    def __init__(self) -> None:
+        self._plans: dict[int, dict[str, Any]] = {}
+
+    def add(self, revision: int, layout: Layout) -> None:
+        """Keep the plan of a state; the oldest ones are forgotten."""
+        self._plans.pop(revision, None)
+        self._plans[revision] = {
+            "outline_mm": _rounded(layout.outline),
+            "at_mm": _rounded(layout.lattice.place(layout.sheet_sites)),
+            "sizes_mm": _rounded(layout.site_sizes_mm),
+        }
+        for old in list(self._plans)[:-30]:
+            del self._plans[old]
+
+    def data(self, history: History) -> list[dict[str, Any]]:
+        """The states of a history that have a plan, oldest first: position, revision, label, plan (mm)."""
+        return [
+            {
+                "position": position,
+                "revision": step.revision,
+                "label": step.label,
+                "is_shown": position == history.position,
+                **self._plans[step.revision],
+            }
+            for position, step in enumerate(history.steps)
+            if step.revision in self._plans
+        ]
+
+
+def _rounded(values: Any) -> list[Any]:
+    plain: list[Any] = np.round(np.asarray(values, dtype=float), 2).tolist()
+    return plain

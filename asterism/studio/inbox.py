@@ -8,14 +8,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.studio.engine_orders import Cancel, Edit, Parts, Stop
-
-MERGED_FIELDS = ("design", "sites", "sizes_mm", "removed")
+from asterism.studio.messages import Cancel, Edit, Parts, Stop
 
 
 def merged(known: Edit, new: Edit) -> Edit:
     """A new edit; what it leaves out is as in an earlier one, also the form, unless another design is opened."""
-    kept = {name: getattr(known, name) for name in MERGED_FIELDS if getattr(new, name) is None}
+    fields = ("design", "sites", "sizes_mm", "removed")
+    kept = {name: getattr(known, name) for name in fields if getattr(new, name) is None}
     return replace(new, snapshot=new.snapshot if new.is_opened else known.snapshot, **kept)
 
 

@@ -2,24 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
 from dataclasses import asdict, dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol
 
+from asterism.pattern.design.files import plain
+from asterism.studio import requests as ask
 from asterism.studio.child import Child, StartedProcess
-from asterism.studio.job_messages import Computed, Fitted, JobProgress, Verified, Written
-from asterism.studio.messages import StudioProblem
+from asterism.studio.document import Document
+from asterism.studio.engine_requests import StudioOwner
+from asterism.studio.messages import VERIFIED, Computed, Fitted, JobProgress, StudioProblem, Verified, Written
+from asterism.studio.page_data import engine_problem_data, failure_data
+from asterism.studio.requests import Request, RequestError
+from asterism.studio.weights import sheet_weights
 
-NICENESS = 10
+PROCESSES = {
+    "verify": "asterism.studio.job_processes:run_verification",
+    "fit": "asterism.studio.job_processes:run_fit",
+    "export": "asterism.studio.job_processes:run_export",
+    "report": "asterism.studio.job_processes:run_report",
+}
+# arguments of `asterism.print.export.export` that a page may give
+_EXPORT_OPTIONS = {
+    *("printer", "plastic", "preview", "first_layer_mm", "layer_mm", "plate_mm"),
+    *("fabric_mm", "turn_deg", "needle_spacing_mm", "border"),
+}
+
+
+class JobOwner(StudioOwner, Protocol):
+    """What a job needs of the studio."""
+
+    folder: Path
+    printer: str
+    lock: asyncio.Lock
+
+    async def accept(self, snapshot: bytes | None = None) -> None: ...
 
 
 @dataclass
 class RunningJob:
-    """A job under way: its number, its kind (`verify`, `fit`, `export`, `report`), its revision and progress."""
+    """A job under way.
+
+    Attributes
+    ----------
+    kind : `verify`, `fit`, `export` or `report`.
+    document, revision : the state that it is about.
+    target_version : of the target when the job began.
+    """
 
     number: int
     kind: str
+    document: Document
     revision: int
+    target_version: int
     child: Child
     progress: JobProgress
 
@@ -29,53 +65,187 @@ class RunningJob:
         return {**asdict(self.progress), "job": self.kind}
 
 
-class Jobs:
-    """Runs one job at a time.
+class JobRequests:
+    """Starts jobs, each in a process of its own, and sends their progress and their results to all pages."""
 
-    Parameters
-    ----------
-    tell : called with the job and each of its messages. The last one is `Verified`, `Computed`, `Fitted`,
-        `Written` or `StudioProblem`.
-    """
-
-    def __init__(self, tell: Callable[[RunningJob, Any], None]) -> None:
-        self._tell = tell
+    def __init__(self, studio: JobOwner) -> None:
+        self._studio = studio
         self._count = 0
-        self.running: RunningJob | None = None
+        self._running: RunningJob | None = None
+        self._taking: asyncio.Task[None] | None = None  # shows the result of a fit
 
-    def start(self, kind: str, revision: int, target: str, *arguments: Any) -> bool:
-        """Start a job in a process of its own; False if another one is running."""
-        if self.running is not None:
-            return False
+    def start(self, request: Request, document: Document) -> None:
+        """Start a job.
+
+        Raises
+        ------
+        RequestError
+            Another job is running, or an option does not exist.
+        """
+        table, folder, stem = document.table, document.path.parent, document.path.stem
+        arguments: tuple[Any, ...]
+        match request:
+            case ask.Simple(type="verify"):
+                kind, arguments = "verify", (table, str(folder), str(folder / f"{stem}{VERIFIED}"))
+            case ask.FitRequest():
+                target = self._studio.parts.target
+                if target is None:
+                    raise RequestError("target: send a file first")
+                weights = sheet_weights(table, document.layout, self._studio.shown.sheet, target)
+                printer = self._studio.printer
+                kind, arguments = "fit", (target.surface_of_file, target.name, request.hold, printer, weights)
+            case ask.ExportRequest():
+                options = self._export_options(request)
+                kind, arguments = "export", (table, str(folder), str(folder / f"{stem}-print"), options)
+            case ask.Simple(type="report"):
+                printer = self._studio.printer
+                kind, arguments = "report", (table, str(folder), str(folder / f"{stem}.pdf"), printer)
+            case _:
+                raise RequestError("the server does not do that")
+        if self._running is not None:
+            raise RequestError("wait for the running job, or cancel it")
         self._count += 1
-        child = Child(StartedProcess(target, (self._count, *arguments), NICENESS), self._message, self._died)
+        # at low priority
+        child = Child(StartedProcess(PROCESSES[kind], (self._count, *arguments), 10), self._message, self._died)
         progress = JobProgress(self._count, "starting", 0, 0, 0.0)
-        self.running = RunningJob(self._count, kind, revision, child, progress)
-        return True
+        version = self._studio.parts.version
+        self._running = RunningJob(self._count, kind, document, document.revision, version, child, progress)
 
-    def cancel(self) -> RunningJob | None:
-        """End the running job, and return it."""
-        job, self.running = self.running, None
+    def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
+        options = {"printer": self._studio.printer, **request.options}
+        options |= {
+            key: value
+            for key, value in (("printer", request.printer), ("plastic", request.plastic))
+            if value is not None
+        }
+        if unknown := sorted(set(options) - _EXPORT_OPTIONS):
+            raise RequestError(f"export: {unknown[0]!r} is not one of {', '.join(sorted(_EXPORT_OPTIONS))}")
+        for name in ("printer", "plastic"):
+            # a name, never a file: names come from outside
+            if not isinstance(options.get(name, "x"), str) or not options.get(name, "x").replace("-", "").isalnum():
+                raise RequestError(f"export: {name} must be the name of a profile")
+        return options
+
+    def cancel(self) -> None:
+        """End the running job."""
+        if (job := self._end()) is not None:
+            self._studio.tell({"type": "result", "job": job.kind, "cancelled": True})
+            self._studio.tell_state()
+
+    def _end(self) -> RunningJob | None:
+        job, self._running = self._running, None
         if job is not None:
             job.child.kill()
         return job
 
+    async def stop(self) -> None:
+        """End what is running, but take the result of a fit that has come."""
+        if self._taking is not None:
+            await self._taking
+        self._end()
+
     def _message(self, child: Child, message: Any) -> None:
-        job = self.running
+        job = self._running
         if job is None or child is not job.child:
             return
         if isinstance(message, JobProgress):
             job.progress = message
         elif isinstance(message, StudioProblem | Verified | Computed | Fitted | Written):
-            self.running = None
+            self._running = None
         self._tell(job, message)
 
     def _died(self, child: Child) -> None:
-        job = self.running
+        job = self._running
         if job is not None and child is job.child:
-            self.running = None
+            self._running = None
             self._tell(job, StudioProblem(job.number, "ended", f"the {job.kind} ended unexpectedly"))
 
-    def close(self) -> None:
-        """End what is running."""
-        self.cancel()
+    def _tell(self, job: RunningJob, message: Any) -> None:
+        """Pass on a message of a job. A failure becomes a message of its own, since no caller handles an exception."""
+        studio = self._studio
+        try:
+            self._pass_on(job, message)
+        except Exception as error:
+            studio.tell({**failure_data(error, None, f"a message of the job {job.kind}"), "job": job.kind})
+            studio.tell({"type": "result", "job": job.kind, "failed": True})
+            studio.tell_state()
+
+    def _pass_on(self, job: RunningJob, message: Any) -> None:
+        studio = self._studio
+        other = None if job.document is studio.document else job.document.path.stem
+        match message:
+            case JobProgress():
+                studio.tell({"type": "progress", **job.progress_data})
+                return
+            case StudioProblem():
+                problem = engine_problem_data(message)
+                if other is not None:  # its field, stars and place are not those of the design that is open
+                    problem |= {"text": f"{other}: {message.text}", "field": "", "stars": (), "at_mm": None}
+                studio.tell({**problem, "job": job.kind})
+                studio.tell({"type": "result", "job": job.kind, "failed": True})
+            case Verified() | Computed() if other is not None:
+                text = f"The verification of {other} is done; its files are beside that design."
+                studio.tell({"type": "note", "text": text})
+                studio.tell({"type": "result", "job": job.kind, "failed": True})
+            case Verified():
+                studio.shown.show_verified(message, job.revision, studio.tabs)
+                self._finish(job, message.summary, [Path(name) for name in message.files], ())
+            case Computed():
+                studio.shown.add_mesh(message.mesh)
+                studio.shown.add_frame(message.frame, job.revision, studio.tabs)
+                studio.shown.add_summary(message.shown, job.revision)
+                self._finish(job, message.summary, [Path(name) for name in message.files], ())
+            case Fitted():
+                self._taking = asyncio.create_task(self._take(job, message))
+            case Written():
+                files = [Path(message.folder) / name for name in message.files]
+                self._finish(job, message.summary, files, message.warnings)
+        studio.tell_state()
+
+    def _finish(self, job: RunningJob, summary: dict[str, Any], files: list[Path], warnings: tuple[str, ...]) -> None:
+        root = self._studio.folder
+        listed = [
+            {"name": file.resolve().relative_to(root).as_posix(), "size": file.stat().st_size}
+            for file in files
+            if file.resolve().is_relative_to(root) and file.is_file()
+        ]
+        self._studio.tell(
+            {
+                "type": "result",
+                "job": job.kind,
+                "revision": job.revision,
+                "summary": plain(summary),
+                "files": listed,
+                "warnings": list(warnings),
+                "report": next((entry["name"] for entry in listed if str(entry["name"]).endswith("report.html")), None),
+            }
+        )
+
+    def data(self) -> dict[str, Any]:
+        """The running job and its progress, for the message `state`."""
+        job = self._running
+        return {} if job is None else {job.kind: {"revision": job.revision, **job.progress_data}}
+
+    async def _take(self, job: RunningJob, fitted: Fitted) -> None:
+        """Show the fitted design when no request is being worked on: one undo step, and the target in its pose."""
+        studio = self._studio
+        async with studio.lock:
+            document = studio.document
+            if document is None or document is not job.document:
+                studio.tell({"type": "note", "text": "the fit is left out: another design was opened meanwhile"})
+                studio.tell({"type": "result", "job": "fit", "failed": True})
+                return
+            before = document.revision
+            try:
+                await asyncio.to_thread(document.end_gesture)
+                name = document.table.get("name", fitted.table["name"])
+                document.apply({**fitted.table, "name": name}, None, "fit to the target")
+                await studio.accept()
+                studio.parts.pose(fitted, job.target_version)
+                result = {"revision": document.revision, "summary": plain(fitted.summary)}
+            except Exception as error:  # nobody waits for this task: the page is where it can be seen
+                if document.revision != before:
+                    document.take_back()
+                studio.tell({**failure_data(error, document.layout, "the result of a fit"), "job": "fit"})
+                result = {"failed": True}
+            studio.tell({"type": "result", "job": "fit", **result})

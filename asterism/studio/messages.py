@@ -1,6 +1,7 @@
-"""What the processes of the studio send to its server over a pipe; arrays are in mm, rows of lattice sites are [i, j].
+"""What the server and the processes of the studio send to each other over pipes: orders, then answers.
 
-The server reads these classes, so this file imports numpy and nothing heavier.
+Arrays are in mm, rows of lattice sites are [i, j]. The server reads these classes, so this file imports numpy and
+nothing heavier.
 """
 
 from __future__ import annotations
@@ -12,8 +13,102 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Array
 
-# Of a value in a message; values of whole tables are left out.
-MAX_VALUE_CHARACTERS = 100
+# end of the name of a verification's directory
+VERIFIED = "-verified"
+
+
+# kinds of problems that do not concern the shown shape
+ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
+
+
+# kind of the problem of a pattern that the exact model alone can compute
+NO_PREVIEW = "no preview"
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Show this design. Whatever is None stays as in the last edit that gave it.
+
+    Attributes
+    ----------
+    seq : increases; every answer carries the number that it belongs to.
+    design : the table of the design file.
+    sites, sizes_mm : (n, 2) and (n, 3), all stars with sizes of their own; nan keeps the size of the design's profile.
+    removed : (m, 2), all removed stars.
+    is_dragging : the pointer is down: coarse mesh, linear response first, no summary.
+    is_opened : the design does not follow from the shown one by an edit: its form does not depend on that.
+    snapshot : of an opened design, the form to go back to, as in a frame; without one, the form is searched for.
+    folder : of the design file, for pictures.
+    """
+
+    seq: int
+    design: dict[str, Any] | None = None
+    sites: Array | None = None
+    sizes_mm: Array | None = None
+    removed: Array | None = None
+    is_dragging: bool = False
+    is_opened: bool = False
+    snapshot: bytes | None = None
+    folder: str = "."
+
+
+@dataclass(frozen=True)
+class Flip:
+    """Show the form that bends to the other side."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class ShowForm:
+    """Show another minimum of the last summary."""
+
+    seq: int
+    index: int
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Triangles (T, 3) in space with their vertices (V, 3) mm."""
+
+    vertices: Array
+    triangles: Array
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What frames of a sheet at rest hold besides the shape. It holds until the next message of its kind.
+
+    Attributes
+    ----------
+    smooth : the sheet without its bumps; also while the pointer is down.
+    target : the surface that the sheet is compared with.
+    version : of the target and its pose.
+    """
+
+    seq: int
+    smooth: bool = False
+    target: Surface | None = None
+    version: int = 0
+
+
+@dataclass(frozen=True)
+class FitTarget:
+    """Lay the target on the shape; `TargetPose` is the answer."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class Cancel:
+    """Break off the work on edits up to `seq`; the last good shape stays."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class Stop:
+    """End the process."""
 
 
 @dataclass(frozen=True)
@@ -175,12 +270,6 @@ class ShapeSummary:
     forms: tuple[Form, ...] = ()
 
 
-# kinds of problems that do not concern the shown shape
-ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
-# kind of the problem of a pattern that the exact model alone can compute
-NO_PREVIEW = "no preview"
-
-
 @dataclass(frozen=True)
 class StudioProblem:
     """An edit or a job that has no answer; the last good shape stays.
@@ -221,7 +310,7 @@ def mistake_parts(error: Exception, rows: Array) -> dict[str, Any]:
     value, place = getattr(error, "value", ""), getattr(error, "place_mm", None)
     return {
         "field": str(getattr(error, "field", "")),
-        "value": str(value)[:MAX_VALUE_CHARACTERS] if isinstance(value, str | int | float | list | tuple) else "",
+        "value": str(value)[:100] if isinstance(value, str | int | float | list | tuple) else "",
         "allowed": str(getattr(error, "allowed", "")),
         "stars": sites_of(rows, getattr(error, "stars", ())),
         "at_mm": None if place is None else (float(place[0]), float(place[1])),
@@ -232,3 +321,67 @@ def sites_of(rows: Array, stars: tuple[int, ...]) -> tuple[tuple[int, int], ...]
     """Lattice sites of stars by their numbers; numbers beyond the list are left out."""
     count = len(rows)
     return tuple((int(i), int(j)) for i, j in np.asarray(rows)[[star for star in stars if 0 <= star < count]])
+
+
+@dataclass(frozen=True)
+class JobProgress:
+    """How far a job is: `done` of `of` steps of a stage, after so many seconds."""
+
+    job: int
+    stage: str
+    done: int
+    of: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Verified:
+    """The end of a verification: both shapes at the vertices of one mesh, and their distance (V,) mm."""
+
+    job: int
+    summary: dict[str, Any]
+    mesh: ShownMesh
+    exact: Array
+    preview: Array
+    distance: Array
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Computed:
+    """The end of an exact computation of a pattern without a preview: its shape takes the place of the preview's."""
+
+    job: int
+    summary: dict[str, Any]
+    mesh: ShownMesh
+    frame: Frame
+    shown: ShapeSummary
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The end of a fit to the target.
+
+    Attributes
+    ----------
+    table : of the design file.
+    rotation, shift : (3, 3) and (3,) mm, from the target's file to its pose in the fit.
+    """
+
+    job: int
+    summary: dict[str, Any]
+    table: dict[str, Any]
+    rotation: Array
+    shift: Array
+
+
+@dataclass(frozen=True)
+class Written:
+    """The end of a job that writes files."""
+
+    job: int
+    summary: dict[str, Any]
+    folder: str
+    files: tuple[str, ...]
+    warnings: tuple[str, ...] = ()

@@ -1,9 +1,11 @@
-"""Document and problems as plain data for the page."""
+"""What the page shows as plain data: the document with its plan, printers, and problems."""
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +15,26 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import WEIGHT_RANGE
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.design.material_files import with_material_file
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Site
 from asterism.pattern.layout.layout import Layout
-from asterism.studio.disk_file import FileChangedError, OtherFileError
+from asterism.print.bed_placement import room_mm
+from asterism.print.profiles import load_printer, profile_names
+from asterism.studio.design_file import FileChangedError, OtherFileError
 from asterism.studio.document import Document
-from asterism.studio.local_files import shown_path
+from asterism.studio.file_names import shown_path
 from asterism.studio.messages import Limits, StudioProblem, mistake_parts
-from asterism.studio.painted import entries_by_site
-from asterism.studio.plan import plan_data
-from asterism.studio.printers import plastic_names, printer_entries
-from asterism.studio.weights import weights_by_site
+from asterism.studio.requests import RequestError
+from asterism.studio.star_sizes import entries_by_site
+from asterism.studio.weights import PLAIN_WEIGHT, weights_by_site
+
+DEFAULT_PRINTER = "ultimaker2"
+
 
 REFUSAL_KINDS: dict[type[Exception], str] = {
     DesignError: "design",
     FileChangedError: "file changed",
     OtherFileError: "file exists",
 }
-# Previews, exact shapes and prints need stars; the engine shows a sheet without them while the pointer is down.
-LAST_STAR = f"A sheet needs at least one star with an arm of {MIN_ARM_MM:g} mm; the design stays as it is."
 
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
 
@@ -105,7 +109,9 @@ def problem_data(error: Exception, layout: Layout | None, seq: int | None = None
     seq : number of the page's message that is refused.
     """
     if isinstance(error, BlankSheetError):
-        return {"type": "problem", "kind": "no star", "seq": seq, "text": LAST_STAR}
+        # Previews, exact shapes and prints need stars; the engine shows a sheet without them while the pointer is down.
+        text = f"A sheet needs at least one star with an arm of {MIN_ARM_MM:g} mm; the design stays as it is."
+        return {"type": "problem", "kind": "no star", "seq": seq, "text": text}
     rows = np.empty((0, 2)) if layout is None else layout.sheet_sites
     return {
         "type": "problem",
@@ -150,3 +156,111 @@ def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -
 def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:
     """The message `problem` of an edit or a job that has no answer."""
     return {"type": "problem", **{name: value for name, value in asdict(problem).items() if name != "seq"}}
+
+
+@cache
+def printer_entries() -> tuple[dict[str, Any], ...]:
+    """Name, title, printable area and frame (mm), and layer heights of each printer."""
+    entries = []
+    for name in profile_names("printers"):
+        printer = load_printer(name)
+        rounding = printer.roundings()[0]
+        entries.append(
+            {
+                "name": name,
+                "title": printer.name,
+                "area_mm": [float(side) for side in room_mm(printer)],
+                "frame_mm": [float(side) for side in printer.frame.size_mm],
+                "rounding": {
+                    "first_layer_mm": rounding.first_layer_mm,
+                    "layer_mm": rounding.layer_mm,
+                    "line_mm": rounding.line_mm,
+                },
+            }
+        )
+    return tuple(entries)
+
+
+def plastic_names() -> list[str]:
+    """Names of the plastics that can be chosen for an export."""
+    return profile_names("plastics")
+
+
+def known_printer(name: str) -> str:
+    """The name, if there is a profile of that name.
+
+    Raises
+    ------
+    RequestError
+        There is none.
+    """
+    if name not in [entry["name"] for entry in printer_entries()]:
+        raise RequestError(f"printer: there is no {name!r}")
+    return name
+
+
+def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, float]) -> dict[str, Any]:
+    """Plain data of a layout; lengths in mm.
+
+    Parameters
+    ----------
+    painted_sites : sites whose sizes differ from the design's profiles.
+    weights : of places in a fit, where they are painted.
+
+    Returns
+    -------
+    outline_mm, spacing_mm, lattice, sites (in the order of the stars' numbers: site, at_mm, sizes_mm, arms, removed,
+    painted, weight), rods (without the arms of stars), holes_mm, pins (one entry a table of the design), ignored_sites.
+    """
+    places = layout.lattice.place(layout.sheet_sites)
+    arms: list[list[Any]] = [[] for _ in layout.sheet_sites]
+    numbers = layout.star_number[layout.arm_star]
+    ends = np.stack([layout.centres[layout.arm_star], layout.arm_tip], axis=1)
+    for number, arm in zip(numbers.tolist(), _plain(ends), strict=True):
+        arms[number].append(arm)
+    sites = [
+        {
+            "site": site,
+            "at_mm": at,
+            "sizes_mm": sizes,
+            "arms": arms[number],
+            "removed": sizes[0] == 0.0,
+            "painted": tuple(site) in painted_sites,
+            "weight": weights.get(tuple(site), PLAIN_WEIGHT),
+        }
+        for number, (site, at, sizes) in enumerate(
+            zip(layout.sheet_sites.tolist(), _plain(places), _plain(layout.site_sizes_mm), strict=True)
+        )
+    ]
+    return {
+        "outline_mm": _plain(layout.outline),
+        "spacing_mm": layout.spacing_mm,
+        "lattice": {"vectors_mm": _plain(layout.lattice_vectors), "origin_mm": _plain(layout.lattice_origin)},
+        "sites": sites,
+        "rods": [
+            {
+                "name": rod.name,
+                "points_mm": _plain(rod.points),
+                "thickness_mm": _plain(rod.thickness),
+                "width_mm": _plain(rod.width),
+            }
+            for rod in layout.drawn_rods
+        ],
+        "holes_mm": [_plain(ring) for ring in layout.holes],
+        "pins": [
+            {
+                "points_mm": _plain(pins.points),
+                "edges": [_plain(np.array(segment)) for segment in pins.segments(layout.edges)],
+                "places_mm": _plain(pins.places(pins.points)),
+                "fixed": list(pins.fixed),
+                "step": pins.step,
+            }
+            for pins in layout.pins
+        ],
+        "ignored_sites": layout.ignored_sites.tolist(),
+    }
+
+
+def _plain(values: Any) -> list[Any]:
+    rounded: list[Any] = np.round(np.asarray(values, dtype=float), 5).tolist()
+    return rounded

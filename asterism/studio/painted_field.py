@@ -17,10 +17,6 @@ from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, pack_im
 
 # distance of the grid's values, in which rods are sampled, too; larger on sheets with more than the most pixels
 STEP_MM = 1.0
-# in the place of a picture's file
-PICTURE_NAME = "painted in the studio"
-# a smoothing brush draws values towards their mean over a Gaussian of this width, over its radius
-MEAN_WIDTH = 0.5
 # values of the design file: readable, and below what a picture resolves
 DIGITS = 4
 
@@ -105,7 +101,8 @@ class PaintedField:
     def _means(self, values: Floats, radius: float) -> Floats:
         pixel = np.asarray(self.extent)[::-1] / self.values.shape
         return np.asarray(
-            gaussian_filter(values.reshape(self.values.shape), MEAN_WIDTH * radius / pixel, mode="nearest")
+            # a smoothing brush draws values towards their mean over a Gaussian of this width, over its radius
+            gaussian_filter(values.reshape(self.values.shape), 0.5 * radius / pixel, mode="nearest")
         ).ravel()
 
     @property
@@ -116,7 +113,8 @@ class PaintedField:
             return low
         grey = np.round(255.0 * np.clip((self.values[::-1] - low) / (high - low), 0.0, 1.0)).astype(np.uint8)
         return {
-            "image": PICTURE_NAME,
+            # in the place of a picture's file
+            "image": "painted in the studio",
             "low": low,
             "high": high,
             "extent_mm": [float(side) for side in self.extent],

@@ -3,12 +3,150 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
-from asterism.studio.gesture_requests import BrushRequest, Change, Paint, PlaceDrawing, StarsRequest, Weigh
-from asterism.studio.request import Request, RequestError, WholeNumber
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.law.motif_plan import RodSizeKey
+from asterism.studio.painted_field import Brush
+
+WholeNumber = Annotated[int, Field(ge=0, le=2**53)]
+
+
+class RequestError(Error, ValueError):
+    """A message that the server does not understand."""
+
+
+class Request(BaseModel):
+    """A message of the page.
+
+    Attributes
+    ----------
+    seq : number of the message in its tab; a problem with the message carries it.
+    document : number of the document that the message is about; the server refuses one about a document that is not
+        open any more.
+    """
+
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+    seq: WholeNumber | None = None
+    document: WholeNumber | None = None
+
+
+MAX_SITES = 20_000
+SiteIndex = Annotated[int, Field(ge=-100_000, le=100_000)]
+Sites = Annotated[list[tuple[SiteIndex, SiteIndex]], Field(max_length=MAX_SITES)]
+SizesOfSites = Annotated[list[float | None], Field(max_length=MAX_SITES)]
+PlaceMm = tuple[Annotated[float, Field(ge=-1e5, le=1e5)], Annotated[float, Field(ge=-1e5, le=1e5)]]
+
+
+class GestureRequest(Request):
+    """A change that belongs to a gesture; the gesture ends with `end`."""
+
+    gesture: WholeNumber | None = None
+    end: bool = True
+
+
+class Change(GestureRequest):
+    type: Literal["edit"]
+    changes: dict[str, Any] = Field(max_length=100)
+
+
+class Paint(GestureRequest):
+    type: Literal["sizes"]
+    sites: Sites
+    length: SizesOfSites | None = None
+    thickness: SizesOfSites | None = None
+    width: SizesOfSites | None = None
+
+    @property
+    def sizes(self) -> dict[str, list[float | None]]:
+        """The sizes that are given, by the keys of the design file."""
+        given = {"length_mm": self.length, "thickness_mm": self.thickness, "width_mm": self.width}
+        for key, values in given.items():
+            if values is not None and len(values) != len(self.sites):
+                raise RequestError(f"sizes: {key} must have one value for each of the {len(self.sites)} sites")
+        return {key: values for key, values in given.items() if values is not None}
+
+
+class BrushRequest(GestureRequest):
+    """Paint a size of rods.
+
+    Attributes
+    ----------
+    size : that is painted.
+    places : printed mm, each with its images under the symmetries of the brush.
+
+    For the others, see `asterism.studio.painted_field.Brush`.
+    """
+
+    type: Literal["brush"]
+    size: RodSizeKey
+    mode: Literal["set", "add", "smooth"]
+    radius: Annotated[float, Field(ge=0.5, le=1000)]
+    strength: Annotated[float, Field(ge=0, le=1)]
+    value: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    low: Annotated[float, Field(ge=0, le=100)]
+    high: Annotated[float, Field(ge=0, le=100)]
+    places: Annotated[list[Annotated[list[PlaceMm], Field(min_length=1, max_length=24)]], Field(max_length=1000)]
+
+    @property
+    def brush(self) -> Brush:
+        """The brush of this request."""
+        return Brush(self.mode, self.radius, self.strength, self.value, self.low, self.high)
+
+
+class StarsRequest(GestureRequest):
+    """Remove stars, bring them back, or drop their painted sizes."""
+
+    type: Literal["remove", "restore", "reset"]
+    sites: Sites
+
+
+class LayerUse(BaseModel):
+    """What a layer of a drawing becomes, and the sections (mm) of its rods."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+    use: Literal["rods", "outline", "both"]
+    thickness: float = 0.3
+    width: float = 1.2
+
+
+class PlaceDrawing(GestureRequest):
+    """Lay a drawing that was sent before on the sheet.
+
+    Attributes
+    ----------
+    drawing : its number.
+    layers : by name; others are left out.
+    strokes : widths of the rods are those of the drawn strokes.
+    keep : the pattern that is there stays.
+    sheet : without an outline in the drawing, the sheet keeps its own, or gets a rectangle around the drawing.
+    origin : the middle of the drawing, or its own origin, becomes that of the sheet.
+    """
+
+    type: Literal["drawing"]
+    drawing: WholeNumber
+    layers: dict[str, LayerUse] = Field(min_length=1, max_length=1000)
+    strokes: bool = False
+    keep: bool = False
+    sheet: Literal["kept", "around"] = "kept"
+    origin: Literal["middle", "drawing"] = "middle"
+
+
+class Weigh(GestureRequest):
+    """Other weights of places in a fit; null takes a weight away."""
+
+    type: Literal["weigh"]
+    sites: Sites
+    weights: SizesOfSites
+
+    @model_validator(mode="after")
+    def _one_a_site(self) -> Self:
+        if len(self.weights) != len(self.sites):
+            raise ValueError(f"weights must have one value for each of the {len(self.sites)} sites")
+        return self
+
 
 MAX_REQUEST_BYTES = 4_000_000
 Name = Annotated[str, Field(min_length=1, max_length=200)]
@@ -17,12 +155,23 @@ Slot = Literal["A", "B", "C"]
 Hold = Literal["auto", "border", "nothing"]
 
 
-class Hello(Request):
-    type: Literal["hello"]
+class Simple(Request):
+    """A message of one word: its type."""
 
-
-class Gallery(Request):
-    type: Literal["gallery"]
+    type: Literal[
+        "hello",  # show me all that there is
+        "gallery",
+        "new",
+        "reread",  # show the design file as it is on the disk
+        "undo",
+        "redo",
+        "history",  # send small plans of the last states
+        "flip",
+        "verify",
+        "report",
+        "cancel",  # break off the job
+        "stop",  # break off what the engine computes; the shown shape stays
+    ]
 
 
 class Open(Request):
@@ -33,36 +182,12 @@ class Open(Request):
     gallery: Name | None = None
 
 
-class New(Request):
-    type: Literal["new"]
-
-
 class Save(Request):
     """Write the design file; with `over` also over a text that another program has written there."""
 
     type: Literal["save"]
     name: Name | None = None
     over: bool = False
-
-
-class Reread(Request):
-    """Show the design file as it is on the disk."""
-
-    type: Literal["reread"]
-
-
-class Undo(Request):
-    type: Literal["undo"]
-
-
-class Redo(Request):
-    type: Literal["redo"]
-
-
-class HistoryRequest(Request):
-    """Send small plans of the last states."""
-
-    type: Literal["history"]
 
 
 class Go(Request):
@@ -76,10 +201,6 @@ class Recover(Request):
     """Take the unsaved work of a former session, or forget it."""
 
     type: Literal["recover", "discard"]
-
-
-class FlipRequest(Request):
-    type: Literal["flip"]
 
 
 class FormRequest(Request):
@@ -109,10 +230,6 @@ class TargetRequest(Request):
     unit: Literal["mm", "cm", "m", "in"] | None = None
 
 
-class Verify(Request):
-    type: Literal["verify"]
-
-
 class FitRequest(Request):
     """Fit outline, stars and supports to the target."""
 
@@ -120,27 +237,11 @@ class FitRequest(Request):
     hold: Hold = "auto"
 
 
-class CancelRequest(Request):
-    """Break off the job."""
-
-    type: Literal["cancel"]
-
-
-class StopRequest(Request):
-    """Break off what the engine computes; the shown shape stays."""
-
-    type: Literal["stop"]
-
-
 class ExportRequest(Request):
     type: Literal["export"]
     printer: Name | None = None
     plastic: Name | None = None
     options: dict[str, Any] = Field(default_factory=dict, max_length=20)
-
-
-class ReportRequest(Request):
-    type: Literal["report"]
 
 
 class PrinterRequest(Request):
@@ -154,15 +255,9 @@ class Acknowledge(Request):
 
 
 AnyRequest = Annotated[
-    Hello
-    | Gallery
+    Simple
     | Open
-    | New
     | Save
-    | Reread
-    | Undo
-    | Redo
-    | HistoryRequest
     | Go
     | Recover
     | Change
@@ -171,17 +266,12 @@ AnyRequest = Annotated[
     | StarsRequest
     | PlaceDrawing
     | Weigh
-    | FlipRequest
     | FormRequest
     | SlotRequest
     | BumpsRequest
     | TargetRequest
-    | Verify
     | FitRequest
-    | CancelRequest
-    | StopRequest
     | ExportRequest
-    | ReportRequest
     | PrinterRequest
     | Acknowledge,
     Field(discriminator="type"),

@@ -11,11 +11,9 @@ from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Busy
 
 STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
-MAX_STALE_S = 2.0  # the same if the search before it has ended so
 # processor time of a search: while the pointer is down, and after other edits
 MAX_DRAGGED_SEARCH_S = 2.5
 MAX_SEARCH_S = 20.0
-MAX_SLOWDOWN = 3.0  # largest ratio of wall time to processor time: other programs may use the cores as well
 SIGN_EVERY_S = 2.0  # of life, in long searches
 
 
@@ -74,11 +72,13 @@ class SearchBounds:
             raise Cancelled
         if self._inbox.has_waiting and self._yields:
             raise Superseded
-        if self.seconds > (MAX_STALE_S if self._was_stale else STALE_S) and self._inbox.has_waiting_edit:
+        # longer if the search before it has ended so
+        if self.seconds > (2.0 if self._was_stale else STALE_S) and self._inbox.has_waiting_edit:
             raise Superseded
         compiled = time.perf_counter() - self._clock() - self._compiled
         worked = time.thread_time() - self._worked - compiled
-        if worked > self.longest_s or self.seconds > MAX_SLOWDOWN * self.longest_s:
+        # largest ratio of wall time to processor time: other programs may use the cores as well
+        if worked > self.longest_s or self.seconds > 3.0 * self.longest_s:
             raise SearchLimitError(f"no equilibrium within {self.longest_s:g} s; the shape is that before the edit")
         if time.monotonic() - self.last_sign > SIGN_EVERY_S:
             self._send(Busy(self.seq, f"searching for the equilibrium, {self.seconds:.0f} s"))

@@ -13,9 +13,7 @@ from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame, ShownMesh
-from asterism.studio.ribbon_stations import ribbon_stations
-from asterism.studio.sheet_marks import SheetMarks
-from asterism.studio.shown_mesh import mesh_message
+from asterism.studio.sheet_marks import SheetMarks, mesh_message, ribbon_stations
 
 
 def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") -> tuple[ShownMesh, Frame]:

@@ -1,18 +1,23 @@
-"""What the page draws on a shown mesh: ribbons along arms and rods, and needles below the supported points."""
+"""What the page draws of a sheet: its mesh, ribbons along arms and rods, and needles below the supported points."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.geometry.planar import is_in_sorted
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 from asterism.pattern.layout.layout import Layout
-from asterism.studio.ribbon_stations import STATIONS, ribbon_stations
+from asterism.studio.messages import ShownMesh
 
-NEEDLE_SPACING = 1.0  # of the needles along supported edges, over that of the stars
+STATIONS = 5  # along each ribbon
+# length of a ribbon along a drawn rod, so that curves look smooth; longer where there would be too many ribbons
+RIBBON_MM = 5.0
+NO_SITE = 2**32 - 1  # in place of the row of a star, for ribbons of drawn rods
 STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
 
 
@@ -55,7 +60,7 @@ class SheetMarks:
         printed = [layout.pin_points]
         for edge in layout.supported_edges.tolist():
             start, end = layout.edges.start[edge], layout.edges.end[edge]
-            count = max(int(np.linalg.norm(end - start) / (NEEDLE_SPACING * layout.spacing_mm)), 1)
+            count = max(int(np.linalg.norm(end - start) / layout.spacing_mm), 1)
             printed.append(start + np.arange(count)[:, None] / count * (end - start))
         points = np.concatenate(printed)
         if not len(points):
@@ -88,3 +93,86 @@ class SheetMarks:
 def _unit(vectors: Floats) -> Floats:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray(vectors / np.where(length == 0.0, 1.0, length))
+
+
+@dataclass(frozen=True)
+class RibbonStations:
+    """Stations along all ribbons, in printed coordinates.
+
+    Attributes
+    ----------
+    points : (A, K, 2) mm, of the middle lines.
+    width, thickness : (A, K) mm.
+    site : (A,) row of the star's site in the plan; `NO_SITE` for drawn rods.
+    """
+
+    points: Floats
+    width: Floats
+    thickness: Floats
+    site: Ints
+
+
+def ribbon_stations(layout: Layout) -> RibbonStations:
+    """The stations of a layout: arms from the centre to the tip, then drawn rods in pieces of about `RIBBON_MM`.
+
+    Examples
+    --------
+    >>> from asterism.pattern.design.design import Design
+    >>> from asterism.pattern.layout.print_layout import print_layout
+    >>> lines = [{"line_mm": [(-5, 0), (5, 0)]}]
+    >>> sheet = print_layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (12, 8)}}))
+    >>> stations = ribbon_stations(sheet)
+    >>> stations.points[:, [0, -1], 0].tolist()
+    [[-5.0, 0.0], [0.0, 5.0]]
+    """
+    share = np.linspace(0.0, 1.0, STATIONS)
+    start = layout.centres[layout.arm_star][:, None]
+    points = [start + share[:, None] * (layout.arm_tip[:, None] - start)]
+    width, thickness = ([_between(ends, share)] for ends in (layout.arm_width, layout.arm_thickness))
+    longest = max(RIBBON_MM, sum(rod.length for rod in layout.drawn_rods) / 6000)
+    for rod in layout.drawn_rods:
+        count = int(np.ceil(rod.length / longest))
+        part = ((np.arange(count)[:, None] + share) / count).ravel()
+        points.append(rod.at(rod.points, part).reshape(count, STATIONS, 2))
+        width.append(rod.at(rod.width, part).reshape(count, STATIONS))
+        thickness.append(rod.at(rod.thickness, part).reshape(count, STATIONS))
+    site = np.full(sum(len(part) for part in points), NO_SITE)
+    site[: len(layout.arm_star)] = layout.star_number[layout.arm_star]
+    return RibbonStations(np.concatenate(points), np.concatenate(width), np.concatenate(thickness), site)
+
+
+def _between(ends: Floats, share: Floats) -> Floats:
+    """(A, K) values between those at both ends (A, 2)."""
+    return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))
+
+
+def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, is_fine: bool) -> ShownMesh:
+    """The message with a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
+    return ShownMesh(
+        mesh=number,
+        printed=printed.astype(np.float32),
+        triangles=triangles.astype(np.uint32),
+        outline=outline_of(triangles).astype(np.uint32),
+        arm_site=arm_site.astype(np.uint32),
+        is_fine=is_fine,
+    )
+
+
+def outline_of(triangles: Ints) -> Ints:
+    """(R,) vertices around a sheet of triangles (T, 3), counterclockwise.
+
+    Examples
+    --------
+    >>> outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
+    [0, 1, 2, 3]
+    """
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    size = int(edges.max()) + 1
+    there: Ints = edges[:, 0] * size + edges[:, 1]
+    back: Ints = edges[:, 1] * size + edges[:, 0]
+    rim = edges[~is_in_sorted(there, np.sort(back))]
+    following = dict(rim.tolist())
+    ring = [min(following)]
+    while (after := following[ring[-1]]) != ring[0] and len(ring) < len(following):
+        ring.append(after)
+    return np.array(ring)

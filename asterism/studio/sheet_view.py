@@ -14,13 +14,7 @@ from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh, SmoothPart
-from asterism.studio.ribbon_stations import ribbon_stations
-from asterism.studio.sheet_marks import SheetMarks
-from asterism.studio.shown_mesh import mesh_message
-
-COARSE_EDGE_SPACINGS = 1 / 6  # edges of the triangles while the sheet moves
-FINE_EDGE_SPACINGS = 1 / 12  # and at rest
-MAX_VERTICES_SHOWN = 30_000
+from asterism.studio.sheet_marks import SheetMarks, mesh_message, ribbon_stations
 
 
 class SheetView:
@@ -39,8 +33,8 @@ class SheetView:
         self._number, self._is_fine = 0, is_fine
         self._arm_site: Ints = np.empty(0, dtype=np.int64)
         layout, design = preview.sheet.layout, preview.design
-        spacings = FINE_EDGE_SPACINGS if is_fine else COARSE_EDGE_SPACINGS
-        shortest = float(np.sqrt(layout.area_mm2 / (np.sqrt(0.75) * MAX_VERTICES_SHOWN)))
+        spacings = 1 / 12 if is_fine else 1 / 6  # edges of the triangles
+        shortest = float(np.sqrt(layout.area_mm2 / (np.sqrt(0.75) * 30_000)))
         edge = max(spacings * layout.spacing_mm, shortest)
         mesh = mesh_layout(layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
         self.printed, self.triangles = mesh.points, mesh.triangles

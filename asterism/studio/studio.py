@@ -3,34 +3,34 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
 from asterism.equilibrium.errors import Error
+from asterism.pattern import gallery
+from asterism.results.files import OutputError
 from asterism.studio import requests as ask
-from asterism.studio.apply_gesture import apply_gesture
+from asterism.studio.autosave import autosave_path
+from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
-from asterism.studio.drawing import Drawings
+from asterism.studio.drawing import Drawings, with_drawing
 from asterism.studio.engine_link import EngineLink
-from asterism.studio.engine_requests import EngineRequests
-from asterism.studio.examples import MAX_FILES, design_files, gallery_entries
-from asterism.studio.fit_result import FitResult
-from asterism.studio.frame_parts import FrameParts
-from asterism.studio.gesture_requests import GestureRequest
-from asterism.studio.job_requests import JobRequests
-from asterism.studio.local_files import shown_path
-from asterism.studio.opening import design_path, opened
-from asterism.studio.page_data import document_data, failure_data, opening_problem_data, problem_data
-from asterism.studio.printers import DEFAULT_PRINTER, known_printer
-from asterism.studio.request import Request, RequestError
-from asterism.studio.shown import Shown
-from asterism.studio.slots import Slots
+from asterism.studio.engine_requests import EngineRequests, FrameParts
+from asterism.studio.examples import MAX_FILES, NEW_SHEET, design_files, free_name, gallery_entries
+from asterism.studio.file_names import file_below, shown_path
+from asterism.studio.jobs import JobRequests
+from asterism.studio.page_data import (
+    DEFAULT_PRINTER,
+    document_data,
+    failure_data,
+    known_printer,
+    opening_problem_data,
+    problem_data,
+)
+from asterism.studio.requests import GestureRequest, Request, RequestError
+from asterism.studio.shown_shape import Shown
 from asterism.studio.tab import Tab, Tabs
-from asterism.studio.upkeep import Upkeep
-
-MAX_QUEUED = 1000
-OTHER_DESIGN = "another design is open now; what was asked for the one before is left out"
 
 
 class Studio:
@@ -52,14 +52,13 @@ class Studio:
         self.tabs = Tabs(self.shown.meshes)
         self.lock = asyncio.Lock()
         self._make_engine = make_engine
-        self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(MAX_QUEUED)
+        self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(maxsize=1000)
         self._upkeep = Upkeep(self)
         self._left: dict[Path, Document] = {}
         self.printer = DEFAULT_PRINTER
-        self.slots = Slots()
+        self._slots: dict[str, tuple[dict[str, Any], bytes | None, dict[str, Any]]] = {}
         self.drawings = Drawings()
         self.parts = FrameParts(self)
-        self.fits = FitResult(self)
 
     async def start(self) -> None:
         """Start the engine and the work on requests; to be called in the event loop."""
@@ -74,9 +73,8 @@ class Studio:
         """End engine, jobs and requests; unsaved work is kept."""
         self._working.cancel()
         await asyncio.gather(self._working, return_exceptions=True)
-        await self.fits.stop()
+        await self.jobs.stop()
         await self._upkeep.stop()
-        self.jobs.close()
         self.engine.link.close()
 
     def unsaved_work(self) -> list[Path]:
@@ -111,7 +109,7 @@ class Studio:
             "type": "state",
             **self.engine.data(),
             **self.shown.state(),
-            "slots": self.slots.data(),
+            "slots": {slot: self._slots[slot][2] if slot in self._slots else None for slot in ("A", "B", "C")},
             "target": self.parts.data(),
             "jobs": self.jobs.data(),
         }
@@ -154,15 +152,15 @@ class Studio:
         match request:
             case ask.Acknowledge():
                 tab.acknowledge(request.frame)
-            case ask.Hello():
+            case ask.Simple(type="hello"):
                 await self._greet(tab)
-            case ask.Gallery():
+            case ask.Simple(type="gallery"):
                 tab.send(await asyncio.to_thread(self._gallery))
-            case ask.Open() | ask.New():
+            case ask.Open() | ask.Simple(type="new"):
                 await self._open(request)
-            case ask.CancelRequest():
+            case ask.Simple(type="cancel"):
                 self.jobs.cancel()
-            case ask.StopRequest():
+            case ask.Simple(type="stop"):
                 self.engine.link.stop()
             case ask.BumpsRequest():
                 self.parts.show_bumps(tab, request.shown)
@@ -180,7 +178,7 @@ class Studio:
         if self.document is None:
             raise RequestError("open a design first")
         if number not in (None, self.document.number):
-            raise RequestError(OTHER_DESIGN)
+            raise RequestError("another design is open now; what was asked for the one before is left out")
         return self.document
 
     async def _answer_about(self, document: Document, tab: Tab, request: Request) -> None:
@@ -197,13 +195,13 @@ class Studio:
     async def _command(self, tab: Tab, request: Request, document: Document) -> None:
         """A request that is no gesture; the document is laid out."""
         match request:
-            case ask.HistoryRequest():
+            case ask.Simple(type="history"):
                 tab.send({"type": "history", "states": document.thumbnails.data(document.history)})
-            case ask.Undo() | ask.Redo() | ask.Go():
+            case ask.Simple(type="undo" | "redo") | ask.Go():
                 if isinstance(request, ask.Go):
                     step = document.go(request.position)
                 else:
-                    step = document.undo() if isinstance(request, ask.Undo) else document.redo()
+                    step = document.undo() if request.type == "undo" else document.redo()
                 await self.accept(self.shown.snapshots.get(step.revision))
             case ask.Recover():
                 if request.type == "recover":
@@ -218,10 +216,10 @@ class Studio:
                 self._upkeep.begin(document)
                 self.tell({"type": "saved", "path": shown_path(document.path)})
                 self.tell_document()
-            case ask.Reread():
+            case ask.Simple(type="reread"):
                 await asyncio.to_thread(document.read_again)
                 await self.accept()
-            case ask.FlipRequest() | ask.FormRequest():
+            case ask.Simple(type="flip") | ask.FormRequest():
                 self.engine.search(request)
             case ask.SlotRequest():
                 await self._slot(request, document)
@@ -240,13 +238,13 @@ class Studio:
             self.shown.greet(tab)
         tab.send(self._state())
 
-    async def _open(self, request: ask.Open | ask.New) -> None:
+    async def _open(self, request: ask.Open | ask.Simple) -> None:
         await self._upkeep.keep_work()
         if self.document is not None:
             self._left[self.document.path] = self.document
         self.document = document = await asyncio.to_thread(opened, self.folder, request)
         self.shown.clear()
-        self.slots = Slots()
+        self._slots.clear()
         self.engine.forget()
         self.parts.forget_target()
         for tab in self.tabs:
@@ -283,23 +281,151 @@ class Studio:
         self.engine.show(self.document, is_opened=True, snapshot=snapshot)
 
     async def _slot(self, request: ask.SlotRequest, document: Document) -> None:
+        """Keep the design with its form and numbers in a slot, show the one that is there, or empty the slot."""
         if request.type == "show":
-            table, snapshot = self.slots.get(request.slot)
+            if request.slot not in self._slots:
+                raise RequestError(f"slot {request.slot} is empty: keep a design there first")
+            table, snapshot, _ = self._slots[request.slot]
             document.apply(table, None, f"show {request.slot}")
             await self.accept(snapshot)
-        elif request.type == "keep":
-            self.slots.keep(request.slot, document, self.shown)
-            self.tell_state()
+            return
+        if request.type == "keep":
+            keys = ("height_mm", "extent_mm", "expected_rms_percent", "expected_height_percent", "contraction")
+            numbers = {key: self.shown.numbers.get(key) for key in keys}
+            data = {"name": document.path.stem, "revision": document.revision, **numbers}
+            self._slots[request.slot] = document.table, self.shown.snapshots.get(document.revision), data
         else:
-            self.slots.drop(request.slot)
-            self.tell_state()
-
-    # engine
-
-    def watch_engine(self) -> None:
-        """Replace an engine that hangs."""
-        self.engine.link.watch()
+            self._slots.pop(request.slot, None)
+        self.tell_state()
 
     def _show_document(self, document: Document) -> None:
         self._upkeep.begin(document)
         self.engine.show(document, is_opened=True)
+
+
+class Upkeep:
+    """What the studio does by itself: autosave, following the design file, watching the engine.
+
+    Parameters
+    ----------
+    studio : whose document is kept.
+    """
+
+    def __init__(self, studio: Studio) -> None:
+        self._studio = studio
+        self._watch: FileWatch | None = None
+        self._autosaved: int | None = None
+        self._busy = asyncio.Lock()
+        self._tasks: list[asyncio.Task[None]] = []
+
+    def start(self) -> None:
+        """Begin; to be called in the event loop."""
+        for work, seconds in ((self._autosave, 1.0), (self._follow, 0.5)):
+            self._tasks.append(asyncio.create_task(self._repeat(work, seconds)))
+
+    async def stop(self) -> None:
+        """End, and keep unsaved work."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self.keep_work()
+
+    def begin(self, document: Document) -> None:
+        """Another document is open, or the document has been saved: its file and revision are the known ones."""
+        self._watch = FileWatch(document.path)
+        self._autosaved = document.revision
+
+    async def keep_work(self) -> None:
+        """Write the autosave if there is something to keep."""
+        document = self._studio.document
+        if document is None:
+            return
+        try:
+            async with self._busy:
+                await asyncio.to_thread(document.keep_work)
+        except (OutputError, OSError) as error:
+            self._studio.tell(problem_data(error, None))
+
+    async def _repeat(self, work: Callable[[], Awaitable[None]], seconds: float) -> None:
+        known = ""
+        while True:
+            await asyncio.sleep(seconds)
+            try:
+                await work()
+            except Exception as error:
+                if repr(error) != known:  # the same mistake would come again every time
+                    known = repr(error)
+                    self._studio.tell(failure_data(error, None, "upkeep of the studio"))
+
+    async def _autosave(self) -> None:
+        self._studio.engine.link.watch()  # an engine that hangs is replaced
+        document = self._studio.document
+        if document is not None and document.revision != self._autosaved:
+            self._autosaved = document.revision
+            await self.keep_work()
+
+    async def _follow(self) -> None:
+        """Show what somebody writes into the design file with another program."""
+        watch, document = self._watch, self._studio.document
+        if watch is None or document is None or (text := await asyncio.to_thread(watch.changed_text)) is None:
+            return
+        async with self._studio.lock:
+            if document is not self._studio.document or watch is not self._watch or text == document.text:
+                return
+            try:
+                await asyncio.to_thread(document.read_again)
+            except Error as error:
+                self._studio.tell(problem_data(error, document.layout))
+                return
+            self._studio.tell({"type": "followed", "path": shown_path(document.path)})
+            await self._studio.accept()
+
+
+def opened(folder: Path, request: ask.Open | ask.Simple) -> Document:
+    """The document that a request opens.
+
+    Raises
+    ------
+    RequestError, FileNameError, DesignError
+        There is no such design, or its file is not one.
+    """
+    if isinstance(request, ask.Simple):
+        return Document(NEW_SHEET, free_name(folder, "sheet"))
+    if request.gallery is not None:
+        if request.gallery not in (*gallery.names(), *gallery.pattern_names()):
+            raise RequestError(f"{request.gallery!r} is not in the gallery")
+        return Document.copy_of(gallery.path(request.gallery), free_name(folder, request.gallery))
+    path = design_path(folder, request.name or "")
+    return Document.unsaved(path) if not path.exists() and autosave_path(path).exists() else Document.open(path)
+
+
+def design_path(folder: Path, name: str) -> Path:
+    """The path of a design file of the folder; a name without an ending is that of a TOML file."""
+    return file_below(folder, name if name.endswith((".toml", ".json")) else f"{name}.toml")
+
+
+def apply_gesture(request: GestureRequest, document: Document, gesture: Any, drawings: Drawings) -> str | None:
+    """Change the document; all requests of one gesture are one step of undo. A note for all pages, if there is one.
+
+    Raises
+    ------
+    Error
+        The change is refused; the document stays as it is.
+    """
+    match request:
+        case ask.Change():
+            document.change(request.changes, gesture)
+        case ask.Paint():
+            document.paint(request.sites, request.sizes, gesture)
+        case ask.BrushRequest():
+            document.brush(request.size, request.brush, request.places, gesture)
+        case ask.PlaceDrawing():
+            drawing = drawings.get(request.drawing)
+            table, note = with_drawing(document.table, drawing, request, document.layout.outline)
+            document.apply(table, gesture, drawing.name[:60])
+            return note
+        case ask.Weigh():
+            document.weigh(request.sites, request.weights, gesture)
+        case ask.StarsRequest():
+            document.change_stars(request.type, request.sites, gesture)
+    return None

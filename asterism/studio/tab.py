@@ -12,8 +12,6 @@ from asterism.studio import frames
 
 # Pages that may be open at the same time.
 MAX_TABS = 50
-# Text messages that may wait for a page that does not read; a page that falls further behind is closed.
-MAX_WAITING = 500
 
 
 class PageSocket(Protocol):
@@ -58,7 +56,8 @@ class Tab:
     def send(self, message: Mapping[str, Any]) -> None:
         """Send a message."""
         self._texts.append(json.dumps(message, allow_nan=False, default=str))
-        self.is_behind = len(self._texts) > MAX_WAITING
+        # Text messages that may wait for a page that does not read; a page that falls further behind is closed.
+        self.is_behind = len(self._texts) > 500
         self._wake.set()
 
     def show(self, mesh: int, header: dict[str, Any], arrays: dict[str, Any], kind: int = frames.SHAPE) -> None:

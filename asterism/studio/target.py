@@ -14,8 +14,7 @@ from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
 from asterism.pattern.design.rhino_model import RHINO_FORMAT
 from asterism.studio import frames
-from asterism.studio.engine_orders import Surface
-from asterism.studio.messages import TargetPose
+from asterism.studio.messages import Surface, TargetPose
 
 TARGET = 4  # kind of the binary frame of a target
 

@@ -11,7 +11,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Array, Floats
 from asterism.pattern.design.stars import Site
 from asterism.pattern.layout.layout import Layout
-from asterism.studio.request import RequestError
+from asterism.studio.requests import RequestError
 from asterism.studio.target import Target
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 # of a place that nobody has painted
 PLAIN_WEIGHT = 1.0
-# of a weight in the design file
-WEIGHT_DIGITS = 3
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,8 @@ def weighed(table: Mapping[str, Any], sites: Sequence[Site], weights: Sequence[f
     """
     kept = weights_by_site(table)
     for site, weight in zip(sites, weights, strict=True):
-        kept[site] = PLAIN_WEIGHT if weight is None else round(weight, WEIGHT_DIGITS)
+        # of a weight in the design file
+        kept[site] = PLAIN_WEIGHT if weight is None else round(weight, 3)
     entries = [{"site": list(site), "weight": weight} for site, weight in kept.items() if weight != PLAIN_WEIGHT]
     rest = {key: value for key, value in table.items() if key != "fit"}
     return {**rest, "fit": {"weights": entries}} if entries else rest

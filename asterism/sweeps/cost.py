@@ -16,9 +16,6 @@ from asterism.sweeps.parameters import SweepParameter, varied
 # thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
 PREVIEW_S = 0.05
 PREVIEW_S_A_STAR = 0.004
-# sheets on supports may buckle, and are searched for further forms
-SUPPORTED_FACTOR = 2.0
-PREVIEW_MB = 350.0
 # processor time of a preview of a motif without its cells (0.26 s to 1.1 s), and of one cell with edges of 2 mm (the
 # four motifs of asterism new: 0.5 s to 1.6 s in motif_responses)
 MOTIF_PREVIEW_S = 0.6
@@ -64,10 +61,11 @@ def sweep_cost(
     processes = min(processes, count)
     if not exact:
         each = PREVIEW_S + PREVIEW_S_A_STAR * _stars(design) if design.rods is None else MOTIF_PREVIEW_S
-        each *= SUPPORTED_FACTOR if design.pins else 1.0
+        # sheets on supports may buckle, and are searched for further forms
+        each *= 2.0 if design.pins else 1.0
         if design.rods is not None and not law_is_given and design.law_file is None:
             each += MOTIF_CELL_S * _motif_cells(design)
-        return SweepCost(0, PREVIEW_MB * processes, START_S + each * count / processes, count)
+        return SweepCost(0, 350.0 * processes, START_S + each * count / processes, count)
     largest = max(map(exact_cost, _ends(design, parameters)), key=lambda cost: cost.seconds)
     seconds = START_S + largest.seconds * count / processes
     return SweepCost(largest.vertices, largest.memory_mb * processes, seconds, count)

@@ -20,8 +20,15 @@ from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.process.count_line import CountLine
 from asterism.results.files import OutputError
-from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, varied, with_whole_ranges
-from asterism.sweeps.sampling import grid, latin_hypercube
+from asterism.sweeps.parameters import (
+    SweepError,
+    SweepParameter,
+    check_parameters,
+    grid,
+    latin_hypercube,
+    varied,
+    with_whole_ranges,
+)
 from asterism.sweeps.solve_point import SmallPicture, named_law, packed_law, solve_point, sweep_code_version
 from asterism.sweeps.sweep import Sweep, SweepPoint
 

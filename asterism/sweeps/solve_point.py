@@ -41,11 +41,6 @@ from asterism.process.file_identity import file_identity
 from asterism.shape.shape import Shape
 from asterism.sweeps.quantities import table_values
 
-# largest size of a picture
-SMALL_WIDTH_PX = 320
-SMALL_HEIGHT_PX = 240
-WEBP_QUALITY = 85
-
 
 @dataclass(frozen=True)
 class SmallPicture:
@@ -71,23 +66,20 @@ def small_picture(shape: Shape) -> SmallPicture:
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     view = camera(*OBLIQUE, (low + high) / 2, VIEWER_DISTANCE * float(np.linalg.norm(high - low)))
     size = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
-    scale = float((np.array([SMALL_WIDTH_PX, SMALL_HEIGHT_PX]) / size).min())
+    scale = float((np.array([320, 240]) / size).min())  # at most so many pixels
     pixels = np.clip(np.flipud(render(thing, view, scale)), 0.0, 1.0)
     image = Image.fromarray(np.rint(255.0 * pixels).astype(np.uint8))
     out = BytesIO()
-    image.save(out, "WEBP", quality=WEBP_QUALITY)
+    image.save(out, "WEBP", quality=85)
     return SmallPicture(b64encode(out.getvalue()).decode(), image.width, image.height, scale)
-
-
-# all that computes a row of a sweep or its picture
-_ENGINES = (discrete, equilibrium, fem, homogenize, pattern)
-_ROOMS = (draw, exact, previews, process, results, shape, sweeps, verification)
 
 
 @functools.cache
 def sweep_code_version() -> str:
     """Hash of all code that computes a row of a sweep or its picture."""
-    return sources_hash({package: ("**/*.py",) for package in (*_ENGINES, *_ROOMS)})
+    engines = (discrete, equilibrium, fem, homogenize, pattern)
+    rooms = (draw, exact, previews, process, results, shape, sweeps, verification)
+    return sources_hash({package: ("**/*.py",) for package in (*engines, *rooms)})
 
 
 def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, code: str) -> Outcome:

@@ -17,8 +17,6 @@ from asterism.sweeps.quantities import quantities
 from asterism.sweeps.sweep import Sweep
 
 SWEEP_PAGE = "sweep.html"
-SWEEP_TABLE = "sweep.csv"
-_SCRIPTS = ("data.js", "plot.js", "cards.js", "main.js")
 
 
 def write_sweep(sweep: Sweep, directory: str | Path) -> list[str]:
@@ -35,7 +33,7 @@ def write_sweep(sweep: Sweep, directory: str | Path) -> list[str]:
     """
     check_type(sweep, Sweep, "sweep makes one")
     with staged_result(directory) as folder:
-        (folder / SWEEP_TABLE).write_text(sweep_csv(sweep), encoding="utf-8", newline="\n")
+        (folder / "sweep.csv").write_text(sweep_csv(sweep), encoding="utf-8", newline="\n")
         (folder / SWEEP_PAGE).write_text(sweep_page(sweep), encoding="utf-8")
         (folder / SUMMARY_FILE).write_text(sweep.summary.json_text(), encoding="utf-8")
         return sorted(file.name for file in folder.iterdir())
@@ -72,7 +70,8 @@ def sweep_page(sweep: Sweep) -> str:
     # a text in the data must not end the script
     text = json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     style, body, *scripts = (
-        (page / name).read_text(encoding="utf-8") for name in ("sweep.css", "sweep.html", *_SCRIPTS)
+        (page / name).read_text(encoding="utf-8")
+        for name in ("sweep.css", "sweep.html", "data.js", "plot.js", "cards.js", "main.js")
     )
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'

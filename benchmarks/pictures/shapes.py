@@ -30,7 +30,7 @@ from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.write import write_export
 from asterism.reports.html import png
-from asterism.reports.views import comparison_views
+from asterism.reports.plots import comparison_views
 from asterism.results.files import write_file
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape

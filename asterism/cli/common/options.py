@@ -1,27 +1,22 @@
-"""Arguments and options of several commands."""
+"""Arguments and options of several commands, and what they stand for."""
 
 from __future__ import annotations
 
 import re
-from enum import StrEnum
+from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from asterism.cli.common.mistake import Mistake
+from asterism.cli.common.errors import Mistake
+
+if TYPE_CHECKING:
+    from asterism.pattern.design.design import Design
 
 
-class FileUnit(StrEnum):
-    """Units of the numbers in a file, as `asterism.measure.compare.units.MM`."""
-
-    mm = "mm"
-    cm = "cm"
-    m = "m"
-    inches = "in"
-    um = "um"
-
-
+# units of the numbers in a file, as `asterism.measure.compare.units.MM`
+FileUnit = Literal["mm", "cm", "m", "in", "um"]
 DesignFile = Annotated[Path, typer.Argument(help="Design file (.toml or .json).")]
 MaterialFile = Annotated[
     Path | None,
@@ -32,6 +27,8 @@ MaterialFile = Annotated[
 LawFile = Annotated[
     Path | None, typer.Option(help="File of the law (.npz; default: that of the design, or of the paper's material).")
 ]
+PrinterName = Annotated[str, typer.Option(help="Name of a printer (see asterism printers), or its file.")]
+PlasticName = Annotated[str, typer.Option(help="Name of a plastic, or its file.")]
 Processes = Annotated[
     int | None, typer.Option("--jobs", min=1, max=1000, help="Number of processes (default: one per core).")
 ]
@@ -73,3 +70,74 @@ def nonempty_path(text: str) -> Path:
     if not str(text):
         raise typer.BadParameter("must not be empty")
     return Path(text)
+
+
+def check_workers(jobs: int | None, dask: str | None) -> None:
+    """Refuse --jobs beside --dask."""
+    if jobs is not None and dask is not None:
+        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+
+
+def check_law_name(path: Path) -> None:
+    """Refuse a file of another kind as the place of a law."""
+    if path.suffix != ".npz":
+        raise Mistake(f"--output: {str(path)!r} must end with .npz")
+
+
+def results_folder(design: Path, output: Path | None, default: Path, *names: str) -> Path:
+    """The folder given by the user, or the default one.
+
+    Parameters
+    ----------
+    names : of the files that the command can write there; without one, summary.json and those that stand beside it.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written to, holds files of another origin, or the results would replace the design.
+    """
+    from asterism.results.files import SUMMARY_FILE, OutputError, check_writable
+
+    directory = output or default
+    for name in names or (SUMMARY_FILE,):
+        with suppress(OSError):  # of a file that is not there
+            if (directory / name).samefile(design):
+                raise OutputError(
+                    f"--output: {str(directory)!r} is where {design.name} is and stays; choose another name"
+                )
+    check_writable(directory, *names)
+    return directory
+
+
+def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Design:
+    """The design with the entries given on the command line.
+
+    Parameters
+    ----------
+    options : for each option its name, the dotted field of the design, and the value; None for no change.
+
+    Raises
+    ------
+    DesignError
+        A value is not allowed; the message names the option.
+    """
+    from asterism.pattern.design.design import Design
+    from asterism.pattern.design.errors import DesignError
+    from asterism.pattern.layout.print_layout import print_layout
+
+    data = design.to_dict()
+    given = {option: entry for option, entry in options.items() if entry[1] is not None}
+    for field, value in given.values():
+        section, key = field.split(".")
+        data.setdefault(section, {})[key] = value
+    if not given:
+        return design
+    try:
+        new = Design.from_dict(data)
+        print_layout(new)
+    except DesignError as error:
+        for option, (field, _) in given.items():
+            if field == error.field:
+                raise DesignError(option, error.allowed, error.value) from None
+        raise
+    return new

@@ -1,4 +1,4 @@
-"""The skeleton of every command: common options, progress, table, warnings, exit status."""
+"""The skeleton of every command: common options, consent, progress, table, warnings, exit status."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import functools
 import gc
 import inspect
 import io
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 
 import typer
 
-from asterism.cli.common.design_errors import with_design_file
+from asterism.cli.common.errors import Interrupted, Mistake
 from asterism.cli.common.progress import Progress
 from asterism.equilibrium.errors import Error
 
@@ -90,12 +91,22 @@ class Run:
         Mistake
             It costs much, and neither --yes nor a terminal gives consent.
         """
-        from asterism.cli.common.consent import ask, is_large
-
-        if is_large(cost) and not self.yes:
+        # larger computations need --yes, or an answer on the terminal
+        if (cost.seconds > 300.0 or cost.memory_mb > 4000.0) and not self.yes:
             with self.progress.paused():
-                ask(cost)
+                _ask(cost)
         self.say(f"about {cost.in_words()}")
+
+    @contextmanager
+    def resumable(self, folder: Path, what: str) -> Iterator[None]:
+        """Say where finished parts are, if the block is interrupted and they are kept in a folder."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            if not folder.exists():
+                raise
+            where = f"finished {what} are in {folder}, and the same command continues from there"
+            raise Interrupted(f"interrupted; {where}") from None
 
     def say(self, text: str) -> None:
         """Print a line of progress."""
@@ -160,3 +171,41 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     run_command.__signature__ = signature.replace(parameters=parameters, return_annotation=int)  # type: ignore[attr-defined]
     run_command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters} | {"return": int}
     return run_command
+
+
+def _ask(cost: Cost) -> None:
+    """Ask on the terminal whether to begin.
+
+    Raises
+    ------
+    Mistake
+        There is no terminal; the message names the option that consents.
+    typer.Abort
+        The answer is no.
+    """
+    question = f"takes about {cost.in_words()}"
+    if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
+        raise Mistake(f"{question}: use --yes to compute it, or {cost.cheaper}")
+    typer.confirm(f"{question}: compute it?", abort=True, err=True)
+
+
+def with_design_file(error: Error, file: Path) -> Error:
+    """The error after the name of the file, if it is about a field of a design and names no file.
+
+    >>> from asterism.homogenize.errors import LawError
+    >>> print(with_design_file(LawError("rods.motif: is missing", field="rods.motif"), Path("leaf.toml")))
+    leaf.toml: rods.motif: is missing
+    >>> print(with_design_file(Error("--law: is for a new preview"), Path("leaf.toml")))
+    --law: is for a new preview
+    """
+    from asterism.homogenize.errors import LawError
+    from asterism.pattern.design.design import Design
+    from asterism.pattern.design.errors import DesignError
+
+    field = error.field if isinstance(error, DesignError | LawError) else ""
+    if re.split(r"\W", field, maxsplit=1)[0] not in Design.model_fields or not str(error).startswith(field):
+        return error
+    if isinstance(error, DesignError):
+        return error.within(file)
+    assert isinstance(error, LawError)
+    return type(error)(f"{file}: {error}", error.stars, error.place_mm, error.field)

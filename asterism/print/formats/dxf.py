@@ -16,10 +16,6 @@ from asterism.pattern.design.file_lines import DXF_NEEDED
 from asterism.print.drawing import Circle, Drawing, Polyline
 from asterism.print.formats.registry import export_format
 
-# height of capitals over the size of the font: DXF gives the height of capitals
-_CAPITAL_HEIGHT = 0.72
-# brightness below which a colour becomes the foreground colour
-_MAX_DARK_BRIGHTNESS = 0.3
 # the option for fixed dates belongs to the whole process
 _DATES_LOCK = threading.Lock()
 
@@ -73,7 +69,8 @@ def _write(path: Path, drawing: Drawing) -> None:
     for layer in drawing.layers:
         entry = document.layers.add(layer.name)
         colour = colors.RGB.from_hex(layer.colour)
-        if colour.luminance < _MAX_DARK_BRIGHTNESS:
+        # brightness below which a colour becomes the foreground colour
+        if colour.luminance < 0.3:
             # the foreground colour, which is white on a black background
             entry.color = 7
         else:
@@ -93,7 +90,8 @@ def _write(path: Path, drawing: Drawing) -> None:
         elif isinstance(item, Circle):
             space.add_circle(tuple(item.centre), item.radius_mm, dxfattribs=on)
         else:
-            text = space.add_text(item.text, height=_CAPITAL_HEIGHT * item.size_mm, dxfattribs=on)
+            # height of capitals over the size of the font: DXF gives the height of capitals
+            text = space.add_text(item.text, height=0.72 * item.size_mm, dxfattribs=on)
             text.set_placement((float(item.at[0]), float(item.at[1])), align=ends[item.end])
     # ezdxf adds the used classes in an order that changes from run to run
     for name in sorted(document.entitydb.dxf_types_in_use()):

@@ -23,7 +23,6 @@ _POINTS_BUFFER = 34962
 _INDEX_BUFFER = 34963
 # turns z upwards to y, and converts mm to metres
 _TO_METRES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) * 1e-3
-_CREAM = [0.96, 0.90, 0.78, 1.0]
 
 
 @export_format("GLB", ".glb", "shape")
@@ -46,7 +45,7 @@ def write_glb(path: Path, shape: Shape, name: str) -> None:
         {"bufferView": 2, "componentType": _UNSIGNED_CODE, "count": shape.triangles.size, "type": "SCALAR"},
     ]
     surface = {"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "material": 0}
-    matte = {"baseColorFactor": _CREAM, "metallicFactor": 0.0, "roughnessFactor": 0.9}
+    matte = {"baseColorFactor": [0.96, 0.90, 0.78, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9}
     scene = {
         "asset": {"version": "2.0", "generator": f"asterism {__version__}"},
         "scene": 0,

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from asterism.pattern.design.errors import one_line
 from asterism.print.formats.registry import export_format
-from asterism.print.formats.rod_table import ROD_HEADING, rod_table
-from asterism.print.formats.star_table import HEADING, star_table
+from asterism.print.formats.script_tables import HEADING, ROD_HEADING, rod_table, star_table
 from asterism.print.job import Job
 
 _STAR_FUNCTIONS = """

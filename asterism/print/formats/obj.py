@@ -15,9 +15,6 @@ from asterism.print.formats.registry import export_format
 from asterism.print.needles import NEEDLE_SPACING_MM, needles
 from asterism.shape.shape import Shape
 
-# needles end so far below the lowest point of the sheet
-NEEDLE_TAIL_MM = 5.0
-
 
 @export_format("OBJ", ".obj", "shape")
 def write_shape_obj(path: Path, shape: Shape, name: str) -> None:
@@ -49,5 +46,6 @@ def needle_ends(shape: Shape) -> Floats:
     printed = np.array([needle.printed for needle in needles(plan, NEEDLE_SPACING_MM)])
     upper = shape.at(printed, off_sheet_mm(plan, len(shape.printed)))
     lower = upper.copy()
-    lower[:, 2] = shape.positions[:, 2].min() - NEEDLE_TAIL_MM
+    # needles end so far below the lowest point of the sheet
+    lower[:, 2] = shape.positions[:, 2].min() - 5.0
     return np.stack([upper, lower], axis=1)

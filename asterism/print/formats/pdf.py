@@ -19,13 +19,10 @@ from matplotlib.transforms import Affine2D, Transform
 
 from asterism.draw.fonts import families, printable
 from asterism.equilibrium.arrays import Floats
-from asterism.print.drawing import Circle, Drawing, Label, Polyline
+from asterism.print.drawing import NEEDLES, Circle, Drawing, Label, Polyline
 from asterism.print.formats.registry import export_format
-from asterism.print.layers import NEEDLES
 
 _MM_PER_INCH = 25.4
-# width of the white line around a number
-_HALO_MM = 1.0
 _POINTS_PER_MM = 72 / _MM_PER_INCH
 
 
@@ -89,7 +86,8 @@ def _ring(points: Floats, turn: int) -> Outline:
 
 def _write_text(figure: Figure, item: Label, to_page: Transform) -> None:
     # a number may stand on an arm: first a white line around it, then the text, so that a search finds it
-    halo = [Stroke(linewidth=_HALO_MM * _POINTS_PER_MM, foreground="white")]
+    # width of the white line around a number
+    halo = [Stroke(linewidth=1.0 * _POINTS_PER_MM, foreground="white")]
     for effects in [halo, None] if item.layer is NEEDLES else [None]:
         figure.text(
             float(item.at[0]),

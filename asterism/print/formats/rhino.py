@@ -15,16 +15,12 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rhino_model import RHINO_NEEDED
 from asterism.pattern.geometry.planar import dense_outline
 from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.print.drawing import CUT, NEEDLES, STARS
 from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
-from asterism.print.layers import CUT, NEEDLES, STARS
 from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.shape.shape import Shape
 
-# version of the file: Rhino 7 and later read it
-RHINO_VERSION = 7
-# colours of layers that the sheets do not have
-SHEET_COLOUR = "#e6dcc4"
 DRILLING_COLOUR = "#0a7d32"
 
 
@@ -72,7 +68,7 @@ def _print(model: _Model, job: Job) -> None:
 
 
 def _space(model: _Model, job: Job, shape: Shape) -> None:
-    model.mesh("space::sheet", SHEET_COLOUR, shape.positions, shape.triangles, job.design.name)
+    model.mesh("space::sheet", "#e6dcc4", shape.positions, shape.triangles, job.design.name)
     for rod in shape.rods:
         model.polyline("space::arms", STARS.colour, shape.positions[rod])
     off = off_sheet_mm(job.plan, len(shape.printed))
@@ -129,7 +125,8 @@ class _Model:
         self._file.Objects.AddMesh(mesh, self._on(layer, colour, name))
 
     def write(self, path: Path) -> None:
-        if not self._file.Write(str(path), RHINO_VERSION):
+        # version of the file: Rhino 7 and later read it
+        if not self._file.Write(str(path), 7):
             raise OSError(f"rhino3dm cannot write {path.name}")
 
     def _on(self, layer: str, colour: str, name: str) -> Any:

@@ -16,7 +16,6 @@ from asterism.print.formats.registry import export_format
 
 _SVG = "http://www.w3.org/2000/svg"
 _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
-_ANCHOR = {"left": "start", "middle": "middle"}
 
 
 @export_format("SVG", ".svg", "drawing")
@@ -72,7 +71,7 @@ def _draw(group: xml.Element, item: Polyline | Circle | Label, corner: Floats) -
         text.set("font-size", _number(item.size_mm))
         text.set("font-family", "monospace" if item.fixed_pitch else "sans-serif")
         text.set("font-weight", "bold" if item.bold else "normal")
-        text.set("text-anchor", _ANCHOR[item.end])
+        text.set("text-anchor", {"left": "start", "middle": "middle"}[item.end])
         text.text = item.text
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import asterism
 from asterism.notebook.live_sheet import LiveSheet, Traits, shape_traits
-from asterism.notebook.module_text import widget_module
+from asterism.notebook.widget import widget_module
 
 ADDRESS = "http://127.0.0.1:9/"
 VIEWPORT = {"width": 900, "height": 700}

@@ -12,9 +12,9 @@ from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design
-from asterism.print.printed_shape import shape_change
+from asterism.print.export import export, printed_shape, shape_change
 from tests.asterism.print.exported import ALWAYS, PINNED, SHAPE, Run, mistake
-from tests.asterism.print.jobs import design
+from tests.asterism.print.jobs import design, job
 
 
 @pytest.mark.usefixtures("blank_pictures")
@@ -156,3 +156,16 @@ def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
     result = run("export", "d.toml", "-o", "out", "--preview", "--law", str(PAPER_LAW))
     assert result.status == 0, result.err
     assert "none.npz" in mistake(run("export", "d.toml", "-o", "other", "--preview", "--law", "none.npz"))
+
+
+@pytest.mark.slow
+def test_the_exact_shape_of_a_print_has_both_starts_and_lists_both_minima(tmp_path: Path) -> None:
+    small = design(fabric={}, stars={"length_mm": 8.0}, border={"rings": 0}, pins=[], mesh={"edge_mm": 6.0})
+    shape, change = printed_shape(job(small), preview=False, simulate=True)
+    assert shape is not None and change is not None
+    (minimum,) = change.minima
+    assert minimum.start_names == ["release", "preview"] and minimum.energy_n_mm == shape.summary["energy_n_mm"]
+    two = change.changed(minima=[minimum, minimum.changed(distance_percent=7.5, start_names=["preview"])])
+    rounded = export(small, tmp_path).summary
+    assert "minimum 2" not in rounded.table()
+    assert rounded.changed(shape_change=two).table()["minimum 2"].endswith("7.5 % away, from preview")

@@ -15,14 +15,12 @@ from asterism.print import instructions, sheets
 from asterism.print.drawing import Circle, Drawing, Label
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge, needles_through_arms
-from asterism.print.print_cost import print_cost
 from asterism.print.rounded import tiny_pieces
 from tests.asterism.print.jobs import design, job
 
 
 def chapters(one: Job) -> tuple[instructions.Chapter, ...]:
-    cost = print_cost([one.pattern], one.printer, one.rounding, one.plastic)
-    return instructions.chapters(one, cost, tiny_pieces(one.plan, one.plastic.tiny_arm_mm))
+    return instructions.chapters(one, tiny_pieces(one.plan, one.plastic.tiny_arm_mm))
 
 
 def said(one: Job) -> str:

@@ -14,9 +14,9 @@ from asterism.pattern import gallery
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
-from asterism.print.arm_pieces import height_steps
 from asterism.print.formats.needle_table import write_needle_table
-from asterism.print.print_cost import print_cost
+from asterism.print.job import print_cost
+from asterism.print.pieces import height_steps
 from asterism.print.profiles import load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_pieces
 from tests.asterism.print.jobs import design, job

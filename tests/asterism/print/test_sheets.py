@@ -246,7 +246,7 @@ from pathlib import Path
 from asterism.print.formats.dxf import write_dxf
 from asterism.print.formats.pdf import write_pdf
 from asterism.print.drawing import Drawing, Label, rectangle
-from asterism.print.layers import CUT, TEXT
+from asterism.print.drawing import CUT, TEXT
 items = (rectangle(CUT, (10.0, 10.0)), Label(TEXT, np.zeros(2), "Kuppel"))
 drawing = Drawing("a", np.full(2, -9.0), np.full(2, 9.0), items)
 write_dxf(Path(sys.argv[1]) / "a.dxf", drawing)

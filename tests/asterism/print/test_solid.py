@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
-from asterism.print.arm_pieces import arm_pieces
 from asterism.print.formats.stl import write_stl
-from asterism.print.plastic_regions import border_terrace, plastic_terraces
+from asterism.print.pieces import arm_pieces, border_terrace, plastic_terraces
 from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
 from tests.asterism.print.jobs import design, job
 

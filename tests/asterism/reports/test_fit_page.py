@@ -21,9 +21,8 @@ from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.default_law import paper_law
 from asterism.previews.run import preview
-from asterism.reports.fit_page import fit_page
+from asterism.reports.fit_page import fit_page, remainder
 from asterism.reports.fit_plots import star_contractions
-from asterism.reports.fit_remainder import remainder
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from tests.asterism.fitting.surfaces import spherical_cap
 from tests.asterism.verification.browser import lacks_browser, opened

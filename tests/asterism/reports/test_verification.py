@@ -17,8 +17,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.previews.run import preview
 from asterism.process.version import __version__
-from asterism.reports.verification_files import write_verification
-from asterism.reports.verification_page import verification_page
+from asterism.reports.verification_page import verification_page, write_verification
 from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.vtu import write_shape_vtu
@@ -54,6 +53,12 @@ def folder(found, tmp_path_factory) -> Path:
         *("exact.obj", "exact.vtu", "preview.obj", "preview.vtu", "report.html", "summary.json")
     ]
     return out
+
+
+@pytest.fixture(autouse=True)
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages that a test makes itself have no pictures, which take seconds; that in `folder` is made before."""
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])
 
 
 @pytest.mark.slow
@@ -122,17 +127,15 @@ def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, fold
 
 
 @pytest.mark.usefixtures("blank_pictures")
-def test_it_takes_the_place_of_another_result(found, tmp_path, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+def test_it_takes_the_place_of_another_result(found, tmp_path):
     write_results(found.exact["release"], tmp_path)
     files = write_verification(found, tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == files
     assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
 
 
-def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path, monkeypatch):
+def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path):
     """As Python gives them to commands."""
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     odd = replace(found, summary=found.summary | {"command": "asterism verify d\udce9.toml"})
     write_verification(odd, tmp_path)
     assert "asterism verify d\\udce9.toml" in (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -167,13 +170,12 @@ def test_page_says_what_counts(found, folder):
     )
 
 
-def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
+def test_page_says_what_it_was_made_from(found, folder):
     text = (folder / "report.html").read_text(encoding="utf-8").split("Other inputs")[1]
     exact = found.summary["exact"]
     assert "asterism verify &lt;stars&gt;.toml --edge 2.5" in text and f"<td>{__version__}</td>" in text
     assert f"edges of 2.5 mm, {exact['triangles']} triangles" in text and f"solver {exact['backend']}" in text
     assert "<td>law</td>" not in text  # the stand-in has none
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     law = replace(plain_law(), made={"command": "asterism calibrate my.toml"})
     made = preview(OF, law).summary
     text = verification_page(replace(found, summary=found.summary | {"preview": made, "command": None})).split(
@@ -184,13 +186,12 @@ def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
     assert f"{made['shell_triangles']} triangles, side auto" in text and "<td>command</td>" not in text
 
 
-def test_page_says_that_the_form_is_another_one(found, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+def test_page_says_that_the_form_is_another_one(found):
     text = verification_page(replace(found, summary=found.summary | {"same_branch": False}))
     assert 'The preview shows <span class="bad">another form</span> than the exact model, ' in text
 
 
-def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
+def test_a_start_without_a_minimum_is_no_other_form(found):
     """However near to the preview it has stopped."""
     result = found.exact[found.result]
     stopped = replace(result, summary=result.summary | {"is_minimum": False})
@@ -201,11 +202,10 @@ def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
     assert one.summary["same_branch"] and not one.summary["starts_agree"]
     lines = "\n".join((one.summary | {"expected_height_percent": None}).table().values())
     assert "one start in a minimum" in lines and "two minima" not in lines
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     assert "has not reached a certified minimum. The other one is the result" in verification_page(one)
 
 
-def test_the_distance_to_each_of_two_minima_is_stated(found, monkeypatch):
+def test_the_distance_to_each_of_two_minima_is_stated(found):
     result = found.exact[found.result]
     higher = result.summary | {"energy_n_mm": 1.02 * result.summary["energy_n_mm"]}
     second = replace(result, positions=result.positions * [1.0, 1.0, 1.5], summary=higher)
@@ -214,12 +214,11 @@ def test_the_distance_to_each_of_two_minima_is_stated(found, monkeypatch):
     assert first == two["rms_percent"] < other
     row = two.table()["exact model"]
     assert f"; the preview is {first:.2g} % from the released one, {other:.2g} % from the other one; " in row
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     page = verification_page(replace(found, summary=two))
     assert f"{other:.2g} % from the one started from the preview" in page
 
 
-def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):
+def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found):
     """However far from it the exact model stopped."""
     failed = found.exact["release"]
     failed = replace(failed, positions=3.0 * failed.positions, summary=failed.summary | {"is_minimum": False})
@@ -229,15 +228,13 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     assert lost.summary["warnings"] == [*bold.summary["warnings"], "the exact shape is not certified to be a minimum"]
     lines = "\n".join((lost.summary | {"expected_height_percent": None}).table().values())
     assert "not known: no certified exact shape" in lines and "no minimum; " in lines
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     text = verification_page(lost)
     assert "not found a certified equilibrium" in text and "The preview shows" not in text
     assert '<div class="tile">' not in text and "Neither start has reached a certified minimum" in text
 
 
-def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch):
+def test_page_says_that_another_minimum_is_nearer_and_as_low(found):
     """Energies move by more from mesh to mesh."""
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     s = found.summary
     other = "preview" if s["result_from"] == "release" else "release"
     energy = s["exact"]["energy_n_mm"]
@@ -254,16 +251,14 @@ def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch)
     assert not told(0.02, 3.29, False) and not told(5e-5, 12.0, False) and not told(5e-5, 3.29, True)
 
 
-def test_a_long_entry_of_the_design_is_cut_on_the_page(found, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+def test_a_long_entry_of_the_design_is_cut_on_the_page(found):
     corners = [[float(k), 0.25] for k in range(500)]
     design = found.summary["design"] | {"border": {"polygon_mm": corners}}
     text = verification_page(replace(found, summary=found.summary | {"design": design}))
     assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and "characters: summary.json)" in text
 
 
-def test_what_is_slower_is_not_called_faster(found, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+def test_what_is_slower_is_not_called_faster(found):
     quick, slow = (
         verification_page(replace(found, summary=found.summary | {"speedup": ratio})) for ratio in (27.3, 0.42)
     )
@@ -271,9 +266,8 @@ def test_what_is_slower_is_not_called_faster(found, monkeypatch):
     assert "<b>0.42 ×</b><span>as fast as the exact model</span>" in slow
 
 
-def test_heights_of_nothing_are_no_percent(found, monkeypatch):
+def test_heights_of_nothing_are_no_percent(found):
     """A preview of 0.001 mm that expects to be 0.4 mm off."""
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     flat = {"heights_mm": [0.03, 0.001], "height_error_percent": -96.7, "expected_height_percent": 40000.0}
     s = found.summary | flat
     text = verification_page(replace(found, summary=s))
@@ -282,9 +276,8 @@ def test_heights_of_nothing_are_no_percent(found, monkeypatch):
     assert "height 0.4 mm" in "\n".join((s | {"expected_rms_percent": 0.6}).table().values())
 
 
-def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch):
+def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found):
     """The warning of the preview names its own."""
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     preview = found.summary["preview"] | {"roll_axis_deg": 90.0}
     for axis, told in ((30.0, True), (90.0, False)):
         s = found.summary | {"preview": preview, "roll_axes_deg": [axis, axis]}
@@ -299,8 +292,7 @@ def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch)
         (None, None, "<b>unknown</b><span>mesh error of the exact model: only one mesh was solved</span>"),
     ],
 )
-def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+def test_page_says_what_is_known_of_the_mesh(found, error, change, tile):
     known = {"mesh_error_percent": error, "mesh_change_percent": change}
     assert tile in verification_page(replace(found, summary=found.summary | known))
 

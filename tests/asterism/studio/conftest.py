@@ -14,8 +14,7 @@ from starlette.testclient import TestClient
 
 from asterism.pattern import gallery
 from asterism.studio import frames
-from asterism.studio.engine_orders import Edit
-from asterism.studio.messages import Frame, Limits, ShapeSummary, ShownMesh
+from asterism.studio.messages import Edit, Frame, Limits, ShapeSummary, ShownMesh
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
 

@@ -8,9 +8,8 @@ from typing import Any
 
 import asterism
 from asterism.studio.engine import Engine
-from asterism.studio.engine_orders import Stop
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Frame, ShapeSummary, StudioProblem
+from asterism.studio.messages import Frame, ShapeSummary, Stop, StudioProblem
 
 PATIENCE_S = 120.0
 

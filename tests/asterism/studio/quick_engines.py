@@ -10,9 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from asterism.studio.engine_orders import Edit, Surface
-from asterism.studio.job_messages import Fitted, JobProgress, Verified, Written
-from asterism.studio.messages import Frame, Ready, ShownMesh, StudioProblem
+from asterism.studio.messages import (
+    Edit,
+    Fitted,
+    Frame,
+    JobProgress,
+    Ready,
+    ShownMesh,
+    StudioProblem,
+    Surface,
+    Verified,
+    Written,
+)
 from asterism.studio.weights import SheetWeights
 
 # variable of the environment with the file that a fit, or a verification, waits for

@@ -17,7 +17,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.files import read_table
 from asterism.pattern.layout.load_design import load_design
 from asterism.studio.autosave import autosave_path
-from asterism.studio.design_text import edited_text
+from asterism.studio.design_file import edited_text
 from asterism.studio.document import Document
 from asterism.studio.examples import design_files, free_name
 

@@ -9,8 +9,7 @@ import pytest
 
 import asterism
 from asterism.pattern.layout.build import layout
-from asterism.studio.engine_orders import Edit
-from asterism.studio.messages import Busy, Frame, Limits, ShownMesh
+from asterism.studio.messages import Busy, Edit, Frame, Limits, ShownMesh
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.engine_orders import Cancel, Edit, Flip, ShowForm
-from asterism.studio.messages import Frame, ShapeSummary, StudioProblem
+from asterism.studio.messages import Cancel, Edit, Flip, Frame, ShapeSummary, ShowForm, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 

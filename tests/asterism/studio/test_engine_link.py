@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from asterism.studio.engine_link import MAX_DEATHS, EngineLink
-from asterism.studio.engine_orders import Edit, Flip
-from asterism.studio.messages import Busy, Frame, ShownMesh, StudioProblem
+from asterism.studio.messages import Busy, Edit, Flip, Frame, ShownMesh, StudioProblem
 from tests.event_loop import run_coroutine
 
 QUICK = "tests.asterism.studio.quick_engines:serve"

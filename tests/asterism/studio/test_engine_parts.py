@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.engine_orders import Edit, FitTarget, Parts, Surface
-from asterism.studio.messages import Frame, ShownMesh, TargetPose
+from asterism.studio.messages import Edit, FitTarget, Frame, Parts, ShownMesh, Surface, TargetPose
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 

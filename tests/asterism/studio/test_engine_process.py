@@ -10,9 +10,8 @@ import pytest
 
 import asterism
 from asterism.pattern.layout.build import layout
-from asterism.studio.engine_orders import Edit, Flip, ShowForm, Stop
-from asterism.studio.engine_process import run_engine
-from asterism.studio.messages import Frame, Ready, ShapeSummary, StudioProblem
+from asterism.studio.engine import run_engine
+from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Stop, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe
 
 START_S = 180.0

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from asterism.studio import job_requests
-from asterism.studio.engine_orders import FitTarget
+from asterism.studio import jobs
+from asterism.studio.messages import FitTarget
 from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page
@@ -20,7 +20,7 @@ from tests.asterism.studio.test_target import send_roof
 
 @pytest.fixture(autouse=True)
 def quick_fit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(job_requests, "FIT_PROCESS", "tests.asterism.studio.quick_engines:fit")
+    monkeypatch.setitem(jobs.PROCESSES, "fit", "tests.asterism.studio.quick_engines:fit")
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import queue
 from typing import Any
 
-from asterism.studio.engine_orders import Edit, Stop
 from asterism.studio.inbox import Inbox, merged
+from asterism.studio.messages import Edit, Stop
 
 
 def waiting(*messages: Any) -> list[Any]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from asterism.studio import job_requests
+from asterism.studio import jobs
 from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
@@ -17,8 +17,8 @@ ROOM = "tests.asterism.studio.quick_engines"
 
 @pytest.fixture(autouse=True)
 def quick_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(job_requests, "VERIFICATION_PROCESS", f"{ROOM}:verify")
-    monkeypatch.setattr(job_requests, "EXPORT_PROCESS", f"{ROOM}:export")
+    monkeypatch.setitem(jobs.PROCESSES, "verify", f"{ROOM}:verify")
+    monkeypatch.setitem(jobs.PROCESSES, "export", f"{ROOM}:export")
 
 
 def name_it(page: Page, name: str) -> None:

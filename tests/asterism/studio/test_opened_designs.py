@@ -9,8 +9,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from asterism.pattern import gallery
-from asterism.studio import job_requests
-from asterism.studio.engine_orders import Edit, Parts
+from asterism.studio import jobs
+from asterism.studio.messages import Edit, Parts
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 from tests.asterism.studio.quick_engines import GATE
@@ -108,7 +108,7 @@ def test_target_and_kept_designs_go_with_their_design(client: TestClient, page: 
 def test_a_verification_of_another_design_is_told_and_not_shown(
     is_good: bool, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(job_requests, "VERIFICATION_PROCESS", "tests.asterism.studio.quick_engines:verify")
+    monkeypatch.setitem(jobs.PROCESSES, "verify", "tests.asterism.studio.quick_engines:verify")
     monkeypatch.setenv(GATE, str(tmp_path / "gate"))
     page.until("shape")
     if not is_good:

@@ -14,8 +14,7 @@ from asterism.pattern.design.sizing.profiles import LinearProfile, PictureProfil
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.studio.document import Document
 from asterism.studio.painted_field import STEP_MM, Brush, PaintedField
-from asterism.studio.request import RequestError
-from asterism.studio.requests import read_request
+from asterism.studio.requests import RequestError, read_request
 
 OUTLINE = np.array([[-20.0, -10.0], [30.0, -10.0], [30.0, 15.0], [-20.0, 15.0]])
 BRUSH = Brush("set", 8.0, 1.0, 0.9, 0.05, 5.0)

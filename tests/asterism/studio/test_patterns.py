@@ -12,15 +12,13 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
-from asterism.studio.engine_orders import Edit
-from asterism.studio.job_messages import Computed
-from asterism.studio.messages import NO_PREVIEW, Limits, ShownMesh
+from asterism.studio.job_processes import run_verification
+from asterism.studio.messages import NO_PREVIEW, Computed, Edit, Limits, ShownMesh
 from asterism.studio.page_data import document_data
-from asterism.studio.ribbon_stations import NO_SITE, ribbon_stations
-from asterism.studio.verifier import run_verification
+from asterism.studio.sheet_marks import NO_SITE, ribbon_stations
 from tests.asterism.previews.motifs.nets import net, net_law
 from tests.asterism.studio.engine_pipe import EnginePipe
-from tests.asterism.studio.test_verifier import Sent
+from tests.asterism.studio.test_job_processes import Sent
 
 CROSS = """# two lines
 [rods]

@@ -9,7 +9,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.layout.load_design import load_design
 from asterism.studio.examples import MAX_FILES
-from asterism.studio.local_files import shown_path
+from asterism.studio.file_names import shown_path
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page
 

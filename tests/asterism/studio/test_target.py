@@ -10,8 +10,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from asterism.studio import frames
-from asterism.studio.engine_orders import FitTarget, Parts
-from asterism.studio.messages import TargetPose
+from asterism.studio.messages import FitTarget, Parts, TargetPose
 from asterism.studio.studio import Studio
 from asterism.studio.target import TARGET
 from tests.asterism.fitting.test_load_target import nurbs_vault, rhino_file

@@ -9,10 +9,10 @@ import pytest
 from starlette.testclient import TestClient
 
 from asterism.fitting.target import TargetSurface
-from asterism.studio import job_requests
+from asterism.studio import jobs
 from asterism.studio.document import Document
-from asterism.studio.engine_orders import Edit
-from asterism.studio.request import RequestError
+from asterism.studio.messages import Edit
+from asterism.studio.requests import RequestError
 from asterism.studio.studio import Studio
 from asterism.studio.target import Target
 from asterism.studio.weights import SheetWeights, sheet_weights, weights_by_site
@@ -108,7 +108,7 @@ def test_each_place_of_the_target_has_the_weight_of_the_nearest_place_of_the_she
 def test_the_fit_gets_them_and_its_design_has_its_own(
     client: TestClient, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(job_requests, "FIT_PROCESS", "tests.asterism.studio.quick_engines:fit")
+    monkeypatch.setitem(jobs.PROCESSES, "fit", "tests.asterism.studio.quick_engines:fit")
     page.until("shape")
     send_roof(client)
     page.send(type="fit")

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from asterism.pattern import gallery
-from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, varied
+from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, grid, latin_hypercube, varied
 from asterism.sweeps.run import check_model, sweep_design, sweep_parameters
-from asterism.sweeps.sampling import grid, latin_hypercube
 
 
 @pytest.mark.parametrize(

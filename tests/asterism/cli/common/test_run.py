@@ -1,16 +1,21 @@
-"""The skeleton of a command: signs of life from its first second to its last, and none while it asks."""
+"""The skeleton of a command: signs of life from its first second to its last, none while it asks; names of files."""
 
 from __future__ import annotations
 
 import io
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
-from asterism.cli.common import consent, progress
-from asterism.cli.common.run import Run, command
+from asterism.cli.common import progress
+from asterism.cli.common.run import Run, command, with_design_file
+from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.pattern.design.errors import DesignError
+from tests.asterism.commands import command as run_asterism
 
 SIGN = "still computing"
 
@@ -65,7 +70,44 @@ def test_nothing_is_printed_while_the_user_is_asked(monkeypatch: pytest.MonkeyPa
         time.sleep(0.1)
         asked.append(run.progress._stream.getvalue()[len(before) :])  # type: ignore[attr-defined]
 
-    monkeypatch.setattr(consent, "ask", answer)
+    monkeypatch.setattr("asterism.cli.common.run._ask", answer)
     with run.progress:
         run.cost(Cost(400_000, 8000.0, 1200.0))
     assert asked == [""]
+
+
+FILE = Path("leaf.toml")
+DRAWN = "[rods]\n[[rods.draw]]\nline_mm = [[-20, 0], [20, 0]]\n[border]\nrectangle_mm = [60, 60]\n"
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (DesignError("border.holes", "must be empty"), "leaf.toml: border.holes: must be empty"),
+        (
+            DesignError("pins[2].points_mm", "must be on the sheet"),
+            "leaf.toml: pins[2].points_mm: must be on the sheet",
+        ),
+        (DesignError("--output", "holds other results"), "--output: holds other results"),
+        (LawError("fabric.bending: has no law", field="fabric.bending"), "leaf.toml: fabric.bending: has no law"),
+        (ForeignLaw("net.npz: is of stars", field="rods.motif"), "net.npz: is of stars"),
+        (Error("no cluster answers"), "no cluster answers"),
+    ],
+)
+def test_the_file_stands_before_fields_of_the_design(error: Error, message: str) -> None:
+    named = with_design_file(error, FILE)
+    assert str(named) == message and type(named) is type(error)
+
+
+@pytest.mark.parametrize("words", [["preview"], ["verify"], ["export", "--preview"]])
+def test_drawings_without_a_preview_are_refused_with_their_file(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    FILE.write_text(DRAWN)
+    refused = run_asterism([*words, str(FILE), "-q"], capsys, monkeypatch)
+    assert refused.status == 2 and list(tmp_path.iterdir()) == [tmp_path / FILE]
+    assert refused.err.splitlines()[-1] == (
+        "asterism: leaf.toml: rods.motif: is missing: lines that do not repeat have no law; use the exact model: "
+        "asterism simulate"
+    )

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from asterism.notebook.module_text import ENTRY, MARK, PACKAGE, module_text, widget_module
+from asterism.notebook.widget import ENTRY, MARK, PACKAGE, module_text, widget_module
 
 
 def sources(text: str) -> dict[str, str]:

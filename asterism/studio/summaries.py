@@ -9,8 +9,6 @@ from asterism.results.words import VISIBLE_SAG_MM
 from asterism.shape.shape import Shape
 from asterism.studio.messages import Form, Notice, ShapeSummary, sites_of
 
-WITHOUT_STARS = "the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"
-SHOWN_FORM = -1  # its index among the forms
 SUMMARY_KEYS = (
     "expected_rms_percent",
     "expected_height_percent",
@@ -42,7 +40,8 @@ def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
         for index, form in enumerate(preview.forms)
     ]
     if forms:
-        forms.insert(0, Form(SHOWN_FORM, preview.equilibrium.guess, 0.0, True))
+        # its index among the forms
+        forms.insert(0, Form(-1, preview.equilibrium.guess, 0.0, True))
     numbers = {key: shape.summary[key] for key in SUMMARY_KEYS}
     below = numbers["below_needles_mm"]
     numbers["below_needles_mm"] = below if below is not None and below > VISIBLE_SAG_MM else None
@@ -63,4 +62,8 @@ def printed_summary(seq: int) -> ShapeSummary:
 def blank_summary(seq: int) -> ShapeSummary:
     """The same of a sheet without stars."""
     numbers = {**dict.fromkeys(SUMMARY_KEYS), "height_mm": 0.0, "is_minimum": True, "stars": 0}
-    return ShapeSummary(seq, numbers, (Notice(WITHOUT_STARS),))
+    return ShapeSummary(
+        seq,
+        numbers,
+        (Notice("the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"),),
+    )

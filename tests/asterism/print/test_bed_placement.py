@@ -11,8 +11,8 @@ from asterism.pattern import gallery
 from asterism.pattern.design import user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.print import profiles
-from asterism.print.adjusted_printer import adjusted_printer
-from asterism.print.known_printers import frame_warning, size_warning
+from asterism.print.bed_placement import frame_warning, size_warning
+from asterism.print.profiles import adjusted_printer
 from tests.asterism.commands import command
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.stars import Site
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS
-
-# Painted sizes are kept to 0.1 micrometre: files stay readable.
-SIZE_DIGITS = 4
 
 
 def entries_by_site(table: Mapping[str, Any], layout: Layout) -> dict[Site, dict[str, Any]]:
@@ -54,25 +51,26 @@ def painted(
         for site, value in zip(sites, values, strict=True):
             entry = out.setdefault(site, {})
             if value is not None and not entry.get("remove"):
-                entry[key] = round(float(value), SIZE_DIGITS)
+                # Painted sizes are kept to 0.1 micrometre: files stay readable.
+                entry[key] = round(float(value), 4)
     return out
 
 
-def removed(entries: Mapping[Site, Mapping[str, Any]], sites: Iterable[Site]) -> dict[Site, dict[str, Any]]:
-    """The entries with the stars at these sites removed."""
-    return {**{site: dict(entry) for site, entry in entries.items()}, **{site: {"remove": True} for site in sites}}
+def changed(
+    entries: Mapping[Site, dict[str, Any]], sites: Iterable[Site], what: Literal["remove", "restore", "reset"]
+) -> dict[Site, dict[str, Any]]:
+    """The entries with the stars at these sites removed, with the removed ones back, or without entries of their own.
 
-
-def restored(entries: Mapping[Site, Mapping[str, Any]], sites: Iterable[Site]) -> dict[Site, dict[str, Any]]:
-    """The entries with the removed stars at these sites back, in the sizes of the design's profiles."""
-    back = set(sites)
-    return {site: dict(entry) for site, entry in entries.items() if not (site in back and entry.get("remove"))}
-
-
-def reset(entries: Mapping[Site, Mapping[str, Any]], sites: Iterable[Site]) -> dict[Site, dict[str, Any]]:
-    """The entries without those at these sites: sizes of the design's profiles."""
-    dropped = set(sites)
-    return {site: dict(entry) for site, entry in entries.items() if site not in dropped}
+    Stars without an entry have the sizes of the design's profiles.
+    """
+    chosen = set(sites)
+    if what == "remove":
+        return {**entries, **{site: {"remove": True} for site in sites}}
+    return {
+        site: entry
+        for site, entry in entries.items()
+        if site not in chosen or (what == "restore" and not entry.get("remove"))
+    }
 
 
 def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]:

@@ -1,11 +1,15 @@
-"""The stars as a table of numbers, for scripts of solid modellers."""
+"""Tables of the stars' arms and of the drawn rods, for scripts."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import partial
 
 from asterism.print.job import Job
+
+ROD_HEADING = "height, whether the beginning and the end are round, and the points of the middle line: x, y, width"
+
 
 HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin, end, width there and there, height"
 
@@ -40,3 +44,15 @@ def number(value: float) -> str:
     """Up to six digits after the point, as OpenSCAD and Lua read them."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
+
+
+def rod_table(job: Job, opening: str, closing: str) -> list[str]:
+    """A line for each piece of a drawn rod, in the printer's coordinates, with the brackets of a language."""
+    row = partial(bracketed, opening=opening, closing=closing)
+    lines = []
+    for piece in job.rods:
+        places = job.placement.points(piece.points) + job.printer.bed_centre_mm
+        points = [row([number(x), number(y), number(w)]) for (x, y), w in zip(places, piece.width, strict=True)]
+        ends = [number(float(is_round)) for is_round in piece.round_ends]
+        lines.append(f"  {row([number(piece.height_mm), *ends, row(points)])},")
+    return lines

@@ -29,7 +29,7 @@ def file_below(folder: Path, name: str) -> Path:
     '/designs/dome.toml'
     >>> file_below(Path("/designs"), "../dome.toml")
     Traceback (most recent call last):
-    asterism.studio.local_files.FileNameError: '../dome.toml' must be the name of a file below the design's folder
+    asterism.studio.file_names.FileNameError: '../dome.toml' must be the name of a file below the design's folder
     """
     if not isinstance(name, str) or not 0 < len(name) <= MAX_NAME_CHARACTERS or not name.isprintable():
         raise FileNameError("a file's name must be 1 to 200 printable characters")

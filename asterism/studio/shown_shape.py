@@ -9,15 +9,10 @@ from typing import Any
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.files import plain
 from asterism.studio import frames
-from asterism.studio.job_messages import Verified
-from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem
-from asterism.studio.packing import frame_parts, mesh_bytes
+from asterism.studio.frames import frame_parts, mesh_bytes
+from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem, Verified
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
-
-# meshes and forms that are kept; older ones are dropped
-MAX_MESHES = 6
-MAX_SNAPSHOTS = 50
 
 
 class Shown:
@@ -51,7 +46,7 @@ class Shown:
     def add_mesh(self, mesh: ShownMesh) -> None:
         """Keep a mesh for the tabs."""
         self.meshes[mesh.mesh] = mesh_bytes(mesh)
-        for old in list(self.meshes)[:-MAX_MESHES]:
+        for old in list(self.meshes)[:-6]:
             del self.meshes[old]
 
     def add_frame(self, frame: Frame, revision: int, tabs: Iterable[Tab]) -> None:
@@ -62,7 +57,7 @@ class Shown:
         self.numbers = {**self.numbers, "height_mm": float(frame.height_mm), "is_minimum": bool(frame.is_minimum)}
         if frame.snapshot is not None:
             self.snapshots[revision] = frame.snapshot
-            for old in list(self.snapshots)[:-MAX_SNAPSHOTS]:
+            for old in list(self.snapshots)[:-50]:
                 del self.snapshots[old]
         header, arrays = frame_parts(frame)
         self._last = (frame.mesh, {"revision": revision, **header}, arrays)

@@ -1,0 +1,238 @@
+"""The file of a document: its text after edits, a check before it is overwritten, and edits by other programs."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.files import read_table, table_text
+
+
+class DesignTexts:
+    """Texts by revision. Edits keep the comments of the last one.
+
+    Parameters
+    ----------
+    text : of the first state, or None.
+    is_on_disk : the file of the document holds it.
+
+    Attributes
+    ----------
+    on_disk : text that was last read from the document's file, or written to it; None without a file.
+    saved_revision : of the state that the file holds; -1 without one.
+
+    Examples
+    --------
+    >>> texts = DesignTexts('# mine\\nname = "star"\\n')
+    >>> texts.text(0, {"name": "star"}, Path("star.toml"))
+    '# mine\\nname = "star"\\n'
+    >>> texts.saved_revision
+    0
+    """
+
+    def __init__(self, text: str | None, is_on_disk: bool = True) -> None:
+        self._by_revision = {0: text} if text is not None else {}
+        self._last = text
+        self.on_disk = text if is_on_disk else None
+        self.saved_revision = 0 if self.on_disk is not None else -1
+
+    def text(self, revision: int, table: Mapping[str, Any], path: Path) -> str:
+        """The text of a state for a document at `path`: that of the file it was read from, byte for byte."""
+        return self._by_revision.get(revision) or self.edited(table, path, path)
+
+    def edited(self, table: Mapping[str, Any], path: Path, design_path: Path) -> str:
+        """The last text with the values of another table, as the text of a file at `path`."""
+        if self._last is None or path.suffix.lower() != ".toml" or design_path.suffix.lower() != ".toml":
+            return table_text(dict(table), path)
+        return edited_text(self._last, table)
+
+    def forget(self) -> None:
+        """Forget the texts of all states: they are in another format."""
+        self._by_revision.clear()
+
+    def keep(self, revision: int, text: str) -> None:
+        """The file holds this text of a state: it was read or written."""
+        self._last = self.on_disk = self._by_revision[revision] = text
+        for old in sorted(self._by_revision)[1:-20]:
+            del self._by_revision[old]
+        self.saved_revision = revision
+
+
+def file_text(path: Path) -> str:
+    """The text of a file with its line ends, so that it can be written back byte for byte."""
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        return stream.read()
+
+
+class FileWatch:
+    """Compares a file with what it held before.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "a.toml"
+    >>> watch = FileWatch(path)
+    >>> _ = path.write_text("x = 1")
+    >>> watch.changed_text(), watch.changed_text()
+    ('x = 1', None)
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._stamp: tuple[int, int] | None = None
+        self._text: str | None = None
+        self.changed_text()
+
+    def changed_text(self) -> str | None:
+        """The text of the file if it differs from the last time; None otherwise, and while the file cannot be read."""
+        try:
+            status = self._path.stat()
+            stamp = (status.st_mtime_ns, status.st_size)
+            if stamp == self._stamp:
+                return None
+            text = file_text(self._path)
+        except (OSError, ValueError):
+            return None
+        self._stamp = stamp
+        if text == self._text:
+            return None
+        self._text = text
+        return text
+
+
+class FileChangedError(Error):
+    """Another program has changed the file since the document read or wrote it; the message is one line."""
+
+
+class OtherFileError(Error):
+    """The file belongs to another design; the message is one line."""
+
+
+def check_unchanged(path: Path, known: str | None) -> None:
+    """Raise FileChangedError or OtherFileError if a file exists and its text is not the known one.
+
+    Parameters
+    ----------
+    known : text that was last read from the file or written to it; None if the file is none of the document's.
+    """
+    if not path.exists():
+        return
+    try:
+        text = file_text(path)
+    except ValueError:
+        text = None
+    except OSError:
+        return  # writing says what is wrong
+    if text is not None and text == known:
+        return
+    if known is None:
+        raise OtherFileError(f"{path.name} exists already and holds another design")
+    try:
+        Design.from_dict(read_table(path), path.parent)
+    except Error as error:
+        problem = str(error).removeprefix(f"{path}: ")
+        raise FileChangedError(f"{path.name} was changed by another program and has a mistake: {problem}") from None
+    raise FileChangedError(f"{path.name} was changed by another program")
+
+
+_HEADER = re.compile(r"^\s*\[{1,2}\s*([\w.-]+)\s*\]{1,2}\s*(#.*)?$")
+
+
+@dataclass
+class _Block:
+    """Lines of a file that belong together: one table, or all tables of one list.
+
+    Attributes
+    ----------
+    name : dotted header, as `stars.override`; empty for the lines before the first header.
+    comment, text : the lines of comments above the header, and the rest.
+    """
+
+    name: str
+    comment: str
+    text: str
+
+
+def edited_text(text: str, table: Mapping[str, Any]) -> str:
+    """The text of a table that was made from a file by edits.
+
+    Tables that hold the same as in the file keep their lines. A table that holds something else is written anew, under
+    the comment above its header. Lists of tables, as `[[pins]]`, count as one table.
+
+    Parameters
+    ----------
+    text : of the file in TOML.
+    table : what the new text must hold.
+
+    Examples
+    --------
+    >>> print(edited_text("# mine\\n[stars]\\nlength_mm = 9.0 # long\\n\\n[border]\\nrings = 2 # small\\n",
+    ...                   {"stars": {"length_mm": 9.0}, "border": {"rings": 3}}))
+    # mine
+    [stars]
+    length_mm = 9.0 # long
+    <BLANKLINE>
+    [border]
+    rings = 3
+    <BLANKLINE>
+    """
+    whole = table_text(dict(table), Path("design.toml"))
+    try:
+        old, new = _blocks(text), _blocks(whole)
+        kept = "".join(_merged(old, new))
+        return kept if tomllib.loads(kept) == tomllib.loads(whole) else whole
+    except ValueError:
+        return whole
+
+
+def _blocks(text: str) -> dict[str, _Block]:
+    """The blocks of a text by name, in their order; tables of one list need not stand together."""
+    blocks = {"": _Block("", "", "")}
+    block, waiting = blocks[""], ""
+    for line in text.splitlines(keepends=True):
+        header = _HEADER.match(line)
+        if header:
+            name = header[1]
+            if name in blocks:
+                block = blocks[name]
+                block.text += waiting + line
+            else:
+                block = blocks[name] = _Block(name, waiting, line)
+            waiting = ""
+        elif not line.strip() or line.lstrip().startswith("#"):
+            waiting += line  # belongs to the header that follows, if one follows
+        else:
+            block.text += waiting + line
+            waiting = ""
+    block.text += waiting
+    return blocks
+
+
+def _merged(old: dict[str, _Block], new: dict[str, _Block]) -> list[str]:
+    """The old blocks where they hold the same as the new ones, else the new ones in the place of the old."""
+    order = [name for name in old if name in new or not name]
+    for name in new:
+        if name not in order:
+            relatives = [k for k, other in enumerate(order) if other.split(".")[0] == name.split(".")[0]]
+            order.insert(relatives[-1] + 1 if relatives else len(order), name)
+    parts: list[str] = []
+    for name in order:
+        before, after = old.get(name), new.get(name, _Block(name, "", ""))
+        if before is None:
+            part = after.comment + after.text
+        elif tomllib.loads(before.text) == tomllib.loads(after.text):
+            part = before.comment + before.text
+        else:
+            part = before.comment + after.text
+        if part.strip():
+            parts.append(part if part.endswith("\n") else f"{part}\n")
+    return [
+        part if not k or part.startswith("\n") or parts[k - 1].endswith("\n\n") else f"\n{part}"
+        for k, part in enumerate(parts)
+    ]
