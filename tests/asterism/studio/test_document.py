@@ -62,7 +62,7 @@ def perform(document: Document, operation: Any) -> None:
                 sizes = {"length_mm": [length for _, length, _ in stars], "thickness_mm": [h for _, _, h in stars]}
                 document.paint([site for site, _, _ in stars], sizes, gesture)
             case ("remove" | "restore" | "reset" as kind, sites, gesture):
-                getattr(document, kind)(sites, gesture)
+                document.change_stars(kind, sites, gesture)
             case ("change", changes, gesture):
                 document.change(changes, gesture)
             case ("end",):
