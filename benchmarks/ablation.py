@@ -10,7 +10,7 @@ as held, in % of the diameter. A gain is the distance without the part less the 
 its standard error over the designs: a part whose mean gain is within two of these has no effect that these designs
 show. A part changes the form of a design if the design has the form of the exact shape only with it, or only without.
 Parts that change only bumps show in heights and bumps. Parts and the values that turn them off:
-`asterism.previews.model_parts`.
+`asterism.previews.model`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 
 from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
-from asterism.previews.model_parts import PARTS, without
+from asterism.previews.model import PARTS, without
 from asterism.previews.run import preview
 from asterism.shape.comparison import Comparison
 from asterism.verification.numbers import same_branch

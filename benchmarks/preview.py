@@ -20,7 +20,7 @@ from typing import Any
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from benchmarks.accuracy.designs import meshed
 from benchmarks.report import markdown, write_report

@@ -26,7 +26,7 @@ from asterism.homogenize.law.law import Law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.build import layout
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from asterism.previews.run import preview
 from asterism.print.printer import Printer
 from asterism.print.rounded import choose_rounding, with_rounding

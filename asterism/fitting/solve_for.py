@@ -16,8 +16,8 @@ from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.previews.law_choice import serving_law
 from asterism.previews.run import preview
-from asterism.previews.serving_law import serving_law
 from asterism.process.listeners import Say, ignore_line
 
 Wanted = Literal["height_mm", "roll_radius_mm"]

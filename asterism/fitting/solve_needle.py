@@ -15,8 +15,8 @@ from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.geometry.planar import inside
+from asterism.previews.law_choice import serving_law
 from asterism.previews.run import preview
-from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.process.listeners import Say, ignore_line
 

@@ -20,7 +20,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design
-from asterism.previews.serving_law import serving_law
+from asterism.previews.law_choice import serving_law
 
 
 def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:

@@ -9,8 +9,13 @@ from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_residuals import unstable_tubes
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable
 from asterism.laws.law_record import law_record
-from asterism.previews.directions_warning import directions_warning
-from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
+from asterism.previews.law_warnings import (
+    directions_warning,
+    held_out_warning,
+    mesh_warning,
+    pleat_warning,
+    symmetry_warning,
+)
 from asterism.process.count_line import without_numbers
 from asterism.results.words import table_lines
 

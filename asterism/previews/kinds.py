@@ -2,11 +2,68 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.homogenize.law.law import Law
+from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.previews.error_estimate import estimate_error
+from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.law_choice import serving_law
+from asterism.previews.model import PreviewModel
 from asterism.previews.pattern_kind import PatternKind
+from asterism.previews.places import Places, SheetLens
 from asterism.previews.print_sheet import PrintSheet
-from asterism.previews.star_kind import StarKind
+from asterism.previews.sheet import Sheet, sheet_of
+from asterism.previews.state import StarState
+from asterism.previews.summary import summary
+from asterism.previews.surface_lens import Lens, shape_of, shown_mesh
+from asterism.process.listeners import Say
+from asterism.results.records.preview import PreviewRecord
+from asterism.shape.shape import Shape
+
+
+class StarKind(PatternKind):
+    """Stars on a lattice."""
+
+    def layout(self, design: Design) -> Layout:
+        return layout(design)
+
+    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law:
+        return serving_law(design, plan)
+
+    def check_law(self, law: Any) -> None:
+        check_type(law, Law, "load_law reads one from a file")
+
+    def values(self, design: Design, plan: Layout, law: Law, model: PreviewModel) -> StarValues:
+        return star_values(design, plan, law, model)
+
+    def sheet(self, design: Design, plan: Layout, triangles: int | None, model: PreviewModel) -> Sheet:
+        return sheet_of(design, plan, triangles, model)
+
+    def size_in_words(self, plan: Layout) -> str:
+        stars = len(plan.centres)
+        return f"{stars} star{'s' if stars > 1 else ''}"
+
+    def lens(self, state: StarState, points: Floats) -> SheetLens:
+        return Lens(state.sheet, state.law.waves, points)
+
+    def shown_mesh(self, sheet: Sheet) -> Mesh:
+        return shown_mesh(sheet)
+
+    def shape(self, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
+        return shape_of(sheet, mesh, places)
+
+    def summary(
+        self, state: StarState, shape: Shape, mesh: Mesh, up: Floats, clock: Clock, seconds: dict[str, float]
+    ) -> PreviewRecord:
+        estimate = estimate_error(state, shape, up, clock)
+        return summary(state, shape, mesh, estimate, seconds)
 
 
 def kind_of(design: Design) -> PatternKind:

@@ -1,7 +1,7 @@
 """All constants of the preview model, each with its unit, its meaning and where its value comes from.
 
 The law of the unit cells holds for an endless sheet of equal stars. A real sheet has a rim, supports and stars that
-change from place to place. The parts of the model describe these (`asterism.previews.model_parts`); the modules of
+change from place to place. The parts of the model describe these (`PARTS`); the modules of
 this package state their equations. Tolerances, iteration limits and mesh sizes are no model: they stand in the files
 that use them.
 
@@ -20,7 +20,7 @@ False
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 Origin = Literal["derived", "computed from cells", "computed from sheets", "fitted to sheets", "unknown"]
@@ -28,7 +28,7 @@ Origin = Literal["derived", "computed from cells", "computed from sheets", "fitt
 STUDY = "python -m benchmarks.fit_constants FOLDER"
 ERRORS = "one fit of the three constants of the estimated error"
 ERROR_DESIGNS = "the study, designs beside it, and sheets on few supports"
-POINT_PINS = "pytest tests/asterism/previews/supports/test_point_pins.py"
+POINT_PINS = "pytest tests/asterism/previews/test_point_pins.py"
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class PreviewModel:
     )  # fmt: skip
     # holes in the pattern: fields/holes.py
     has_holes: bool = _derived(True, "-", "switch: bare sites with stars all around have no free rim")
-    # supported points: supports/point_pins.py, fields/stretched_fabric.py
+    # supported points: point_pins.py
     has_point_softness: bool = _derived(True, "-", "switch: sheets give way around pulled points as on the exact mesh")
     has_neo_hookean_fabric: bool = _derived(True, "-", "switch: bare fabric of sheets on points is neo-Hookean")
     point_spot_radius: float = _of(
@@ -137,19 +137,19 @@ class PreviewModel:
         (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74), "-", "g: compliance that a softness of one adds",
         "computed from sheets", POINT_PINS, "wedges of bare fabric",
     )  # fmt: skip
-    # free rims: edges/free_rim.py
+    # free rims: fields/free_rim.py
     has_rim_turn: bool = _derived(True, "-", "switch: a free rim goes on with the slope of the arms' tips")
     rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
-    # arms that point into a free rim: edges/rim_arms.py
+    # arms that point into a free rim: fields/rim_arms.py
     has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")
     rim_arm_start: float = _derived(0.5, "spacing", "border distance at which an arm carries none: no room ahead")
     rim_arm_full: float = _derived(1.5, "spacing", "border distance at which it carries all: room for a whole cell")
     rim_arm_among: float = _fitted(
         0.2, "-", "share that an arm carries that leads to another star", "42 free sheets; 100x40, 100x85, tube"
     )
-    # supported sides of round outlines: edges/supported_edge.py
+    # supported sides of round outlines: fields/supported_edge.py
     supported_rim_width: float = _unknown(0.5, "spacing", "width of the rim moved to its supports; 0 moves none")
-    # bumps: corrugation/bumps.py
+    # bumps: bumps.py
     has_bumps: bool = _derived(True, "-", "switch: bumps lie on the smooth surface")
     bump_turn_rad: float = _of(
         0.55, "rad", "turn over a spacing in which bumps come most of the way from flat to natural",
@@ -159,23 +159,23 @@ class PreviewModel:
         0.045, "-", "strain over the flat cell at which half of a bump is left", "computed from sheets",
         "a fit to their bumps", "seven equal stars on held borders",
     )  # fmt: skip
-    # arms as rods: corrugation/arms.py
+    # arms as rods: arms.py
     has_arm_lengths: bool = _derived(True, "-", "switch: arms keep their printed length")
     arm_mean_share: float = _of(
         0.3, "-", "share of the sheet's mean curvature in the bending of an arm", "computed from cells",
-        "pytest tests/asterism/previews/corrugation/test_arms.py", "rolled cells: 0.13 to 0.41",
+        "pytest tests/asterism/previews/test_arms.py", "rolled cells: 0.13 to 0.41",
     )  # fmt: skip
     has_last_arms: bool = _derived(True, "-", "switch: arms without a star ahead stay curled")
     fabric_beside_arm: float = _of(
         0.15, "spacing", "distance beside an arm in which the fabric follows it", "computed from cells",
-        "pytest tests/asterism/previews/corrugation/test_arms.py", "flat cells",
+        "pytest tests/asterism/previews/test_arms.py", "flat cells",
     )  # fmt: skip
     fabric_beyond_tip: float = _of(
         0.25, "spacing", "distance beyond a tip in which the fabric follows it", "computed from cells",
-        "pytest tests/asterism/previews/corrugation/test_arms.py", "flat cells",
+        "pytest tests/asterism/previews/test_arms.py", "flat cells",
     )  # fmt: skip
     arm_support_share: float = _unknown(0.25, "-", "share of the distance to a support that a tip moves at most")
-    # estimated error: uncertainty/distance_error.py, the same three constants for distance, height and other forms
+    # estimated error: error_estimate.py, the same three constants for distance, height and other forms
     energy_uncertainty: float = _fitted(
         0.049, "-", "standard deviation of the energy over the energy at stake", ERROR_DESIGNS, ERRORS
     )
@@ -189,7 +189,7 @@ class PreviewModel:
         0.37, "% of diameter", "distance of exact shapes on two meshes, median of supported sheets",
         "computed from sheets", "python -m benchmarks.accuracy FOLDER", "the study",
     )  # fmt: skip
-    # stars that may be inverted: inverted_stars.py
+    # stars that may be inverted: warnings.py
     inverted_min_arm: float = _unknown(0.5, "spacing", "stars with longer arms may be inverted")
 
 
@@ -205,3 +205,39 @@ def describe(name: str) -> Constant:
         The model has no constant of that name.
     """
     return {each.name: each.metadata["about"] for each in fields(PreviewModel)}[name]  # type: ignore[no-any-return]
+
+
+PARTS: dict[str, dict[str, Any]] = {
+    "rosette metric": {"has_rosette_metric": False},
+    "lengths that follow curvature": {"has_curvature_lengths": False},
+    "series bending": {"has_series_bending": False},
+    "Gaussian curvature": {"gaussian_area": 0.0},
+    "roll axis": {"sixfold_factor": 0.0},
+    "directions": {"anisotropy_share": 0.0},
+    "holes": {"has_holes": False},
+    "softness at points": {"has_point_softness": False},
+    "neo-Hookean fabric": {"has_neo_hookean_fabric": False},
+    "turn of free rims": {"has_rim_turn": False},
+    "arms into free rims": {"has_rim_arms": False},
+    "supported rims": {"supported_rim_width": 0.0},
+    "bumps": {"has_bumps": False},
+    "arms that keep their length": {"has_arm_lengths": False},
+    "arms that bend with the mean curvature": {"arm_mean_share": 0.0},
+    "last arms": {"has_last_arms": False},
+}
+
+
+def without(part: str) -> PreviewModel:
+    """The model with one part turned off.
+
+    Raises
+    ------
+    KeyError
+        `PARTS` has no part of that name.
+
+    Examples
+    --------
+    >>> without("rosette metric").has_rosette_metric
+    False
+    """
+    return replace(PREVIEW_MODEL, **PARTS[part])

@@ -15,9 +15,9 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.model import PreviewModel
+from asterism.previews.places import Places, SheetLens, ShownSheet
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.state import AnyPreviewState
-from asterism.previews.surface.places import Places, SheetLens, ShownSheet
 from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape

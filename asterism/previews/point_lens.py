@@ -8,8 +8,8 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.previews.kinds import kind_of
+from asterism.previews.places import Places, SheetLens
 from asterism.previews.state import AnyPreviewState
-from asterism.previews.surface.places import Places, SheetLens
 
 
 class PointLens:

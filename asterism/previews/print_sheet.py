@@ -26,8 +26,8 @@ from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
 from asterism.previews.model import PreviewModel
-from asterism.previews.supports.conditions import conditions
-from asterism.previews.supports.point_pins import softness
+from asterism.previews.point_pins import softness
+from asterism.previews.supports import conditions
 
 # edge length of the shell's mesh, in spacings of the lattice
 EDGE_SPACINGS = 1.3

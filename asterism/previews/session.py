@@ -2,35 +2,150 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
-from typing import NoReturn
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.clock import Clock
+from asterism.equilibrium.errors import Error
 from asterism.equilibrium.threads import one_blas_thread
+from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.mean_fields import Side, check_side, mean_fields, side_of
+from asterism.fem.shell.shell import Shell
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.designed_states import DesignedStates
-from asterism.previews.kinds import kind_of
+from asterism.pattern.layout.symmetries import Symmetry
+from asterism.previews.kinds import kind_of, serves
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.readings import PreviewReadings
-from asterism.previews.snapshot import Snapshot
-from asterism.previews.solve import at_form, followed, respond, restarted, with_near_zero_modes
-from asterism.previews.stage import Stage
-from asterism.previews.uncertainty.other_forms import forms_met
-from asterism.process.listeners import Say
+from asterism.previews.other_forms import OtherForm, forms_met
+from asterism.previews.pattern_kind import PatternKind
+from asterism.previews.places import Places
+from asterism.previews.point_lens import PointLens, checked_points, checked_positions
+from asterism.previews.print_cache import keep_print, kept_print
+from asterism.previews.solve import (
+    at_form,
+    carried,
+    followed,
+    respond,
+    restarted,
+    state_from_guesses,
+    state_without_search,
+    with_near_zero_modes,
+    with_pattern,
+)
+from asterism.previews.state import AnyPreviewState
+from asterism.process.listeners import Say, ignore_line
 from asterism.shape.shape import Shape
 
+
+class SearchLimitError(Error):
+    """A search takes longer than its time limit. The preview keeps its state before the search."""
+
+    exit_status = 1
+
+
+class Watch:
+    """Called at least once in each Newton iteration.
+
+    Parameters
+    ----------
+    check : called each time; an error that it raises ends the search.
+    max_seconds : wall time after which a search ends with `SearchLimitError`.
+
+    Attributes
+    ----------
+    has_stopped : whether the watch has ended the current search.
+    """
+
+    def __init__(self, check: Callable[[], None] | None = None, max_seconds: float | None = None) -> None:
+        if max_seconds is not None and not max_seconds > 0.0:
+            raise ValueError(f"max_seconds = {max_seconds!r}: must be above 0")
+        self._check, self._max_seconds = check, max_seconds
+        self.begin()
+
+    def begin(self) -> None:
+        """Start the clock of a search."""
+        self._begun = time.perf_counter()
+        self.has_stopped = False
+
+    def __call__(self) -> None:
+        """Call the check, and raise SearchLimitError after the time limit."""
+        try:
+            if self._check is not None:
+                self._check()
+            if self._max_seconds is not None and time.perf_counter() - self._begun > self._max_seconds:
+                raise SearchLimitError(f"no equilibrium within {self._max_seconds:g} s; the shape is that before it")
+        except BaseException:
+            self.has_stopped = True
+            raise
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """A design and the equilibrium of its shell, for `Preview.restore`. It can be pickled.
+
+    Attributes
+    ----------
+    design : the design.
+    side : requested side of the edges.
+    triangles : requested number of triangles; None for the default.
+    x : (N, 3) degrees of freedom of the shell; read-only.
+    energy_n_mm : energy of the equilibrium.
+    """
+
+    design: Design
+    side: Side
+    triangles: int | None
+    x: Floats
+    energy_n_mm: float
+
+    def __post_init__(self) -> None:
+        own = self.x.copy()
+        own.flags.writeable = False
+        object.__setattr__(self, "x", own)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A result of an edit.
+
+    Attributes
+    ----------
+    name : `linear`, the linear response of the last equilibrium to the edit; or `equilibrium`.
+    x : (N, 3) degrees of freedom of the shell; a copy.
+    """
+
+    name: Literal["linear", "equilibrium"]
+    x: Floats
+
+
+# from this number of triangles on, a message announces a long computation: some sheets take hundreds of iterations
+PATIENCE_TRIANGLES = 300
+# largest number of triangles that the caller may give, which limits the memory
+MAX_ASKED_TRIANGLES = 10_000
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
-class Preview(PreviewReadings):
+@dataclass(frozen=True, eq=False)
+class _EvaluatedDesign:
+    """A design with its layout, the kind of its pattern, its law, and the law's values."""
+
+    design: Design
+    plan: Layout
+    kind: PatternKind
+    law: Any
+    values: Any
+
+
+class Preview:
     """The homogenised shape of a design, with its state kept for edits.
 
     Parameters
@@ -88,9 +203,102 @@ class Preview(PreviewReadings):
         max_seconds: float | None = None,
     ) -> None:
         check_side(side)
-        self._states = DesignedStates(law, triangles, say, check, max_seconds)
+        if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= MAX_ASKED_TRIANGLES):
+            raise ValueError(
+                f"triangles = {triangles!r}: must be a whole number, at least 1 and at most {MAX_ASKED_TRIANGLES}"
+            )
+        self._given_law, self._triangles = law, triangles
+        self._say, self._check = say or ignore_line, check
+        self._watch = Watch(check, max_seconds)
+        self._clock = Clock()
         self._edits = 0
-        self.state = self._states.new(self._states.evaluated(design, model, plan), side, model)
+        self.state = self._searched(self._evaluated(design, model, plan), side, model)
+
+    def _begin(self) -> None:
+        """Begin an edit: times and the limit of the search start anew."""
+        self._watch.begin()
+        self._clock = Clock()
+
+    @property
+    def design(self) -> Design:
+        """The current design."""
+        return self.state.design
+
+    @property
+    def law(self) -> Any:
+        """The law of the material, a `Law`; for a motif its `MotifLaw`."""
+        return self.state.law
+
+    @property
+    def side(self) -> Side:
+        """The requested side of the edges."""
+        return self.state.side
+
+    @property
+    def sheet(self) -> Any:
+        """The printed sheet and its mesh: a `PrintSheet`, for stars a `Sheet`."""
+        return self.state.sheet
+
+    @property
+    def values(self) -> Any:
+        """The law at the stars of the design, `StarValues`; for a motif `MotifFieldValues`."""
+        return self.state.values
+
+    @property
+    def shell(self) -> Shell:
+        """The shell with all supports."""
+        return self.state.shell
+
+    @property
+    def equilibrium(self) -> ShellEquilibrium:
+        """The state of the shell with its certificate."""
+        return self.state.equilibrium
+
+    @property
+    def symmetries(self) -> list[Symmetry]:
+        """Motions of the print that map the design to itself."""
+        return self.state.symmetries
+
+    @property
+    def forms(self) -> list[OtherForm]:
+        """Other minima of the last search, the lowest one first; `show_form` shows one of them."""
+        return [form for form, _ in forms_met(self.state)]
+
+    def at(self, points: Floats, x: Floats | None = None) -> Places:
+        """The positions of printed points in space.
+
+        They are in the pose of the shell, whereas `shape` turns free sheets upright.
+
+        Parameters
+        ----------
+        points : (n, 2) mm, or a single point.
+        x : degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default.
+
+        Raises
+        ------
+        ValueError
+            `points` has another form, or a point is outside of the sheet, or x does not belong to this mesh.
+        """
+        state = self.state
+        points, x = checked_points(points), checked_positions(x, state)
+        return kind_of(state.design).lens(state, points)(x, state.values)
+
+    def lens(self, points: Floats) -> PointLens:
+        """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.
+
+        Raises
+        ------
+        ValueError
+            `points` has another form, or a point is outside of the sheet.
+
+        Examples
+        --------
+        >>> from asterism.pattern import gallery
+        >>> lens = Preview(gallery.load("star")).lens([[0.0, 0.0], [3.0, 0.0]])
+        >>> lens().bumpy.shape
+        (2, 3)
+        """
+        return PointLens(lambda: self.state, points)
 
     def edit(self, design: Design, keep_form: bool = False) -> Iterator[Stage]:
         """Change the design in two stages: first the linear response, then the equilibrium.
@@ -138,16 +346,16 @@ class Preview(PreviewReadings):
         return self.shape()
 
     def _stages(self, design: Design, keep_form: bool) -> Iterator[Stage]:
-        before, states = self.state, self._states
+        before = self.state
         with one_blas_thread():
-            states.begin()
+            self._begin()
             state, response = self.state, None
-            new = states.evaluated(design, state.model, known=state.law)
-            if new.is_same_print(state):
-                state, response = respond(states.on_same_print(new, state), states.clock)
+            new = self._evaluated(design, state.model, known=state.law)
+            if serves(state.sheet, design, new.plan):
+                state, response = respond(self._on_same_print(new), self._clock)
             else:
-                kept = states.kept_form(new, state) if keep_form else None
-                state = kept or states.new(new, state.side, state.model)
+                kept = self._kept_form(new) if keep_form else None
+                state = kept or self._searched(new, state.side, state.model)
             self.state = state
             self._edits += 1
             number = self._edits
@@ -156,13 +364,13 @@ class Preview(PreviewReadings):
             if self._edits != number:
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
             with one_blas_thread():
-                states.watch.begin()
+                self._watch.begin()
                 # the search overwrites the factor: if it is interrupted, the state must record that
                 self.state = replace(self.state, is_factor_resting=False)
                 try:
-                    self.state = followed(self.state, response, states.clock)
+                    self.state = followed(self.state, response, self._clock)
                 except BaseException:
-                    if states.watch.has_stopped:
+                    if self._watch.has_stopped:
                         self.state = replace(before, is_factor_resting=False)
                     raise
         yield Stage("equilibrium", self.state.x.copy())
@@ -173,12 +381,12 @@ class Preview(PreviewReadings):
 
         If the search finds no form on the other side, the preview keeps its state.
         """
-        self._states.begin()
+        self._begin()
         self._edits += 1
         state = self.state
         side = side_of(state.shell, state.equilibrium.x)
         side = mean_fields(state.shell).side if side == "auto" else side
-        flipped = restarted(state, self._states.clock, OTHER_SIDE[side])
+        flipped = restarted(state, self._clock, OTHER_SIDE[side])
         if side_of(flipped.shell, flipped.equilibrium.x) != flipped.side:
             return side
         self.state = flipped
@@ -187,9 +395,9 @@ class Preview(PreviewReadings):
     @one_blas_thread()
     def search_again(self) -> Stage:
         """Search for the equilibrium from initial guesses, as a new preview does; raises the errors of `edit`."""
-        self._states.begin()
+        self._begin()
         self._edits += 1
-        self.state = restarted(self.state, self._states.clock)
+        self.state = restarted(self.state, self._clock)
         return Stage("equilibrium", self.state.x.copy())
 
     def snapshot(self) -> Snapshot:
@@ -198,7 +406,7 @@ class Preview(PreviewReadings):
         After the first stage of an edit, this is the design of the edit with the equilibrium before the edit.
         """
         state = self.state
-        return Snapshot(state.design, state.side, self._states.triangles, state.resting.x, state.resting.energy)
+        return Snapshot(state.design, state.side, self._triangles, state.resting.x, state.resting.energy)
 
     def restore(self, snapshot: Snapshot) -> Stage:
         """Return to a snapshot of this preview, or of another one with the same law and model.
@@ -231,19 +439,18 @@ class Preview(PreviewReadings):
     @one_blas_thread()
     def _at_form(self, design: Design, x: Floats) -> Stage:
         """The equilibrium of a design near degrees of freedom x (N, 3) of the shell."""
-        self._states.begin()
+        self._begin()
         self._edits += 1
-        states = self._states
-        new = states.evaluated(design, self.state.model, known=self.state.law)
-        same = new.is_same_print(self.state)
-        state = states.on_same_print(new, self.state) if same else states.printed(new, self.state)
+        new = self._evaluated(design, self.state.model, known=self.state.law)
+        same = serves(self.state.sheet, design, new.plan)
+        state = self._on_same_print(new) if same else self._printed(new)
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
             raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
         if state.factor is self.state.factor:
             self.state = replace(self.state, is_factor_resting=False)  # the search overwrites the factor
-        self.state = at_form(state, x, self._states.clock)
+        self.state = at_form(state, x, self._clock)
         return Stage("equilibrium", self.state.x.copy())
 
     def __reduce__(self) -> NoReturn:
@@ -253,21 +460,86 @@ class Preview(PreviewReadings):
     @property
     def seconds(self) -> dict[str, float]:
         """Wall time (s) by part, since the last start, edit or flip."""
-        return dict(self._states.clock.seconds)
+        return dict(self._clock.seconds)
 
     @one_blas_thread()
     def shape(self) -> Shape:
         """The shape, with the bumps of the stars, and its summary, as for files and pictures."""
-        states, kind = self._states, kind_of(self.state.design)
-        self.state = with_near_zero_modes(self.state, states.clock)
-        self.state = kind.with_shown_sheet(self.state, states.clock)
-        states.keep(self.state)
+        kind, clock = kind_of(self.state.design), self._clock
+        self.state = with_near_zero_modes(self.state, clock)
+        self.state = kind.with_shown_sheet(self.state, clock)
+        keep_print(self.state, self._triangles)
         state, shown = self.state, self.state.shown
         assert shown is not None
-        with states.clock("shown"):
+        with clock("shown"):
             places = shown.lens(state.x, state.values)
             shape = kind.shape(state.sheet, shown.mesh, places)
         up = np.eye(3)[2]
         if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]
-        return replace(shape, summary=kind.summary(state, shape, shown.mesh, up, states.clock, self.seconds))
+        return replace(shape, summary=kind.summary(state, shape, shown.mesh, up, clock, self.seconds))
+
+    def _said(self, text: str) -> None:
+        """Pass on a line of a long computation, which the caller may end by the error of its check."""
+        if self._check is not None:
+            self._check()
+        self._say(text)
+
+    def _evaluated(
+        self, design: Design, model: PreviewModel, plan: Layout | None = None, known: Any = None
+    ) -> _EvaluatedDesign:
+        """Layout, law and values of a design; `known` is the law of the preview before an edit."""
+        check_type(design, Design, "load_design reads one from a file")
+        kind = kind_of(design)
+        if self._given_law is not None:
+            kind.check_law(self._given_law)
+        if plan is None:
+            with self._clock("layout"):
+                plan = kind.layout(design)
+        law = self._given_law
+        if law is None:
+            with self._clock("law"):
+                law = kind.default_law(design, plan, known, self._said)
+        check_weight_is_supported(design, plan)
+        with self._clock("law"):
+            values = kind.values(design, plan, law, model)
+        return _EvaluatedDesign(design, plan, kind, law, values)
+
+    def _searched(self, new: _EvaluatedDesign, side: Side, model: PreviewModel) -> AnyPreviewState:
+        """The state of a design from guesses, on a new sheet or on a kept one of the same print."""
+        kept = kept_print(new.design, new.plan, self._triangles, model)
+        with self._clock("mesh"):
+            if kept is None:
+                sheet = new.kind.sheet(new.design, new.plan, self._triangles, model)
+            else:
+                sheet = kept.sheet.with_pattern(new.design, new.plan)
+        count = sheet.space.mesh.nelements
+        patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
+        self._say(f"{new.kind.size_in_words(new.plan)} on {count} triangles{patience}")
+        state = state_from_guesses(sheet, new.law, new.values, side, self._clock, self._watch)
+        if kept is not None:
+            with self._clock("shown"):
+                state = replace(state, shown=kept.shown_on(sheet))
+        keep_print(state, self._triangles)
+        return state
+
+    def _printed(self, new: _EvaluatedDesign) -> AnyPreviewState:
+        """The state of a design on a new sheet, before a search."""
+        state = self.state
+        with self._clock("mesh"):
+            sheet = new.kind.sheet(new.design, new.plan, self._triangles, state.model)
+        with self._clock("shell"):
+            return state_without_search(sheet, new.law, new.values, state.side, state.watch)
+
+    def _kept_form(self, new: _EvaluatedDesign) -> AnyPreviewState | None:
+        """The state of a design on a new sheet, started from the old shape; None if that is impossible."""
+        printed = self._printed(new)
+        with self._clock("shell"):
+            x = carried(self.state, printed)
+        return None if x is None else at_form(printed, x, self._clock)
+
+    def _on_same_print(self, new: _EvaluatedDesign) -> AnyPreviewState:
+        """The state of a design on the present sheet, at its equilibrium."""
+        started = replace(self.state, law=new.law)
+        with self._clock("fields"):
+            return with_pattern(started, new.design, new.plan, new.values)

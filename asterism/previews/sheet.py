@@ -16,17 +16,17 @@ from asterism.fem.supports.loads import area_load
 from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.corrugation.arms import Arms
-from asterism.previews.edges.free_rim import free_normals, stars_share
-from asterism.previews.edges.rim_arms import rim_curvature_share
+from asterism.previews.arms import Arms
+from asterism.previews.fields.free_rim import free_normals, stars_share
+from asterism.previews.fields.rim_arms import rim_curvature_share
 from asterism.previews.fields.self_stress import gaussian_moduli
 from asterism.previews.fields.sheet_fields import free_length_share, sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.point_pins import with_point_softness
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
-from asterism.previews.supports.conditions import weight
-from asterism.previews.supports.point_pins import with_point_softness
+from asterism.previews.supports import weight
 
 # spacings: half of the distance across a free rim over which the decrease of the stars' share is taken
 BORDER_STEP = 0.05
@@ -43,10 +43,10 @@ class StarShares:
     cells : smoothed cells of the stars.
     shares : shares of the stars at the points.
     along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
-    rim_normals : (n, 2) normals of free sides, from `asterism.previews.edges.free_rim.free_normals`.
+    rim_normals : (n, 2) normals of free sides, from `asterism.previews.fields.free_rim.free_normals`.
     across : the shares a step inwards and outwards from the points that have a normal.
     spacing_mm : of the stars.
-    carried : (S, N), see `asterism.previews.edges.rim_arms.rim_curvature_share`; None for supported sheets.
+    carried : (S, N), see `asterism.previews.fields.rim_arms.rim_curvature_share`; None for supported sheets.
     """
 
     cells: StarCells

@@ -21,10 +21,8 @@ from asterism.fem.search.relax import factorise, follow, softest_shell_modes
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.previews.search.apply_supports import apply_supports
-from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
-from asterism.previews.shown_response import ShownResponse
-from asterism.previews.state import AnyPreviewState, LawT, PreviewState, SheetT, ValuesT
+from asterism.previews.search_minima import SheetTraits, apply_supports, find_equilibrium
+from asterism.previews.state import AnyPreviewState, LawT, PreviewState, SheetT, ShownResponse, ValuesT
 
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"

@@ -9,11 +9,9 @@ import numpy as np
 from asterism.fem.search.linear_response import STIFFNESSES
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.overstretched_stars import overstretched_stars
+from asterism.previews.error_estimate import ErrorEstimate, probability_lower
 from asterism.previews.state import AnyPreviewState, StarState
-from asterism.previews.uncertainty.distance_error import probability_lower
-from asterism.previews.uncertainty.error_estimate import ErrorEstimate
-from asterism.previews.warnings import preview_warnings
+from asterism.previews.warnings import overstretched_stars, preview_warnings
 from asterism.process.version import __version__
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.contraction import contraction

@@ -1,21 +1,134 @@
-"""Warnings of a preview: one line each, with the star or the place, and what the user can do."""
+"""Warnings of a preview: one line each, with the star or the place, and what the user can do.
+
+**Stars that may stay inverted** on a supported sheet follow from the two states of their unit cells. Flat cells of long
+thin arms are unstable on 2 x 2 stars: adjacent stars prefer to bump up and down in turn. Their natural tubes are
+stable. Supports hold a sheet flatter than its stars curl. The smallest eigenvalue is interpolated between both states
+at the curvature of the sheet. Stars may be inverted where it is negative for two adjacent stars.
+
+**Overstretched stars.** Around them a preview is longer than its fabric can be, so that it is no shape of the sheet. A
+cell of the released sheet can return to its printed lengths. So its fabric stores no more energy than in print, apart
+from the bending of its arms, which is small beside it. Let q be the mean of `tr(F^T F)/2` over a cell, with the
+gradient F from print, and s the stretch in print. The energy of the neo-Hookean fabric (`discrete.energies.membrane`)
+per rest area is at least
+
+    W(y) = mu (y - 1 - ln y) + lam/2 (ln y)^2    for    ln y < mu/lam,    mu (y - 1) - mu^2/(2 lam)    beyond,
+
+at `tr C = 2 y`: the least over J, which is J = y as far as `ln y < mu/lam`. W is convex and grows for y above 1. By
+Jensen's inequality, q is at most y/s^2 with W(y) equal to the energy in print. That is 1 up to `ln s^2 = mu/lam`, and a
+little more for fabric that is stretched further. The incompressible fabric has the limit 1 at every stretch.
+
+Supports at other distances than in print change the bound. If p > 1 is the largest ratio of the distances of two
+supported points in space and in print, some shape meets the supports and has no length above p times the printed one
+(Kirszbraun 1934). It takes the place of the print. Within a spacing of the supports there is no bound: fabric that is
+pulled at points stretches further. Weight is not bounded in this way either.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import pdist
 
-from asterism.previews.common_warnings import form_warnings, shape_warnings, side_warnings, support_warnings
-from asterism.previews.directions_warning import directions_warning
-from asterism.previews.inverted_stars import stars_that_may_be_inverted
-from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning, symmetry_warning
-from asterism.previews.state import StarState
-from asterism.previews.uncertainty.error_estimate import ErrorEstimate
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.search.mean_fields import side_of
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.layout.layout import Layout
+from asterism.previews.error_estimate import ErrorEstimate
+from asterism.previews.law_warnings import (
+    directions_warning,
+    held_out_warning,
+    mesh_warning,
+    pleat_warning,
+    symmetry_warning,
+)
+from asterism.previews.places import smooth_surface
+from asterism.previews.search_minima import MIN_SIZE_RATIO
+from asterism.previews.solve import EDIT_START
+from asterism.previews.state import AnyPreviewState, StarState
 from asterism.results.placed_warning import PlacedWarning
 from asterism.results.words import star_numbers
+from asterism.shape.pin_warnings import pin_warnings
+from asterism.shape.self_intersections import passing
+from asterism.shape.shape import Shape
 from asterism.shape.site_warnings import site_warnings
 from asterism.shape.sizing_warnings import sizing_warnings
+from asterism.shape.surface_fields import deformation_gradients
+
+# supported points that are closer together in print, in spacings, are one point
+MIN_SUPPORT_DISTANCE = 1e-3
+
+
+def overstretched_stars(shape: Shape, design: Design, layout: Layout) -> Ints:
+    """Numbers of the stars around which a shape is longer than its fabric can be; none if the sheet has weight."""
+    if design.gravity.on or not layout.has_stars:
+        return np.empty(0, dtype=np.int64)
+    far = np.ones(len(layout.centres), dtype=bool)
+    if shape.held:
+        far = layout.distance_to_supports(layout.centres) > layout.spacing_mm
+    over = mean_square_stretch(shape, layout) > mean_square_limit(design.fabric, support_ratio(layout))
+    return np.asarray(layout.star_number[over & far])
+
+
+def mean_square_limit(fabric: Fabric, ratio: float = 0.0) -> float:
+    """Upper bound of the mean square stretch from print.
+
+    Parameters
+    ----------
+    ratio : of the distances of supports in space and in print.
+
+    Examples
+    --------
+    >>> mean_square_limit(Fabric()), mean_square_limit(Fabric(), ratio=1.2)
+    (1.0, 1.44)
+    """
+    pull = max(1.0, ratio) ** 2
+    square = pull * float(np.prod(fabric.stretch_xy))
+    bend = 0.5 * (1.0 - fabric.poisson) / fabric.poisson if fabric.poisson else np.inf  # mu/lam
+    if fabric.model != "neo-hookean" or np.log(square) <= bend:
+        return pull
+    energy = square - 1.0 - np.log(square) + 0.5 * np.log(square) ** 2 / bend
+    return float(pull * (1.0 + 0.5 * bend + energy) / square)
+
+
+def mean_square_stretch(shape: Shape, layout: Layout) -> Floats:
+    """(S,) mean of `tr(F^T F)/2` over the printed area that is nearest to each star, F from print."""
+    gradients = deformation_gradients(shape.printed, shape.positions, shape.triangles)
+    area = triangle_areas(shape.printed, shape.triangles)
+    star = cKDTree(layout.centres).query(shape.printed[shape.triangles].mean(axis=1))[1]
+    square = 0.5 * np.einsum("tca,tca->t", gradients, gradients)
+    count = len(layout.centres)
+    # a star without a triangle of its own has nothing to stretch
+    return np.asarray(np.bincount(star, area * square, count) / np.maximum(np.bincount(star, area, count), 1e-300))
+
+
+def support_ratio(layout: Layout) -> float:
+    """The largest distance of two supported points in space over their distance in print; 0 with fewer than two."""
+    printed, places, _ = layout.support_samples
+    held = ~np.isnan(places[:, :2]).any(axis=1)
+    if held.sum() < 2:
+        return 0.0
+    in_print, in_space = pdist(printed[held]), pdist(np.nan_to_num(places[held]))
+    apart = in_print > MIN_SUPPORT_DISTANCE * layout.spacing_mm
+    return float((in_space[apart] / in_print[apart]).max(initial=0.0))
+
+
+def stars_that_may_be_inverted(state: StarState) -> Ints:
+    """Numbers of the stars that may be inverted; none on a sheet without supports, which curls."""
+    layout, values = state.layout, state.values
+    long = values.sizes[:, 0] >= state.model.inverted_min_arm * layout.spacing_mm
+    pairs = layout.neighbours[long[layout.neighbours].all(axis=1)]
+    if not state.is_supported or not len(pairs):  # most sheets: the samples of the law stay packed
+        return np.empty(0, dtype=np.int64)
+    kappa = values.value["kappa"][:-1]
+    curvature = 2.0 * smooth_surface(state.sheet.arms.at_centres, state.x).mean_curvature
+    part = curvature / np.where(kappa == 0.0, np.inf, kappa)
+    table = state.law.cell_stability(state.design.fabric.stretch_xy[0])
+    unstable = table.eigenvalues(values.sizes, part) < 0.0
+    return np.asarray(layout.star_number[np.unique(pairs[unstable[pairs].all(axis=1)])])
 
 
 def preview_warnings(
@@ -118,3 +231,71 @@ def _about_lengths(overstretched: Sequence[int], count: int) -> Iterator[str]:
             f"stretch; use the exact model: {star_numbers(overstretched)}",
             overstretched,
         )
+
+
+# the softest mode is neutral if the next one is this many times stiffer
+MIN_NEUTRAL_RATIO = 5.0
+# a supported sheet is flat because of its pins if its size over its natural size is above MAX_SIZE_RATIO, and its
+# height over its diameter is below MIN_HEIGHT_RATIO
+MAX_SIZE_RATIO = 1.1
+MIN_HEIGHT_RATIO = 0.03
+# % of the diameter: a larger estimated error is a warning
+FAR_PERCENT = 2.5
+# why an error is large, by the largest contribution (`asterism.previews.error_estimate`)
+CAUSES = {
+    "soft": "the sheet is soft, so that small errors of the energy move it far",
+    "stiffness": "the shape depends on the balance of several stiffnesses",
+    "narrow": "the supports hold the sheet narrower than its natural size, so that it may buckle into another form",
+    "form": "the exact model may take another form",
+}
+
+
+def support_warnings(state: AnyPreviewState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:
+    """Pins that fix too little, or stretch the sheet flat."""
+    layout, ratio = state.layout, estimate.sources.size_ratio
+    yield from pin_warnings(layout, state.design.gravity.on)
+    if MAX_SIZE_RATIO < ratio < np.inf and height_mm / estimate.sources.diameter_mm < MIN_HEIGHT_RATIO:
+        scale = layout.common_pin_scale
+        advice = "" if scale is None else f"; use a scale of about {scale / ratio:.2g} to let it rise"
+        yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"
+
+
+def side_warnings(state: AnyPreviewState) -> Iterator[str]:
+    """A requested side that was not reached."""
+    side = side_of(state.shell, state.equilibrium.x) if state.side != "auto" else "auto"
+    if side not in ("auto", state.side):
+        yield f"the edges go {side}: the preview reached no equilibrium with edges {state.side}, as requested"
+
+
+def form_warnings(state: AnyPreviewState, estimate: ErrorEstimate) -> Iterator[str]:
+    """Other forms that the sheet may have, and results that are not a stable equilibrium."""
+    shown, far = state.equilibrium, estimate.distance_percent
+    if shown.guess == EDIT_START and (not state.is_supported or estimate.sources.size_ratio < MIN_SIZE_RATIO):
+        yield "the edit kept the form of the sheet before it; start a new preview to search for forms of lower energy"
+    if not shown.converged:
+        yield f"not an equilibrium: gradient {shown.gradient_norm:.1e} N is above {shown.tolerance:.1e} N"
+    elif not shown.definite:
+        yield "an unstable equilibrium: a real sheet leaves this shape; start a new preview to search for a minimum"
+    if far is not None and far > FAR_PERCENT:
+        cause = CAUSES[estimate.main_part]
+        yield f"the exact shape may be {far:.1f} % of the diameter away: {cause}; check with the exact model"
+    elif far is None and estimate.sources.size_ratio < MIN_SIZE_RATIO:
+        yield f"{CAUSES['narrow']}; check with the exact model"
+    if (other := estimate.close_form) is not None:
+        energy = f"nearly the same energy ({100.0 * other.gap:+.1f} %); the exact model may take that form"
+        if other.gap < -estimate.energy_uncertainty:
+            energy = f"{-100.0 * other.gap:.0f} % less energy; the exact model will probably take that form"
+        yield f"another form, {other.distance_percent:.0f} % of the diameter away (rms), has {energy}"
+
+
+def shape_warnings(state: AnyPreviewState, axis_deg: float | None, crossings: int) -> Iterator[str]:
+    """A sheet that passes through itself, and a roll whose axis is nearly arbitrary."""
+    if crossings:
+        yield f"{passing(crossings)}; the exact model can prevent that (solver.contact, --contact)"
+    stiffness = state.equilibrium.soft_modes
+    if axis_deg is not None and len(stiffness) > 1 and stiffness[1] > MIN_NEUTRAL_RATIO * stiffness[0]:
+        softer = f"one motion of the sheet is {stiffness[1] / stiffness[0]:.0f} times softer than all others"
+        if state.is_supported:
+            yield f"{softer}, so that small changes of the design move the sheet far"
+        else:
+            yield f"{softer}: the axis about which it rolls ({axis_deg:.0f} deg) is nearly arbitrary"

@@ -26,11 +26,9 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.layout.painted_stars import with_painted_stars
-from asterism.previews.default_law import law_of, paper_law
-from asterism.previews.serving_law import serving_law
-from asterism.previews.session import Preview
+from asterism.previews.law_choice import law_of, paper_law, serving_law
+from asterism.previews.session import Preview, SearchLimitError
 from asterism.previews.solve import EDIT_START, FORM_START
-from asterism.previews.watch import SearchLimitError
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem

@@ -9,7 +9,7 @@ from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.layout.build import sheet_sites
-from asterism.previews.watch import SearchLimitError
+from asterism.previews.session import SearchLimitError
 from asterism.results.files import OutputError
 from asterism.studio.messages import StudioProblem, mistake_parts
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from asterism.previews.watch import SearchLimitError
+from asterism.previews.session import SearchLimitError
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Busy
 

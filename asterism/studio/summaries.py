@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from asterism.previews.error_estimate import probability_lower
 from asterism.previews.session import Preview
-from asterism.previews.uncertainty.distance_error import probability_lower
 from asterism.results.placed_warning import PlacedWarning
 from asterism.results.words import VISIBLE_SAG_MM
 from asterism.shape.shape import Shape

@@ -15,10 +15,9 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.mesh_law import LIMIT, has_edge, law_on_mesh
+from asterism.previews.law_choice import LIMIT, has_edge, law_on_mesh, serving_law
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
-from asterism.previews.serving_law import serving_law
 from asterism.results.records.mesh_limit import MeshLimitRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape

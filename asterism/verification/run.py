@@ -15,7 +15,7 @@ from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.kinds import kind_of
-from asterism.previews.mesh_law import law_of_exact_mesh
+from asterism.previews.law_choice import law_of_exact_mesh
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line

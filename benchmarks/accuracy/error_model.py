@@ -26,12 +26,9 @@ from scipy.optimize import minimize
 from asterism.fem.search.linear_response import STIFFNESSES
 from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
+from asterism.previews.error_estimate import ErrorSources, HeightDoubts, distance_error_percent, height_error_percent
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.uncertainty.distance_error import distance_error_percent
-from asterism.previews.uncertainty.error_sources import ErrorSources
-from asterism.previews.uncertainty.height_doubts import HeightDoubts
-from asterism.previews.uncertainty.height_error import height_error_percent
-from asterism.previews.uncertainty.other_forms import OtherForm
+from asterism.previews.other_forms import OtherForm
 from benchmarks.accuracy.comparisons import FAR, Row, compared, is_solved, missed
 from benchmarks.accuracy.designs import canopies, designs, other_held
 from benchmarks.accuracy.tables import CLOSE

@@ -43,7 +43,7 @@ border.
 **Anisotropic stars** have a bending tensor in place of D and a rest curvature in place of `-kappa lam^2/(1 + nu) I`
 (`asterism.previews.fields.directional`). Their lengths are those of the tube of largest energy gain.
 
-**Free rims** of bare fabric have an additional rest curvature (`asterism.previews.edges.free_rim`).
+**Free rims** of bare fabric have an additional rest curvature (`asterism.previews.fields.free_rim`).
 """
 
 from __future__ import annotations
@@ -58,9 +58,9 @@ from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
 from asterism.homogenize.law.anisotropy import BENDING_POISSON, min_bending_ratio
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-from asterism.previews.edges.free_rim import beside, rim_curvature, stars_share
-from asterism.previews.edges.rim_arms import arm_curvature
 from asterism.previews.fields.directional import rest_curvature_tensor, tensors, with_bending_tensor
+from asterism.previews.fields.free_rim import beside, rim_curvature, stars_share
+from asterism.previews.fields.rim_arms import arm_curvature
 from asterism.previews.fields.star_arms import arm_metric
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -99,13 +99,12 @@ def sheet_fields(
     shape : shape of the fields, (T, Q) with n = T Q.
     arms : for each arm of a star its direction (2,), and the weights half a spacing back along it
         (`asterism.previews.fields.star_arms`). Without arms, the rest metric is `lam^2 I`.
-    normals : (n, 2) normals of free rims (`asterism.previews.edges.free_rim.free_normals`); without them, rims do not
+    normals : (n, 2) normals of free rims (`asterism.previews.fields.free_rim.free_normals`); without them, rims do not
         curl.
-    border : (n,) 1/mm, decrease of the stars' share along the normals (`asterism.previews.edges.free_rim`); without it,
-        rims do not turn.
+    border : (n,) 1/mm, decrease of the stars' share along the normals; without it, rims do not turn.
     early : e above, one number or (S + 1,); see `free_length_share`.
     carried : (S, N) share of the natural curvature that arms carry into a free rim
-        (`asterism.previews.edges.rim_arms`).
+        (`asterism.previews.fields.rim_arms`).
     gaussian : (S,) g of each star in N mm; zero by default.
     spacing : mm, spacing of the stars.
     """

@@ -1,11 +1,25 @@
-"""Previews of the motif of drawn rods: the parts of a preview that depend on the kind of pattern."""
+"""Previews of the motif of drawn rods: the parts of a preview that depend on the kind of pattern.
+
+The estimated error is as for stars (`asterism.previews.error_estimate`), with a floor in place of the mesh error. The
+floor is that of the shell: it has no rods that end at the rim, where the exact sheet bends more or less than its
+cell. The error of the height has a further part in % of the height, for the same reason, and one in mm, which counts on
+low sheets.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from copy import copy
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
+from asterism.fem.search.relax import is_collapsing
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.motif_plan import without_motif_law
 from asterism.pattern.design.arguments import check_type
@@ -13,20 +27,212 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
+from asterism.previews.error_estimate import ErrorEstimate, error_sources
+from asterism.previews.fields.supported_edge import SupportedEdge
 from asterism.previews.model import PreviewModel
-from asterism.previews.motifs.motif_estimate import estimate_motif_error
-from asterism.previews.motifs.motif_shape import MotifLens, motif_shape_of, shown_motif_mesh
+from asterism.previews.motifs.motif_cover import MotifFieldValues, holes_within_cells
 from asterism.previews.motifs.motif_sheet import MotifSheet, motif_sheet_of
-from asterism.previews.motifs.motif_summary import motif_summary
-from asterism.previews.motifs.motif_values import MotifFieldValues
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from asterism.previews.pattern_kind import PatternKind
+from asterism.previews.places import Places, SheetLens, smooth_surface
+from asterism.previews.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.previews.state import AnyPreviewState
-from asterism.previews.surface.places import Places, SheetLens
+from asterism.previews.summary import common_numbers, count_crossings
+from asterism.previews.warnings import form_warnings, shape_warnings, side_warnings, support_warnings
 from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
+
+# share of the places on rods: with more of them outside the law no estimate is available
+MAX_OUTSIDE_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class MotifErrorModel:
+    """Constants of the estimate for motifs. The percentages are judged from a few sheets, and not fitted.
+
+    Attributes
+    ----------
+    floor_percent : of the distance, in % of the diameter.
+    height_percent : of the height, in % of it.
+    height_mm : of the height. The median of the absolute errors of six sheets whose form is the exact one: 0.2, 0.4,
+        1.2, 1.9, 2.9 and 3.8 mm.
+    """
+
+    floor_percent: float = 0.8
+    height_percent: float = 10.0
+    height_mm: float = 1.5
+
+
+MOTIF_ERROR = MotifErrorModel()
+
+
+def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:
+    """The estimated error of a state with its near-zero modes.
+
+    Parameters
+    ----------
+    shape : the sheet, its height along z.
+    up : (3,) unit vector, that direction in the pose of the shell.
+    """
+    model = replace(state.model, mesh_error_percent=MOTIF_ERROR.floor_percent)
+    is_known = len(state.values.outside) <= MAX_OUTSIDE_SHARE * state.values.places
+    estimate = ErrorEstimate.of(error_sources(state, shape, up, clock), model, is_known)
+    doubts, near = estimate.sources.height, estimate.height_percent
+    if doubts is None or near is None:
+        return estimate
+    parts = near, MOTIF_ERROR.height_percent, 100.0 * MOTIF_ERROR.height_mm / doubts.height
+    return replace(estimate, height_percent=math.hypot(*parts))
+
+
+# largest Gaussian modulus over the one at which bending becomes indefinite without a warning
+MAX_RIM_SHARE = 1.5
+
+
+def motif_summary(
+    state: AnyPreviewState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
+) -> PreviewRecord:
+    """The record of the preview of a motif. Keys that it shares with other records have the same meaning.
+
+    Parameters
+    ----------
+    mesh : mesh of the shape.
+    """
+    layout, law, values = state.layout, state.law, state.values
+    nearest = cKDTree(shape.printed).query(layout.sample_points)[1]
+    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
+    crossings = count_crossings(shape)
+    numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
+        "rods_total": len(layout.graph.rods),
+        "law": {
+            "material": law.plan.design.name,
+            "stretch": float(state.design.fabric.stretch_xy[0]),
+            "edge_mm": law.edge_mm,
+            "made_by": law.made.get("command"),
+            "graded": False,
+        },
+        "law_in_range": not values.outside,
+        "stars_outside_law": [],
+        "stars_tight": [],
+        "stars_uneven": [],
+        "smoothing_mm": 0.0,
+        "self_intersections": crossings,
+        "warnings": list(_warnings(state, estimate, axis, crossings, shape.height_mm)),
+    }
+    return PreviewRecord.from_json(numbers)
+
+
+def _warnings(
+    state: AnyPreviewState, estimate: ErrorEstimate, axis_deg: float | None, crossings: int, height_mm: float
+) -> Iterator[str]:
+    """One line each, in the order of their causes: motif, supports, equilibrium, other forms, shape."""
+    values = state.values
+    if values.outside:
+        share = 100.0 * len(values.outside) / values.places
+        yield (
+            f"{share:.0f} % of the rods are outside the law's range, such as {values.outside[0]}; the preview "
+            "takes the nearest size in the range"
+        )
+    collapses = is_collapsing(state.shell, state.equilibrium)
+    if collapses:
+        yield (
+            "not an equilibrium: at wide rims the tension of the fabric bends the preview more than its rods resist; "
+            "make the rods thicker or wider, or use the exact model: asterism simulate"
+        )
+    elif state.sheet.gaussian_share(values) > MAX_RIM_SHARE:
+        yield (
+            "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
+            "describes roughly; check with the exact model"
+        )
+    if cut := holes_within_cells(state.layout, state.design.border.tip_margin_mm):
+        which = f"hole {cut[0]} is" if len(cut) == 1 else f"hole {cut[0]} and {len(cut) - 1} more are"
+        yield (
+            f"{which} smaller than a cell of the motif, with rods cut off there, which the preview describes roughly "
+            "and its estimated error leaves out; check with the exact model"
+        )
+    yield from support_warnings(state, estimate, height_mm)
+    yield from side_warnings(state)
+    if not collapses:
+        yield from form_warnings(state, estimate)
+    yield from shape_warnings(state, axis_deg, crossings)
+
+
+# largest edge of the triangles of a preview's shape, over the spacing of the lattice
+MAX_SHOWN_MOTIF_EDGE = 1 / 3
+
+
+class MotifLens:
+    """Computes the positions of a fixed set of printed points (n, 2) mm for shells of one sheet of a motif.
+
+    Attributes
+    ----------
+    sheet, points : as given.
+
+    Raises
+    ------
+    ValueError
+        A point is outside of the sheet.
+    """
+
+    def __init__(self, sheet: MotifSheet, points: Floats) -> None:
+        self.points = np.atleast_2d(np.asarray(points, dtype=float))
+        self._at = sheet.space.locate(self.points)
+        self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
+
+    def renewed(self, sheet: MotifSheet) -> MotifLens:
+        """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
+
+        Raises
+        ------
+        ValueError
+            The sheet has another print.
+        """
+        if sheet is self.sheet:
+            return self
+        if sheet.space is not self.sheet.space:
+            raise ValueError("the sheet has another print: make a new lens")
+        lens = copy(self)
+        lens.sheet = sheet
+        if not self.sheet.has_pins_of(sheet.layout):
+            lens._rim = SupportedEdge(sheet, self.points)
+        return lens
+
+    def __call__(self, x: Floats, values: MotifFieldValues) -> Places:
+        """The positions of the points for degrees of freedom x (N, 3) of the shell."""
+        smooth = smooth_surface(self._at, x)
+        smooth = replace(smooth, places=smooth.places + self._rim(x))
+        return Places(smooth, np.zeros_like(smooth.places))
+
+
+def shown_motif_mesh(sheet: MotifSheet) -> Mesh:
+    """The mesh of a preview's shape, see `mesh_to_show`."""
+    return mesh_to_show(sheet, MAX_SHOWN_MOTIF_EDGE)
+
+
+def motif_shape_of(sheet: MotifSheet, mesh: Mesh, places: Places) -> Shape:
+    """The shape, without a summary. It has no bumps."""
+    return shape_on_mesh(
+        sheet, mesh, places, np.full(len(mesh.points), -1, dtype=np.int64), _fields_of_rods(sheet, mesh)
+    )
+
+
+def _fields_of_rods(sheet: MotifSheet, mesh: Mesh) -> dict[str, np.ndarray]:
+    """Fields of the rod edges: number of the rod, and thickness and width at the middle of the edge."""
+    thickness, width = [], []
+    for rod, path in zip(sheet.layout.graph.rods, mesh.rods, strict=True):
+        steps = np.linalg.norm(np.diff(mesh.points[path], axis=0), axis=1)
+        middles = (np.cumsum(steps) - 0.5 * steps) / steps.sum()
+        thickness.append(rod.at(rod.thickness, middles))
+        width.append(rod.at(rod.width, middles))
+    number = np.repeat(np.arange(len(mesh.rods)), [len(path) - 1 for path in mesh.rods])
+    return {
+        "arm": number,
+        "star": np.full(len(number), -1),
+        "thickness_mm": np.concatenate(thickness),
+        "width_mm": np.concatenate(width),
+    }
 
 
 class MotifKind(PatternKind):

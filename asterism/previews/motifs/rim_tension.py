@@ -9,7 +9,7 @@ the side is
     Phi = N (mean of w^2/2 - d^2/12),
 
 which is `N d^2/24` if the outline cuts the pattern midway between rods. The shell itself has the part `N s^2/2` of bare
-fabric of the width s (`asterism.previews.motifs.bare_fabric`), which is taken off. At sides along which no rods run,
+fabric of the width s (`asterism.previews.motifs.motif_sheet`), which is taken off. At sides along which no rods run,
 Phi is zero in the mean. Smeared rods need carry no other forces between the sides; so phi there is taken as the mean of
 the sides' values, weighted by length over distance. The rim of a hole is a rim like the outer one. At each, phi is
 free up to a constant, whose work on K is one on the geodesic curvature of the rim (Gauss and Bonnet). A hole smaller

@@ -12,7 +12,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.layout.build import layout
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from benchmarks.fit_targets import rectangle_mesh
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 

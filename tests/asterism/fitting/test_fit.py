@@ -19,7 +19,7 @@ from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from asterism.print.profiles import load_printer
 from benchmarks.fit_targets import rectangle_mesh

@@ -20,7 +20,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity
 from tests.asterism.sheets import sheet

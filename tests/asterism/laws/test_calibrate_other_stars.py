@@ -13,7 +13,7 @@ from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotrop
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_bytes, load_law
 from asterism.pattern.design.design import Design
-from asterism.previews.directions_warning import directions_warning
+from asterism.previews.law_warnings import directions_warning
 from asterism.previews.session import Preview
 from tests.asterism.laws.test_calibrate import PLAN, run
 

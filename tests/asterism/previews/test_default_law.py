@@ -9,7 +9,7 @@ import pytest
 from asterism.homogenize.errors import LawError, UnreadableLaw
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
-from asterism.previews.default_law import law_of
+from asterism.previews.law_choice import law_of
 
 
 def test_a_file_is_read_again_only_after_a_change(tmp_path: Path) -> None:

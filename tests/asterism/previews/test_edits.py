@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+import asterism.previews.kinds as star_kind_module
 import asterism.previews.solve as solve_module
-import asterism.previews.star_kind as star_kind_module
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.previews.kept_prints import forget_prints
+from asterism.previews.print_cache import forget_prints
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Sheet
 

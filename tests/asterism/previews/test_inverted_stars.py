@@ -8,8 +8,8 @@ import pytest
 import asterism
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern.design.design import Design
-from asterism.previews.inverted_stars import stars_that_may_be_inverted
 from asterism.previews.session import Preview
+from asterism.previews.warnings import stars_that_may_be_inverted
 
 # stars of the exact dome with arms of 10 mm that are inverted after its release (`asterism simulate`), without the
 # three corners of the sheet

@@ -7,8 +7,7 @@ import pytest
 from asterism.homogenize.errors import LawError
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
-from asterism.previews.default_law import paper_law
-from asterism.previews.mesh_law import LIMIT, law_of_exact_mesh, law_on_mesh
+from asterism.previews.law_choice import LIMIT, law_of_exact_mesh, law_on_mesh, paper_law
 
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)

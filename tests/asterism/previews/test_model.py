@@ -7,12 +7,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-import asterism.previews.star_kind as star_kind
+import asterism.previews.kinds as star_kind
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
-from asterism.previews.model_parts import PARTS, without
+from asterism.previews.model import PARTS, PREVIEW_MODEL, PreviewModel, describe, without
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 

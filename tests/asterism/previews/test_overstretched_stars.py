@@ -12,13 +12,13 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.previews.overstretched_stars import (
+from asterism.previews.session import Preview
+from asterism.previews.warnings import (
     mean_square_limit,
     mean_square_stretch,
     overstretched_stars,
     support_ratio,
 )
-from asterism.previews.session import Preview
 from asterism.shape.shape import Shape
 
 

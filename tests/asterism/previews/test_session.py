@@ -24,13 +24,13 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.corrugation.arms import Arms
+from asterism.previews.arms import Arms
+from asterism.previews.error_estimate import estimate_error
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
+from asterism.previews.other_forms import OtherForm, close_form
 from asterism.previews.session import Preview
-from asterism.previews.supports.conditions import weight
-from asterism.previews.uncertainty.estimate import estimate_error
-from asterism.previews.uncertainty.other_forms import OtherForm, close_form
+from asterism.previews.supports import weight
 from asterism.previews.warnings import preview_warnings
 from asterism.shape.comparison import compare_shapes
 from tests.asterism.previews.laws import SPACING, plain_law

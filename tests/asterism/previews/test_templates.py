@@ -7,7 +7,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.layout.load_design import load_design
 from asterism.previews.run import preview
-from asterism.previews.search.alternatives import MIN_SIZE_RATIO
+from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.print.bed_placement import size_warning
 
 # % of the diameter: the estimated error of a template whose supports do not hold it narrow

@@ -10,9 +10,8 @@ import pytest
 from asterism.homogenize.errors import ForeignLaw
 from asterism.pattern.design.design import Design
 from asterism.previews import universal_choice as module
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law, serving_law
 from asterism.previews.run import preview
-from asterism.previews.serving_law import serving_law
 from asterism.previews.session import Preview
 from asterism.previews.universal_choice import universal_choice
 

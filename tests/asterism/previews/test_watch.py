@@ -10,8 +10,7 @@ import pytest
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.previews.session import Preview
-from asterism.previews.watch import SearchLimitError
+from asterism.previews.session import Preview, SearchLimitError
 
 
 def dome(**sections: Any) -> Design:
@@ -78,7 +77,7 @@ def test_flip_can_be_stopped() -> None:
 def test_a_search_is_given_up_after_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
     preview = Preview(gallery.load("dome"), max_seconds=30.0)
     seconds = itertools.count(0.0, 10.0)
-    monkeypatch.setattr("asterism.previews.watch.time.perf_counter", lambda: next(seconds))
+    monkeypatch.setattr("asterism.previews.session.time.perf_counter", lambda: next(seconds))
     with pytest.raises(SearchLimitError, match="30 s"):
         preview.update(CUT)
     monkeypatch.undo()

@@ -19,7 +19,7 @@ from asterism.fitting.residual import FitPlaces
 from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from asterism.previews.run import preview
 from asterism.reports.fit_page import fit_page, remainder
 from asterism.reports.fit_plots import star_contractions

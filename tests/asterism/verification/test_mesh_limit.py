@@ -7,7 +7,7 @@ import pytest
 from asterism.homogenize.errors import LawError
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
-from asterism.previews.default_law import paper_law
+from asterism.previews.law_choice import paper_law
 from asterism.previews.run import preview
 from asterism.results.records.exact import ExactRecord
 from asterism.verification.mesh_error import verified_mesh_error

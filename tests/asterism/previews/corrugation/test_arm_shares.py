@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
-from asterism.previews.corrugation.arm_shares import CREASE_ROUNDING, DECAY_LENGTHS, ArmShares, arm_shares
-from asterism.previews.corrugation.arms import Arms
+from asterism.previews.arm_shares import CREASE_ROUNDING, DECAY_LENGTHS, ArmShares, arm_shares
+from asterism.previews.arms import Arms
 from asterism.previews.sheet import sheet_of
 
 DESIGN = Design.from_dict(

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.corrugation.bumps import flattening
+from asterism.previews.bumps import flattening
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from tests.asterism.previews.laws import SPACING, plain_law

@@ -11,8 +11,8 @@ import scipy.sparse as sp
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.corrugation.bumps import corrugation_heights
-from asterism.previews.edges.free_rim import free_normals, rim_curvature, stars_share
+from asterism.previews.bumps import corrugation_heights
+from asterism.previews.fields.free_rim import free_normals, rim_curvature, stars_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview

@@ -12,7 +12,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.edges.rim_arms import arm_curvature, rim_curvature_share
+from asterism.previews.fields.rim_arms import arm_curvature, rim_curvature_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview

@@ -8,7 +8,7 @@ import shapely
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
+from asterism.previews.fields.star_cells import MIN_SHARE_OFF_SHEET, CellGrid
 
 TUBE = gallery.load("tube")
 

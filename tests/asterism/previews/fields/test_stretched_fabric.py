@@ -8,7 +8,7 @@ import pytest
 from asterism.discrete.energies.membrane import Membrane
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
-from asterism.previews.fields.stretched_fabric import MIN_DET_C, stretched_fabric
+from asterism.previews.point_pins import MIN_DET_C, stretched_fabric
 
 THICKNESS, MODULUS, POISSON, LAM = 0.8, 7.0, 0.3, 0.74
 # per printed area and strain in printed coordinates

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from asterism.previews.motifs.motif_estimate import MOTIF_ERROR
+from asterism.previews.motifs.motif_kind import MOTIF_ERROR
 from asterism.previews.session import Preview
 from tests.asterism.previews.motifs.nets import net, net_law
 

@@ -8,10 +8,8 @@ import shapely
 
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.previews.motifs.bare_fabric import fabric_tension, neo_hookean
-from asterism.previews.motifs.motif_cover import reach_mm
-from asterism.previews.motifs.motif_sheet import motif_sheet_of
-from asterism.previews.motifs.motif_values import MotifFieldValues
+from asterism.previews.motifs.motif_cover import MotifFieldValues, reach_mm
+from asterism.previews.motifs.motif_sheet import fabric_tension, motif_sheet_of, neo_hookean
 from asterism.previews.motifs.rim_tension import to_first_rod
 from tests.asterism.previews.motifs.nets import GRADED, net, net_law
 

@@ -13,9 +13,14 @@ from asterism.fem.shell.shell import Shell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews.search import find_equilibrium as search
-from asterism.previews.search.alternatives import MIN_SIZE_RATIO, is_inverted, is_narrow
-from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
-from asterism.previews.search.near_zero_modes import is_equilibrium_near_another
+from asterism.previews.search_minima import (
+    MIN_SIZE_RATIO,
+    SheetTraits,
+    find_equilibrium,
+    is_equilibrium_near_another,
+    is_inverted,
+    is_narrow,
+)
 from asterism.previews.session import Preview
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
 

@@ -2,7 +2,7 @@
 
 A wedge of bare fabric is held along its arc, where it is as long as it wants to be, and its tip is pulled out a little;
 for 360 degrees it is a disc, and its middle is pulled aside. c, d, d - c and g are those of
-`asterism/previews/supports/point_pins.py`, with its K, for a full turn that of a plane, `4 pi E t/((1 + nu)(3 - nu))`.
+`asterism/previews/point_pins.py`, with its K, for a full turn that of a plane, `4 pi E t/((1 + nu)(3 - nu))`.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.model import PREVIEW_MODEL
+from asterism.previews.point_pins import amounts_of, around, softened, spot
 from asterism.previews.session import Preview
-from asterism.previews.supports.conditions import conditions
-from asterism.previews.supports.point_pins import amounts_of, around, softened, spot
+from asterism.previews.supports import conditions
 from asterism.shape.comparison import compare_shapes
 
 ANGLES_DEG, LACK, GAIN = PREVIEW_MODEL.point_angles_deg, PREVIEW_MODEL.point_lack, PREVIEW_MODEL.point_gain

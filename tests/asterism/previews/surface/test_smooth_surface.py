@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.previews.surface.smooth_surface import smooth_surface
+from asterism.previews.places import smooth_surface
 from tests.fem.hexagons import hexagon
 
 

@@ -11,13 +11,17 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
-from asterism.previews.common_warnings import CAUSES, FAR_PERCENT, form_warnings
+from asterism.previews.error_estimate import (
+    COVERAGE,
+    ErrorEstimate,
+    ErrorSources,
+    distance_error_percent,
+    distance_parts,
+)
 from asterism.previews.model import PREVIEW_MODEL
-from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
-from asterism.previews.uncertainty.distance_error import COVERAGE, distance_error_percent, distance_parts
-from asterism.previews.uncertainty.error_estimate import ErrorEstimate
-from asterism.previews.uncertainty.error_sources import ErrorSources
-from asterism.previews.uncertainty.other_forms import OtherForm, close_form
+from asterism.previews.other_forms import OtherForm, close_form
+from asterism.previews.search_minima import amplitudes_percent, has_two_near_zero_modes
+from asterism.previews.warnings import CAUSES, FAR_PERCENT, form_warnings
 
 UNSURE, MESH = PREVIEW_MODEL.energy_uncertainty, PREVIEW_MODEL.mesh_error_percent
 STIFF = np.zeros(2)

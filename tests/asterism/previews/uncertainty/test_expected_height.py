@@ -10,11 +10,9 @@ import pytest
 from asterism.fem.search.linear_response import compliance, rms_of, stiffness_responses
 from asterism.fem.supports.loads import point_load
 from asterism.pattern import gallery
+from asterism.previews.error_estimate import ErrorSources, HeightDoubts, height_error_percent
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
-from asterism.previews.uncertainty.error_sources import ErrorSources
-from asterism.previews.uncertainty.height_doubts import HeightDoubts
-from asterism.previews.uncertainty.height_error import height_error_percent
 from tests.asterism.previews.laws import plain_law
 
 ACROSS = 100.0

@@ -13,11 +13,10 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetric_distance import symmetric_distances
 from asterism.pattern.layout.symmetries import Symmetry
+from asterism.previews.error_estimate import COVERAGE, ErrorSources, distance_error_percent
 from asterism.previews.model import PREVIEW_MODEL
+from asterism.previews.other_forms import OtherForm, close_form, other_forms
 from asterism.previews.session import Preview
-from asterism.previews.uncertainty.distance_error import COVERAGE, distance_error_percent
-from asterism.previews.uncertainty.error_sources import ErrorSources
-from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from asterism.results.records.preview import MIN_SHOWN_PROBABILITY
 from tests.asterism.previews.laws import plain_law
 

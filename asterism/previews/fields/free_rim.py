@@ -17,7 +17,7 @@ A side has no rest curvature if it is supported along its length, or at a point 
 points: there the fabric is pulled straight along the rim. Points that slide along the print do not pull. A hole, bare
 sites enclosed by stars, has no side to turn to; a hole in the sheet has sides like the outline.
 
-Below arms that point outwards, the rim also curls along the arms (`asterism.previews.edges.rim_arms`).
+Below arms that point outwards, the rim also curls along the arms (`asterism.previews.fields.rim_arms`).
 """
 
 from __future__ import annotations

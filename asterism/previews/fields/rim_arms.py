@@ -26,7 +26,7 @@ import scipy.sparse as sp
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import distance_along
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.edges.free_rim import MIN_STAR_SHARE, beside, stars_share
+from asterism.previews.fields.free_rim import MIN_STAR_SHARE, beside, stars_share
 from asterism.previews.fields.star_arms import are_last_arms, rosette
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -63,7 +63,7 @@ def arm_curvature(
     Parameters
     ----------
     weights : (n, S) share of each star at n places.
-    normals : (n, 2), from `asterism.previews.edges.free_rim.free_normals`.
+    normals : (n, 2), from `asterism.previews.fields.free_rim.free_normals`.
     arms : for each of N arms its direction (2,), and the weights (n, S) half a spacing back along it.
     part : (S, N), from `rim_curvature_share`.
     """

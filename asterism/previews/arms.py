@@ -1,6 +1,6 @@
 """Positions of the arms relative to the smooth surface: arms keep their length, and bend differently.
 
-The corrugation of the cells (`asterism.previews.corrugation.bumps`) moves the sheet along its normal, in the same way
+The corrugation of the cells (`asterism.previews.bumps`) moves the sheet along its normal, in the same way
 for all arms of a star. As rods, the arms also differ from the sheet:
 
 - **Length.** An arm keeps its length l where the sheet contracts to `lam l`, so that its tip lies `(1 - lam) l` further
@@ -14,7 +14,7 @@ for all arms of a star. As rods, the arms also differ from the sheet:
   two thirds of it are left if the curvature falls linearly from the joint to nothing at the tip. Such tips are often
   the lowest points of a sheet.
 
-The fabric beside an arm follows it (`asterism.previews.corrugation.arm_shares`). Supported points stay in place.
+The fabric beside an arm follows it (`asterism.previews.arm_shares`). Supported points stay in place.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from asterism.fem.elements.argyris import Argyris
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.star_arms import are_last_arms
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.surface.smooth_surface import smooth_surface
+from asterism.previews.places import smooth_surface
 
 # arms whose unit vectors differ by less are the same: rounding leaves 1e-13, and two arms of a star differ by 1 or more
 SAME_DIRECTION = 1e-6

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
-from asterism.previews.corrugation.arms import Arms
+from asterism.previews.arms import Arms
 
 # the crease of exp(-q/b) on the arm is rounded over this multiple of b
 CREASE_ROUNDING = 0.1

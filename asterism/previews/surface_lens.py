@@ -11,14 +11,13 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.corrugation.arm_shares import arm_shares
-from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
-from asterism.previews.edges.supported_edge import SupportedEdge
+from asterism.previews.arm_shares import arm_shares
+from asterism.previews.bumps import corrugation_heights, flattening, support_factor
 from asterism.previews.fields.star_values import StarValues
+from asterism.previews.fields.supported_edge import SupportedEdge
+from asterism.previews.places import Places, smooth_surface
 from asterism.previews.sheet import Sheet
-from asterism.previews.surface.places import Places
-from asterism.previews.surface.shown_shape import mesh_to_show, shape_on_mesh
-from asterism.previews.surface.smooth_surface import smooth_surface
+from asterism.previews.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.shape.shape import Shape
 
 # largest edge of the triangles of a preview's shape, over the spacing of the stars

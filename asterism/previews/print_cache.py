@@ -12,9 +12,9 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.kinds import serves
 from asterism.previews.model import PreviewModel
+from asterism.previews.places import ShownSheet
 from asterism.previews.print_sheet import MAX_TRIANGLES, PrintSheet
 from asterism.previews.state import AnyPreviewState
-from asterism.previews.surface.places import ShownSheet
 
 # prints that are kept: a fine sheet takes about 30 MB
 KEPT_PRINTS = 2

@@ -11,9 +11,9 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews import kept_prints
-from asterism.previews.kept_prints import KEPT_PRINTS, forget_prints, kept_print
+from asterism.previews import print_cache
 from asterism.previews.model import PREVIEW_MODEL
+from asterism.previews.print_cache import KEPT_PRINTS, forget_prints, kept_print
 from asterism.previews.session import Preview
 
 
@@ -76,7 +76,7 @@ def test_other_prints_share_nothing() -> None:
     assert is_kept(small(), triangles=30)
     assert not is_kept(small())
     assert not is_kept(small(border={"rings": 2}), triangles=30)
-    assert kept_print(small(), layout(small()), 30, PREVIEW_MODEL) is kept_prints._kept[-1]
+    assert kept_print(small(), layout(small()), 30, PREVIEW_MODEL) is print_cache._kept[-1]
 
 
 def test_few_prints_are_kept() -> None:

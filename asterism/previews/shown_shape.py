@@ -7,8 +7,8 @@ import numpy as np
 from asterism.equilibrium.arrays import Ints
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.previews.places import Places
 from asterism.previews.print_sheet import PrintSheet
-from asterism.previews.surface.places import Places
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
 

@@ -1,1 +1,0 @@
-"""The bumps laid on the smooth surface."""

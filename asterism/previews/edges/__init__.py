@@ -1,1 +1,0 @@
-"""Free and supported edges of the sheet."""

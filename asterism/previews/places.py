@@ -1,0 +1,115 @@
+"""Positions of printed points in space and on the smooth surface, and the lenses that compute them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.elements.tabulation import Evaluation
+from asterism.pattern.mesh.mesh import Mesh
+
+
+@dataclass(frozen=True)
+class SmoothSurface:
+    """The smooth surface at n printed points.
+
+    Attributes
+    ----------
+    places : (n, 3) mm, positions.
+    tangents : (n, 2, 3) derivatives of the position by the printed coordinates.
+    seconds : (n, 3, 3) 1/mm, second derivatives 11, 22, 12.
+    normals : (n, 3) unit normals on the plastic side.
+    area : (n,) area of the surface per printed area.
+    mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean curvature is positive where the plastic side is
+        convex.
+    """
+
+    places: Floats
+    tangents: Floats
+    seconds: Floats
+    normals: Floats
+    area: Floats
+    mean_curvature: Floats
+    gaussian_curvature: Floats
+
+    def moved(self, shift: Floats) -> Floats:
+        """(n, 3) mm, displacement on the surface for a shift (n, 2) mm in print, to second order."""
+        one, two = shift.T
+        square = np.column_stack([0.5 * one**2, 0.5 * two**2, one * two])
+        first = np.einsum("ni,nic->nc", shift, self.tangents)
+        return np.asarray(first + np.einsum("nk,nkc->nc", square, self.seconds))
+
+
+def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
+    """The smooth surface at the points of an evaluation, for degrees of freedom x (N, 3) of the shell."""
+    jets = at.jets(x)
+    first, second = jets[:, 1:3], jets[:, 3:]
+    cross = np.cross(first[:, 0], first[:, 1])
+    area = np.linalg.norm(cross, axis=1)
+    normals = cross / area[:, None]
+    a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
+    b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
+    mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
+    return SmoothSurface(jets[:, 0], first, second, normals, area, mean, (b11 * b22 - b12**2) / area**2)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Positions of n printed points in space.
+
+    Attributes
+    ----------
+    surface : the smooth surface of the shell.
+    bumps : (n, 3) mm, vectors from there to the sheet with its bumps; zero for the sheet of a motif.
+    """
+
+    surface: SmoothSurface
+    bumps: Floats
+
+    @property
+    def smooth(self) -> Floats:
+        """(n, 3) mm, positions on the smooth surface."""
+        return self.surface.places
+
+    @property
+    def bumpy(self) -> Floats:
+        """(n, 3) mm, positions with bumps."""
+        return self.smooth + self.bumps
+
+
+class SheetLens(Protocol):
+    """Computes the positions of a fixed set of printed points for shells of one sheet."""
+
+    points: Floats
+
+    @property
+    def sheet(self) -> Any:
+        """The sheet of the points."""
+
+    def renewed(self, sheet: Any) -> SheetLens:
+        """The lens of the same points on a sheet after an edit that keeps the print."""
+
+    def __call__(self, x: Floats, values: Any) -> Places:
+        """The positions of the points for degrees of freedom x (N, 3) of the shell."""
+
+
+@dataclass(frozen=True)
+class ShownSheet:
+    """The triangles of a preview's shape, and the lens that computes the positions of their vertices."""
+
+    mesh: Mesh
+    lens: SheetLens
+
+    def renewed(self, old: Any, sheet: Any) -> ShownSheet | None:
+        """The same triangles for a sheet with another pattern; None if that moves its rods or asks for another mesh.
+
+        Parameters
+        ----------
+        old, sheet : the sheet of these triangles, and another one of the same print.
+        """
+        if not (old.has_rods_of(sheet.layout) and old.design.mesh == sheet.design.mesh):
+            return None
+        return replace(self, lens=self.lens.renewed(sheet))

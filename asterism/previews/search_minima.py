@@ -1,0 +1,349 @@
+"""The equilibrium that a preview shows: the lowest minimum among those that simple shapes lead to.
+
+1. The initial guesses of `fem.search`: caps, tubes about several axes, saddles; the most promising ones are followed.
+2. Where experience shows that other forms are likely, more are tried: caps for free sheets whose stars curl within
+   their own spacing; other kinds of guesses for free sheets without symmetry that have two near-zero modes; the flat
+   sheet for supported sheets that come out inverted; both sides of the softest mode for supported sheets with
+   two soft modes; caps and arcs for supported sheets that are narrower than their natural size, soft or not.
+3. If one side is asked for, the lowest minimum on that side.
+
+**Further minima** near a given one: each of these functions returns the lowest of the given minimum and those that it
+reaches.
+
+- `perturb_along_softest_mode` starts on both sides of the minimum, along its softest mode.
+- `buckle` starts a sheet that its supports hold narrower than its natural size from caps and arcs: such a sheet
+  buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others.
+- `buckle_soft` does the same for a sheet that has soft modes: these need not point to the other forms either.
+- `is_inverted` detects sheets that lie completely on the wrong side of their supports.
+
+**Near-zero modes** are motions of the sheet that cost little energy. A mode with the eigenvalue `s_i` (N/mm^3) of the
+Hessian against the printed area A would take the energy E at stake (`fem.search.evidence`) up to this amplitude, rms
+over the sheet, in % of its diameter D:
+
+    a_i = 100/D sqrt(2 E / (s_i A)).
+
+One near-zero mode is common: the rotation of a tube's axis. A sheet with two near-zero modes may rest in another form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.linear.factor import Factor
+from asterism.fem.search.evidence import ShellEquilibrium, Trial
+from asterism.fem.search.guess_builder import GuessBuilder
+from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, candidate_shapes
+from asterism.fem.search.mean_fields import FLAT_SAG_MM, MeanFields, Side, mean_fields, side_of
+from asterism.fem.search.relax import MAX_FURTHER_ITERATIONS, factorise, follow, relax, softest_shell_modes
+from asterism.fem.search.simple_shapes import SimpleShape
+from asterism.fem.shell.shell import Shell
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+
+# smaller and negative eigenvalues are replaced by this one
+MIN_STIFFNESS_N_MM3 = 1e-12
+# % of the diameter: with a larger second amplitude the search tries further initial guesses; chosen by hand
+SECOND_AMPLITUDE_PERCENT = 18.0
+
+
+def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: float) -> Floats:
+    """(k,) amplitudes a_i of the formula above, the largest first.
+
+    Parameters
+    ----------
+    stiffness : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area.
+    energy, area, diameter : E, A and D in N mm, mm^2 and mm.
+
+    Examples
+    --------
+    >>> amplitudes_percent(np.array([0.01, 0.04]), energy=2.0, area=100.0, diameter=100.0).round(3).tolist()
+    [2.0, 1.0]
+    """
+    safe = np.maximum(np.asarray(stiffness, dtype=float), MIN_STIFFNESS_N_MM3)
+    return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
+
+
+def has_two_near_zero_modes(amplitudes: Floats, percent: float = SECOND_AMPLITUDE_PERCENT) -> bool:
+    """Whether the second of the amplitudes (k,), in % of the diameter, is above a limit.
+
+    Examples
+    --------
+    The rotation of a tube's axis is one near-zero mode:
+
+    >>> has_two_near_zero_modes(np.array([80.0, 10.0]))
+    False
+    """
+    return len(amplitudes) > 1 and bool(amplitudes[1] > percent)
+
+
+def is_equilibrium_near_another(
+    shell: Shell, equilibrium: ShellEquilibrium, size: float, percent: float = SECOND_AMPLITUDE_PERCENT
+) -> bool:
+    """Whether a sheet with a diameter of about `size` mm has two modes with amplitudes above `percent`."""
+    area = float(shell.assembly.weights.sum())
+    amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
+    return has_two_near_zero_modes(amplitudes, percent)
+
+
+# two minima count as one form if their energies differ by less than this share
+EQUAL_ENERGY = 1e-3
+# an inverted sheet rises above its supports by less than this share of its depth below them
+MAX_RISE_SHARE = 0.1
+# sheets with a smaller ratio of supported size to natural size may buckle
+MIN_SIZE_RATIO = 0.95
+# about this many arcs are initial guesses for a narrow sheet
+ARC_GUESSES = 3
+# iterations for each guess of a narrow soft sheet: arcs take up to this many there
+SOFT_ITERATIONS = 30
+
+
+def perturb_along_softest_mode(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, amplitude_mm: float
+) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that a perturbation along its softest mode leads to, in both directions.
+
+    Parameters
+    ----------
+    amplitude_mm : largest change of a degree of freedom.
+    """
+    mode = softest_shell_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
+    step = amplitude_mm / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
+    starts = [(shell.move(equilibrium.x, sign * step), "pushed") for sign in (1.0, -1.0)]
+    others = _followed(shell, factor, equilibrium, starts, patient=True)
+    return lowest(shell, factor, equilibrium, others)
+
+
+def is_narrow(means: MeanFields) -> bool:
+    """Whether the supports hold the sheet narrower than its natural size."""
+    return means.chord < MIN_SIZE_RATIO * means.stretch
+
+
+def buckle(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
+) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that caps and a few arcs, taken from the guesses, lead to."""
+    builder = GuessBuilder(shell, factor, means.centre, means.stretch)
+    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
+    tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
+    guessed = [builder.relax_in_plane(builder.bend(shape)) for shape in tried]
+    others = _followed(shell, factor, equilibrium, [(start.x, start.shape.name) for start in guessed])
+    low = min(others, key=lambda other: other.energy)
+    if not low.is_minimum and low.energy < equilibrium.energy:
+        others.append(follow(shell, low.x, factor, low.guess))
+    return lowest(shell, factor, equilibrium, others)
+
+
+def buckle_soft(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
+) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that the tightest cap and arcs in three directions lead to."""
+    caps = [shape for shape in guesses if shape.name == "cap"]
+    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
+    family = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
+    tightest = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
+    builder = GuessBuilder(shell, factor, means.centre, means.stretch)
+    tried = tightest + family[:: max(len(family) // ARC_GUESSES, 1)]
+    starts = sorted((builder.relax_in_plane(builder.bend(shape)) for shape in tried), key=lambda start: start.energy)
+    promising = [
+        (start.x, start.shape.name)
+        for start in starts
+        if start.energy - starts[0].energy <= (MAX_ENERGY_RATIO - 1.0) * abs(starts[0].energy)
+    ]
+    others = _followed(shell, factor, equilibrium, promising, max_iterations=SOFT_ITERATIONS)
+    return lowest(shell, factor, equilibrium, others)
+
+
+def _followed(
+    shell: Shell,
+    factor: Factor,
+    equilibrium: ShellEquilibrium,
+    starts: Sequence[tuple[Floats, str]],
+    patient: bool = False,
+    max_iterations: int = MAX_FURTHER_ITERATIONS,
+) -> list[ShellEquilibrium]:
+    """The equilibria that states with names lead to; arguments as in `follow`. A known minimum is met early."""
+    others: list[ShellEquilibrium] = []
+    for x, name in starts:
+        known = [each.x for each in (equilibrium, *others) if each.is_minimum]
+        others.append(follow(shell, x, factor, name, patient=patient, max_iterations=max_iterations, known=known))
+    return others
+
+
+def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
+    """Whether a supported sheet x (N, 3) lies completely on the wrong side of its supports for the given side."""
+    heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
+    return bool(heights.min() < -FLAT_SAG_MM and heights.max() < MAX_RISE_SHARE * -heights.min())
+
+
+def lowest(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, others: Sequence[ShellEquilibrium]
+) -> ShellEquilibrium:
+    """The lowest of several minima, with the history of all attempts; the factor then holds its Hessian."""
+    best = equilibrium
+    for other in others:
+        if other.is_minimum and other.energy < best.energy - EQUAL_ENERGY * abs(best.energy):
+            best = other
+    factorise(shell, best.x, factor)
+    if best is not equilibrium:
+        best = replace(best, soft_modes=softest_shell_modes(shell, best.x, factor)[0])
+    return replace(best, trials=equilibrium.trials + tuple(trial for other in others for trial in other.trials))
+
+
+# a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
+MIN_TUBE_TURN_RAD = 3.0
+# curvatures of the caps that are tried, over the curvature of the last cap among the guesses
+CAP_CURVATURES = (1.0, 0.7)
+# kinds of initial guesses with an axis
+ROLLED = {"arc", "bent", "saddle"}
+# kinds of initial guesses that are not flat
+KINDS = ROLLED | {"cap"}
+# supported sheets whose second softest mode has a larger amplitude, in % of the diameter, are perturbed; chosen by hand
+PERTURBED_AMPLITUDE_PERCENT = 10.0
+# amplitude of the perturbation, over the size of the sheet
+PERTURBATION = 0.04
+
+
+@dataclass(frozen=True)
+class SheetTraits:
+    """Properties of a sheet that determine the initial guesses.
+
+    Attributes
+    ----------
+    has_equal_stars : whether all stars have one size.
+    has_tight_curls : whether many stars are not scale-separated.
+    turns : (2, 2) rotations and mirrors of the design's symmetries; axes that they make equal count once.
+    """
+
+    has_equal_stars: bool = False
+    has_tight_curls: bool = False
+    turns: Sequence[Floats] = ()
+
+
+def find_equilibrium(shell: Shell, factor: Factor, side: Side, traits: SheetTraits) -> ShellEquilibrium:
+    """The lowest minimum that the guesses lead to, on the side that is asked for if one is reached there.
+
+    The factor then holds the exact Hessian at the equilibrium, if that is definite.
+    """
+    equilibrium = _lowest_on_any_side(shell, factor, side, traits)
+    if side == "auto" or side_of(shell, equilibrium.x) == side:
+        return equilibrium
+    return _lowest_on_side(shell, factor, equilibrium, side, traits.turns)
+
+
+def _lowest_on_side(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, side: Side, turns: Sequence[Floats]
+) -> ShellEquilibrium:
+    """The lowest minimum on a side, from guesses there if none was met yet; `equilibrium` if that side has none."""
+
+    def on_side() -> list[Trial]:
+        return [trial for trial in equilibrium.trials if trial.is_minimum and side_of(shell, trial.x) == side]
+
+    bent = [shape for shape in candidate_shapes(mean_fields(shell), shell.extent, side) if shape.name != "flat"]
+    if not on_side() and bent:
+        more = relax(shell, factor, side, bent, len(KINDS), symmetries=turns)
+        equilibrium = replace(equilibrium, trials=equilibrium.trials + more.trials)
+    best = min(on_side(), key=lambda trial: trial.energy, default=None)
+    if best is None:
+        factorise(shell, equilibrium.x, factor)
+        return equilibrium
+    there = follow(shell, best.x, factor, best.name)  # best.x is a minimum; this recomputes evidence and factor
+    stiffness = softest_shell_modes(shell, there.x, factor)[0]
+    return replace(there, trials=equilibrium.trials, soft_modes=stiffness, iterations=best.iterations)
+
+
+def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetTraits) -> ShellEquilibrium:
+    """The lowest minimum; the guesses are on the requested side, but may lead to the other one."""
+    free = len(shell.fixed_points) == 0
+    means, size, turns = mean_fields(shell), shell.extent, traits.turns
+    if free and traits.has_equal_stars and abs(means.curvature) * means.stretch * size > MIN_TUBE_TURN_RAD:
+        tubes = [shape for shape in candidate_shapes(means, size, side) if shape.name in ("arc", "flat")]
+        tube = relax(shell, factor, side, tubes, max_guesses=1, symmetries=turns)
+        if tube.is_minimum:
+            return tube
+    equilibrium = relax(shell, factor, side, symmetries=turns)
+    guesses, natural_size = candidate_shapes(means, size, side), means.stretch * size
+    if free:
+        near_another = is_equilibrium_near_another(shell, equilibrium, natural_size)
+        return _lowest_free(shell, factor, equilibrium, side, traits, guesses, near_another)
+    right_side = means.side if side == "auto" else side
+    if equilibrium.is_minimum and equilibrium.guess != "flat" and is_inverted(shell, equilibrium.x, right_side):
+        flat = [shape for shape in guesses if shape.name == "flat"]
+        equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
+    if not equilibrium.is_minimum:
+        return equilibrium
+    is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT)
+    if is_soft:
+        equilibrium = perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
+    if not is_narrow(means):
+        return equilibrium
+    return (buckle_soft if is_soft else buckle)(shell, factor, equilibrium, means, guesses)
+
+
+def _lowest_free(
+    shell: Shell,
+    factor: Factor,
+    equilibrium: ShellEquilibrium,
+    side: Side,
+    traits: SheetTraits,
+    guesses: Sequence[SimpleShape],
+    near_another: bool,
+) -> ShellEquilibrium:
+    """The lowest of a free sheet's equilibrium and of those that further kinds of guesses lead to."""
+    tried = {trial.name for trial in equilibrium.trials} - ROLLED | {"flat"}
+    if sum(trial.name in ROLLED for trial in equilibrium.trials) > 1:
+        tried |= ROLLED  # these have been tried in several directions
+    offers: list[list[SimpleShape]] = []
+    caps = [shape for shape in guesses if shape.name == "cap"]
+    if traits.has_tight_curls and caps and "cap" not in tried:
+        offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAP_CURVATURES]
+    elif near_another and len(traits.turns) <= 1:
+        offers = _by_direction([shape for shape in guesses if shape.name not in tried])
+    best, trials = equilibrium, equilibrium.trials
+    for offer in filter(None, offers):
+        other = relax(shell, factor, side, offer, max_guesses=1, symmetries=traits.turns)
+        energies = [trial.energy for trial in trials if trial.is_minimum]
+        trials += other.trials
+        margin = EQUAL_ENERGY * abs(other.energy)
+        if other.is_minimum and all(other.energy < energy - margin for energy in energies):
+            best = other
+    if len(trials) > len(equilibrium.trials):
+        factorise(shell, best.x, factor)
+    return replace(best, trials=trials)
+
+
+def _by_direction(guesses: Sequence[SimpleShape]) -> list[list[SimpleShape]]:
+    """The guesses by the direction of their axis, in three sectors of 60 degrees; caps are in the first sector."""
+    return [[shape for shape in guesses if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]
+
+
+# number of steps in which supported degrees of freedom move to their places
+SUPPORT_STEPS = 6
+# name of the start of the resulting equilibrium
+SUPPORT_START = "pins take hold"
+
+
+def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
+    """The equilibrium with the shell's supports, from a state x (N, 3) mm that does not meet all of them.
+
+    A sheet that was free is first laid where its supported points come closest to their places.
+    """
+    target = shell.reduction.target
+    if was_free:
+        x = _laid_on_supports(shell, x, target.reshape(-1, 3))
+    start = x.ravel() - shell.reduction.map @ shell.reduction.project(x)
+    for step in range(1, SUPPORT_STEPS + 1):
+        share = step / SUPPORT_STEPS
+        moved = shell.with_target((1.0 - share) * start + share * target)
+        equilibrium = follow(moved, moved.constrain(x), factor, SUPPORT_START)
+        x = equilibrium.x
+    return equilibrium
+
+
+def _laid_on_supports(shell: Shell, x: Floats, places: Floats) -> Floats:
+    """(N, 3) x after the rigid motion that brings supported points closest to their places (N, 3)."""
+    held = shell.fixed_points
+    rotation, shift = rigid_fit(x[held], places[held])
+    return np.asarray(shell.translated(x @ rotation.T, shift))

@@ -1,1 +1,0 @@
-"""Pins and weight as supports and loads."""

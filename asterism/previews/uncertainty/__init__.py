@@ -1,1 +1,0 @@
-"""Estimated error of a preview; the entry point is `asterism.previews.uncertainty.estimate.estimate_error`."""
