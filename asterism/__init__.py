@@ -24,9 +24,8 @@ from asterism.process.version import __version__
 
 if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error
-    from asterism.fitting.fit import fit
+    from asterism.fitting.fit import Fit, fit
     from asterism.fitting.load_target import load_target
-    from asterism.fitting.result import Fit
     from asterism.fitting.solve_for import solve_for
     from asterism.fitting.solve_needle import solve_for_point
     from asterism.fitting.target import TargetSurface
@@ -65,7 +64,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Design": ("asterism.pattern.design.design", "Design"),
     "Error": ("asterism.equilibrium.errors", "Error"),
-    "Fit": ("asterism.fitting.result", "Fit"),
+    "Fit": ("asterism.fitting.fit", "Fit"),
     "Law": ("asterism.homogenize.law.law", "Law"),
     "MotifLaw": ("asterism.homogenize.law.motif_law", "MotifLaw"),
     "Preview": ("asterism.previews.session", "Preview"),

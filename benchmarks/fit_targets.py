@@ -28,9 +28,8 @@ from asterism.exact.simulation import exact_shape
 from asterism.fitting.distance import target_distance
 from asterism.fitting.errors import ReachError
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import fit
+from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces
-from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law

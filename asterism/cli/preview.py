@@ -48,7 +48,7 @@ def preview(
     from asterism.previews.run import preview as compute
     from asterism.print.bed_placement import size_warning
     from asterism.reports.write_results import write_results
-    from asterism.results.doubts import doubts
+    from asterism.results.words import doubts
     from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
 
     directory = results_folder(design, output, design.with_suffix(""))

@@ -65,7 +65,7 @@ def simulate(
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.laws.design_law import any_law_for_design
     from asterism.reports.write_results import write_results
-    from asterism.results.doubts import doubts
+    from asterism.results.words import doubts
     from asterism.verification.both_starts import BOTH_STARTS
     from asterism.verification.both_starts import simulate as compute
     from asterism.verification.mesh_limit import has_mesh_limit

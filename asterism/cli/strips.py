@@ -192,8 +192,7 @@ def overhang(
     ] = None,
 ) -> None:
     """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
-    from asterism.measure.overhang import bending_stiffness, read_overhangs
-    from asterism.measure.overhang_form import write_overhang_form
+    from asterism.measure.overhang import bending_stiffness, read_overhangs, write_overhang_form
     from asterism.pattern.design.errors import DesignError
 
     if form is not None:

@@ -48,7 +48,7 @@ def verify(
     from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import any_law_for_design
     from asterism.reports.verification_page import write_verification
-    from asterism.results.doubts import doubts
+    from asterism.results.words import doubts
     from asterism.verification.run import verify as compute
 
     chosen = with_overrides(

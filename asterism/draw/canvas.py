@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from asterism.draw.colours import INK
+from asterism.draw.style import INK
 from asterism.equilibrium.arrays import Floats
 
 # resolution of pictures; it determines the size of the text

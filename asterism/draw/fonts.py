@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib import font_manager
 from matplotlib.figure import Figure
 
-from asterism.draw.colours import INK
+from asterism.draw.style import INK
 
 USUAL_FAMILY = "DejaVu Sans"
 # common fonts with the letters of other scripts, those of Linux, Windows and macOS; whichever are installed

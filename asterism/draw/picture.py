@@ -11,9 +11,9 @@ import numpy as np
 from PIL import Image
 
 from asterism.draw.canvas import PICTURE_DPI, Canvas
-from asterism.draw.colours import INK, PALE
 from asterism.draw.drawable import Drawable
 from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.draw.style import INK, PALE
 from asterism.equilibrium.arrays import Floats
 from asterism.results.words import distance_error
 

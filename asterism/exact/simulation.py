@@ -31,13 +31,11 @@ from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
-from asterism.shape.contraction import contraction
+from asterism.shape.measures import contraction, needle_clearance, roll_radius
 from asterism.shape.mesh_error import mesh_error
-from asterism.shape.needle_clearance import needle_clearance
 from asterism.shape.self_intersections import self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
-from asterism.shape.tube import roll_radius
 
 
 @one_blas_thread()

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from asterism.exact.star_sides import off_branch
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.shape.pin_warnings import pin_warnings
+from asterism.results.words import star_numbers
+from asterism.shape.design_warnings import pin_warnings, site_warnings, sizing_warnings
 from asterism.shape.self_intersections import passing
-from asterism.shape.site_warnings import site_warnings
-from asterism.shape.sizing_warnings import sizing_warnings
 
 # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh
 MAX_ROLL_EDGE_FACTOR = 0.03
@@ -41,3 +39,10 @@ def passes_through(summary: Mapping[str, Any], sheet: str = "the sheet") -> Iter
     """Yield a line if an exact shape passes through itself; it names the remedy if the model ran without contact."""
     if pairs := summary["self_intersections"]:
         yield passing(pairs, sheet) + ("; --contact prevents this" if summary.get("self_contact", {}) is None else "")
+
+
+def off_branch(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a line if the summary of an exact shape lists such stars."""
+    if off := summary["stars_off_branch"]:
+        stars = f"{len(off)} of {summary['stars_total']} stars of the exact shape"
+        yield f"{stars} are not on the side that the design asks for: {star_numbers(off)}"

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
-from asterism.fitting.flattening.boundary_first import FlatDisk, Flattener
-from asterism.fitting.flattening.least_ratio import least_ratio_border
-from asterism.fitting.outline_choice import OutlineChoice, choose_outline
-from asterism.fitting.placement import FITTED_STAR_MARGIN_MM, placed, star_sites
+from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
 from asterism.fitting.reach import Reach, choose_stretch, target_reach
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
@@ -25,6 +23,8 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_POISSON
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.process.listeners import Say, ignore_line
@@ -201,3 +201,153 @@ def _title(name: str) -> str:
     stem = name.replace("\\", "/").rsplit("/", 1)[-1].rsplit(".", 1)[0]
     kept = "".join(letter for letter in stem if letter.isprintable()).strip()
     return kept[:80] or "target"
+
+
+# mm, smallest distance of star centres from the outline of a fitted design: bare rims droop between the needles
+FITTED_STAR_MARGIN_MM = 3.0
+# candidates: turns within the symmetry of the lattice, and shifts along each lattice vector
+TURNS, SHIFTS = 6, 4
+# of the spacing: places further than this from all stars are bare
+BARE_DISTANCE = 0.5
+# of the spacing: width of the band along the outline that counts, and distance of its points
+RIM_BAND, RIM_STEP = 0.6, 0.12
+# a candidate replaces an earlier one only if it has less bare area than this share of it
+MIN_BARE_GAIN = 0.98
+
+
+def placed(flat: FlatDisk, log_size: float, lattice: Lattice) -> TargetMap:
+    """The print with the turn and the shift that leave the least bare area at the rim.
+
+    A first candidate has a star at the centre of the area, others follow in a fixed order.
+    """
+    start = TargetMap.of(flat, log_size, 0.0, np.zeros(2), lattice.spacing_mm)
+    ring = start.printed[flat.disk.border]
+    band = _rim_band(ring, lattice.spacing_mm)
+    centre = np.array(shapely.Polygon(ring).centroid.coords[0])
+    origin = np.asarray(lattice.origin_mm)
+    thirds = np.array([[1.0, 1.0], [2.0, 2.0]]) / 3.0
+    shifts = np.array([[i, j] for i in range(SHIFTS) for j in range(SHIFTS)]) / SHIFTS
+    best, best_score = (0.0, origin - centre), np.inf
+    for turn in np.arange(TURNS) * (np.pi / 3.0 / TURNS):
+        cos, sin = np.cos(turn), np.sin(turn)
+        rotation = np.array([[cos, sin], [-sin, cos]])
+        for fraction in np.concatenate([shifts, thirds]):
+            shift = origin + fraction @ lattice.vectors - centre @ rotation
+            score = _bare(band @ rotation + shift, ring @ rotation + shift, lattice)
+            if score < MIN_BARE_GAIN * best_score:
+                best, best_score = (float(turn), shift), score
+    return TargetMap.of(flat, log_size, *best, lattice.spacing_mm)
+
+
+def star_sites(ring: Floats, lattice: Lattice) -> Floats:
+    """(S, 2) mm, lattice sites within an outline (B, 2), at least `FITTED_STAR_MARGIN_MM` from it."""
+    cells = lattice.sites.cells_within(ring.min(axis=0), ring.max(axis=0))
+    places = lattice.sites.place(cells)
+    places = places[inside(places, ring)]
+    return places[distance_to_outline(places, ring) >= FITTED_STAR_MARGIN_MM]
+
+
+def _bare(band: Floats, ring: Floats, lattice: Lattice) -> float:
+    """Mean of the squared distance (spacings) by which places of the rim are further from all stars than others."""
+    from scipy.spatial import cKDTree
+
+    stars = star_sites(ring, lattice)
+    if not len(stars):
+        return np.inf
+    distance = cKDTree(stars).query(band)[0] / lattice.spacing_mm
+    return float((np.maximum(distance - BARE_DISTANCE, 0.0) ** 2).mean())
+
+
+def _rim_band(ring: Floats, spacing_mm: float) -> Floats:
+    """(n, 2) mm, a grid of places within an outline and near to it."""
+    step = RIM_STEP * spacing_mm
+    axes = (np.arange(a, b, step) for a, b in zip(ring.min(axis=0), ring.max(axis=0), strict=True))
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    points = points[inside(points, ring)]
+    return points[distance_to_outline(points, ring) < RIM_BAND * spacing_mm]
+
+
+# of the spacing: largest distance of corners of the outline
+OUTLINE_STEP = 0.45
+# of the spacing: distance of needles along the outline
+NEEDLE_STEP = 1.6
+# the border has a corner where it turns by more than this angle within the window, a share of the spacing
+MIN_CORNER_TURN_RAD = np.deg2rad(35.0)
+CORNER_WINDOW = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineChoice:
+    """The outline of a print.
+
+    Attributes
+    ----------
+    corners : (n, 2) mm, counterclockwise.
+    places : (n, 3) mm, where the target has the corners.
+    needles : (m,) numbers of the corners that needles hold.
+    """
+
+    corners: Floats
+    places: Floats
+    needles: Ints
+
+
+def choose_outline(target_map: TargetMap, needles: int | None) -> OutlineChoice:
+    """The outline with its needles.
+
+    Needles stand at the corners of the border, and between them at equal distances of about `NEEDLE_STEP` spacings.
+    With a number of needles, they stand at equal distances from a corner on; 0 gives a free sheet.
+    """
+    disk = target_map.flat.disk
+    ring, places = target_map.printed[disk.border], disk.vertices[disk.border]
+    steps = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    total = along[-1]
+    sharp = _corners(ring, along, CORNER_WINDOW * target_map.spacing_mm)
+    starts = along[sharp] if len(sharp) else np.zeros(1)
+    if needles:
+        held = (starts[0] + np.arange(needles) * total / needles) % total
+        starts = np.unique(np.concatenate([starts, held]).round(9))
+    else:
+        held = np.empty(0)
+    gaps = np.diff(np.append(starts, starts[0] + total))
+    if needles is None:
+        counts = np.maximum(np.rint(gaps / (NEEDLE_STEP * target_map.spacing_mm)), 1).astype(int)
+        if len(starts) == 1:
+            counts = np.maximum(counts, 3)
+        starts = np.concatenate([s + g * np.arange(n) / n for s, g, n in zip(starts, gaps, counts, strict=True)])
+        held, gaps = starts, np.diff(np.append(starts, starts[0] + total))
+    parts = np.maximum(np.ceil(gaps / (OUTLINE_STEP * target_map.spacing_mm)), 1).astype(int)
+    stations = np.concatenate([s + g * np.arange(n) / n for s, g, n in zip(starts, gaps, parts, strict=True)])
+    is_held = np.isin((stations % total).round(6), (held % total).round(6))
+
+    def at(values: Floats) -> Floats:
+        closed = np.concatenate([values, values[:1]])
+        columns = [np.interp(stations % total, along, column) for column in closed.T]
+        return np.column_stack(columns)
+
+    return OutlineChoice(at(ring), at(places), np.flatnonzero(is_held))
+
+
+def _corners(ring: Floats, along: Floats, window: float) -> Ints:
+    """Vertices of a closed border (B, 2) where it turns sharply, in order.
+
+    The turn at a vertex is the angle between the chords to the border half a window before and behind it.
+    """
+    total, closed = along[-1], np.concatenate([ring, ring[:1]])
+
+    def at(stations: Floats) -> Floats:
+        return np.column_stack([np.interp(stations % total, along, column) for column in closed.T])
+
+    here = along[:-1]
+    ahead, behind = at(here + 0.5 * window) - ring, ring - at(here - 0.5 * window)
+    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    turn = np.abs(np.arctan2(cross, np.einsum("nc,nc->n", behind, ahead)))
+    corners: list[int] = []
+    for vertex in np.argsort(-turn, kind="stable"):
+        if turn[vertex] < MIN_CORNER_TURN_RAD:
+            break
+        distance = np.abs(here[vertex] - here[corners])
+        if np.minimum(distance, total - distance).min(initial=np.inf) > 2.0 * window:
+            corners.append(int(vertex))
+    return np.asarray(sorted(corners), dtype=np.int64)

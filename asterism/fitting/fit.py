@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +15,15 @@ from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
 from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.errors import place_text
-from asterism.fitting.first_guess import guess_design
+from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.place_weight import weighted_target, with_weights
 from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.result import Fit
 from asterism.fitting.search import FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
@@ -37,6 +37,36 @@ from asterism.shape.shape import Shape
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.run import verify
 from asterism.verification.verification import RELEASE, Verification
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A design for a target, with the evidence of how near its shape comes.
+
+    Attributes
+    ----------
+    design : as it is written and was verified.
+    target : in the pose of the fit.
+    guess : the first guess, with the map to the print and what stars can do.
+    preview : fresh preview of the design.
+    verification : preview and exact shapes; None if the exact model was not asked for.
+    distance : of the exact shape to the target, or of the preview without one.
+    summary : the numbers of summary.json.
+    """
+
+    design: Design
+    target: TargetSurface
+    guess: FirstGuess
+    preview: Shape
+    verification: Verification | None
+    distance: FitDistance
+    summary: FitRecord
+
+    @property
+    def shape(self) -> Shape:
+        """The exact shape, or the preview without one; a free sheet is laid on the target."""
+        return self.distance.shape
+
 
 # steps on the lengths after thicknesses are rounded
 ROUNDED_STEPS = 4

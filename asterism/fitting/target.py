@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.errors import TargetError
-from asterism.fitting.flattening.surface_laplacian import corner_angles, laplacian
+from asterism.fitting.flatten import corner_angles, laplacian
 from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import MAX_SCAN_COORDINATE

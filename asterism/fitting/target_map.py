@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.flattening.boundary_first import FlatDisk
+from asterism.fitting.flatten import FlatDisk
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 
 # of the spacing: curvatures are those of a quadric through the target within this distance on the print

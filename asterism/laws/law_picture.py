@@ -11,9 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asterism.draw.chart_axes import add_grid, style_axes
-from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import write_title
+from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable
 from asterism.laws.law_text import middle_sizes, table_title

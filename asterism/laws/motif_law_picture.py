@@ -11,9 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asterism.draw.chart_axes import add_grid, style_axes
-from asterism.draw.colours import PALE
 from asterism.draw.fonts import write_title
+from asterism.draw.style import PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.motif_plan import MotifSize

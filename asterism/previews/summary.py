@@ -14,11 +14,9 @@ from asterism.previews.state import AnyPreviewState, StarState
 from asterism.previews.warnings import overstretched_stars, preview_warnings
 from asterism.process.version import __version__
 from asterism.results.records.preview import PreviewRecord
-from asterism.shape.contraction import contraction
-from asterism.shape.needle_clearance import needle_clearance
+from asterism.shape.measures import contraction, needle_clearance, roll_radius
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
-from asterism.shape.tube import roll_radius
 
 # axes that differ by a smaller angle count as one
 EQUAL_AXES_DEG = 2.0

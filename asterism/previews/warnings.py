@@ -49,13 +49,10 @@ from asterism.previews.places import smooth_surface
 from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import AnyPreviewState, StarState
-from asterism.results.placed_warning import PlacedWarning
-from asterism.results.words import star_numbers
-from asterism.shape.pin_warnings import pin_warnings
+from asterism.results.words import PlacedWarning, star_numbers
+from asterism.shape.design_warnings import pin_warnings, site_warnings, sizing_warnings
 from asterism.shape.self_intersections import passing
 from asterism.shape.shape import Shape
-from asterism.shape.site_warnings import site_warnings
-from asterism.shape.sizing_warnings import sizing_warnings
 from asterism.shape.surface_fields import deformation_gradients
 
 # supported points that are closer together in print, in spacings, are one point

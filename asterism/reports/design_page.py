@@ -20,9 +20,9 @@ from matplotlib.transforms import Affine2D, Transform
 from PIL import Image
 from shapely.geometry.base import BaseGeometry
 
-from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import families, printable
 from asterism.draw.picture import draw_shape
+from asterism.draw.style import INK, PALE
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.residual_curvature import ResidualCurvature

@@ -13,9 +13,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from asterism.draw.chart_axes import style_axes
-from asterism.draw.colours import INK, PALE
-from asterism.fitting.result import Fit
+from asterism.draw.style import INK, PALE, style_axes
+from asterism.fitting.fit import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools
-from asterism.fitting.result import Fit
+from asterism.fitting.fit import Fit
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.reports.fit_plots import (
     colour_limit,

@@ -13,12 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.tri import Triangulation
 
-from asterism.draw.chart_axes import add_grid, style_axes
-from asterism.draw.colours import INK, PALE
 from asterism.draw.render import Scene, bare, scene
 from asterism.draw.shading import FABRIC_SIDE
+from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.result import Fit
+from asterism.fitting.fit import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.reports.plots import BLUE, ORANGE, aligned_views, png_of, together

@@ -17,7 +17,7 @@ from asterism.results.records.exact import mesh_error_in_words
 from asterism.results.records.verification import VerificationRecord
 from asterism.results.words import direction, height_error, small_percent, times
 from asterism.shape.vtu import write_shape_vtu
-from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
+from asterism.verification.minima import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 

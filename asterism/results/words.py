@@ -1,8 +1,9 @@
-"""Numbers in words, for tables, warnings and reports."""
+"""Numbers, warnings and doubts in words, for tables and reports."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 MAX_NAMED_STARS = 8
 TABLE_COLUMN = 20  # characters of a label
@@ -116,3 +117,43 @@ def sag_in_words(below_mm: float, error_mm: float | None) -> str:
     """
     error = "" if error_mm is None else f", give or take {error_mm:.1f} mm"
     return f"{below_mm:.1f} mm below the base{error}"
+
+
+def doubts(summary: Mapping[str, Any]) -> list[str]:
+    """The reasons in the summary of a preview, an exact shape or a verification, each once.
+
+    >>> doubts({"model": "preview", "stars": 7, "stars_outside_law": ["star 0"] * 7, "self_intersections": 3})
+    ['all 7 stars are outside the law', 'the sheet passes through itself (3 pairs of triangles)']
+    """
+    parts = (summary, *(summary[name] for name in ("preview", "exact") if isinstance(summary.get(name), Mapping)))
+    return list(dict.fromkeys(line for part in parts for line in _of_shape(part)))
+
+
+def _of_shape(summary: Mapping[str, Any]) -> Iterator[str]:
+    stars, outside = summary.get("stars"), summary.get("stars_outside_law", ())
+    if stars and isinstance(stars, int) and len(outside) >= stars:
+        yield f"all {stars} stars are outside the law" if stars > 1 else "the star is outside the law"
+    if pairs := summary.get("self_intersections"):
+        yield f"the sheet passes through itself ({pairs} pairs of triangles)"
+
+
+class PlacedWarning(str):
+    """The text of a warning, with the stars that it is about.
+
+    Attributes
+    ----------
+    stars : numbers of the stars.
+
+    Examples
+    --------
+    >>> warning = PlacedWarning("2 stars curl too tightly", stars=[3, 7])
+    >>> warning, warning.stars
+    ('2 stars curl too tightly', (3, 7))
+    """
+
+    stars: tuple[int, ...]
+
+    def __new__(cls, text: str, stars: Iterable[int] = ()) -> PlacedWarning:
+        warning = super().__new__(cls, text)
+        warning.stars = tuple(int(star) for star in stars)
+        return warning

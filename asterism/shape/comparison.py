@@ -27,9 +27,9 @@ from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.shape.cell_mean import CellMean
+from asterism.shape.measures import tube_radius
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
-from asterism.shape.tube import tube_radius
 
 # at most about twice this many vertices are used to choose the nearest symmetric image
 MAX_IMAGE_SAMPLES = 500

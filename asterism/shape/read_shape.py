@@ -15,8 +15,7 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.results.files import VERIFICATION_MODEL
-from asterism.results.records.of_shape import shape_record
-from asterism.shape.shape import Shape
+from asterism.shape.shape import Shape, shape_record
 
 # name of the shape in the folder of a preview or a simulation
 SHAPE_FILE = "shape.vtu"

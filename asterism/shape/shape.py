@@ -18,7 +18,6 @@ from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.results.records.of_shape import AnyShapeRecord, shape_record
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import surface_triangle_areas
@@ -27,6 +26,19 @@ if TYPE_CHECKING:
     from PIL import Image
 
     from asterism.draw.view_picture import View
+from typing import Any
+
+from asterism.results.records.exact import ExactRecord
+
+AnyShapeRecord = ExactRecord | PreviewRecord
+
+
+def shape_record(data: Mapping[str, Any]) -> AnyShapeRecord:
+    """The record of a shape's summary; without the key `model` it counts as the exact model's."""
+    if isinstance(data, ExactRecord | PreviewRecord):
+        return data
+    kind = PreviewRecord if data.get("model") == PreviewRecord.model_name else ExactRecord
+    return kind.from_json(data)
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from asterism.previews.error_estimate import probability_lower
 from asterism.previews.session import Preview
-from asterism.results.placed_warning import PlacedWarning
-from asterism.results.words import VISIBLE_SAG_MM
+from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
 from asterism.studio.messages import Form, Notice, ShapeSummary, sites_of
 

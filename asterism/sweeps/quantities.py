@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from asterism.results.doubts import doubts
+from asterism.results.words import doubts
 
 # digits of the numbers in a table: libraries on other machines differ in later ones
 TABLE_DIGITS = 6

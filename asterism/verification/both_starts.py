@@ -19,8 +19,7 @@ from asterism.previews.run import preview
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord
 from asterism.shape.shape import Shape
-from asterism.verification.right_shape import gap, right_shape
-from asterism.verification.same_minimum import same_minimum
+from asterism.verification.minima import gap, right_shape, same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE
 from asterism.verification.warnings import two_minima_warnings
 

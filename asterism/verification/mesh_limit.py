@@ -18,7 +18,7 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.law_choice import LIMIT, has_edge, law_on_mesh, serving_law
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
-from asterism.results.records.mesh_limit import MeshLimitRecord
+from asterism.results.records.shape import MeshLimitRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import alike, axes_apart_deg

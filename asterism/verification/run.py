@@ -22,17 +22,39 @@ from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.exact import ExactRecord
-from asterism.results.records.mesh_limit import MeshLimitRecord
-from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
+from asterism.results.records.shape import MeshLimitRecord
+from asterism.results.records.verification import (
+    FROM_LAW,
+    FROM_MESHES,
+    FROM_TWO_MESHES,
+    VerificationRecord,
+    VerifiedStartRecord,
+)
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
-from asterism.verification.mesh_error import verified_mesh_error
 from asterism.verification.mesh_limit import is_on_exact_mesh, mesh_limit
+from asterism.verification.minima import same_minimum
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.progress import ExactProgress, StageReport
-from asterism.verification.same_minimum import same_minimum
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import verification_warnings
+
+
+def verified_mesh_error(
+    exact: ExactRecord, limit: MeshLimitRecord | None, same_form: bool | None
+) -> tuple[float | None, str | None]:
+    """The mesh error in percent of the diameter, and where it is from (`mesh_error_from`).
+
+    Three meshes that show an order come first, then the previews, if they have the form of the exact shape, and last
+    two meshes with an assumed order, which may agree and be wrong.
+    """
+    own = exact.mesh_error_percent
+    if own is not None and exact.mesh_error_order is not None:
+        return own, FROM_MESHES
+    if limit is not None and same_form:
+        return limit.distance_percent, FROM_LAW
+    return own, None if own is None else FROM_TWO_MESHES
+
 
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")

@@ -8,7 +8,7 @@ from asterism.pattern.design.design import Design
 from asterism.results.records.verification import VerificationRecord
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
-from asterism.verification.right_shape import right_shape
+from asterism.verification.minima import right_shape
 
 RELEASE = "release"  # name of the exact shape that is released from the flat print
 PREVIEW = "preview"  # name of the exact shape that is started from the preview
@@ -35,7 +35,7 @@ class Verification:
 
     @property
     def result(self) -> str:
-        """Name of the exact shape that counts, see `asterism.verification.right_shape`."""
+        """Name of the exact shape that counts, see `asterism.verification.minima`."""
         return right_shape(self.exact)
 
     @property

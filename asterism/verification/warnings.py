@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asterism.exact.star_sides import off_branch
-from asterism.exact.warnings import passes_through
+from asterism.exact.warnings import off_branch, passes_through
 from asterism.homogenize.cell.point_group import aligned_lines
 from asterism.pattern.design.design import Design
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
+from asterism.verification.minima import MIN_CERTAIN_GAP, gap
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
-from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import Verification
 
 # largest ratio of the edge lengths of law and exact model without a warning

@@ -31,8 +31,8 @@ from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
+from asterism.verification.minima import right_shape
 from asterism.verification.numbers import numbers, same_branch
-from asterism.verification.right_shape import right_shape
 
 FAR = 2.5  # % of the diameter, and more is a miss
 HEIGHT_FAR = 6.0  # % of the height, and more is a miss

@@ -15,10 +15,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from asterism.draw.chart_axes import style_axes
-from asterism.draw.colours import INK, PALE
 from asterism.draw.fonts import write_title
 from asterism.draw.render import OBLIQUE, bare, camera, render
+from asterism.draw.style import INK, PALE, style_axes
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.scan_comparison import ScanComparison
 from asterism.measure.compare.silhouette import OutlineFit

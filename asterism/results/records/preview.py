@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from asterism.results.record import ABSENT, Record, key
-from asterism.results.records.mesh_limit import MeshLimitRecord, limit_in_words
-from asterism.results.records.shape import ShapeRecord
+from asterism.results.records.shape import MeshLimitRecord, ShapeRecord, limit_in_words
 from asterism.results.words import distance_error
 
 # other forms that are the lower one with a smaller probability have no row in the table
@@ -188,3 +187,6 @@ class PreviewRecord(ShapeRecord):
         "Triangles of the mesh of the shell.", label="shell", show="{shell_triangles} triangles, {dofs} unknowns"
     )
     load_steps: int = key("Load steps that were needed; 0 if the full loads could be applied at once.")
+
+
+COMPARED_KEYS = ("height_mm", "extent_mm", "expected_rms_percent", "expected_height_percent", "contraction")

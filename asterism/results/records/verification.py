@@ -6,8 +6,8 @@ from typing import Any
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
-from asterism.results.records.mesh_limit import MeshLimitRecord, limit_in_words
 from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.shape import MeshLimitRecord, limit_in_words
 from asterism.results.words import distance_error, height_error, times
 
 # values of `mesh_error_from`

@@ -13,9 +13,8 @@ import trimesh
 import asterism
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import fit
+from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design

@@ -15,8 +15,8 @@ from PIL import Image
 
 from asterism.fitting.distance import target_distance
 from asterism.fitting.first_guess import guess_design
+from asterism.fitting.fit import Fit
 from asterism.fitting.residual import FitPlaces
-from asterism.fitting.result import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law

@@ -10,9 +10,9 @@ import pytest
 
 from asterism.results.record import ABSENT, Record, is_record, key, keys_of, value_types
 from asterism.results.records.exact import ExactRecord
-from asterism.results.records.of_shape import shape_record
 from asterism.results.records.preview import PreviewRecord
 from asterism.results.reference import all_records, reference
+from asterism.shape.shape import shape_record
 
 
 def example(kind: Any) -> Any:

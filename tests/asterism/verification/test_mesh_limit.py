@@ -10,7 +10,6 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.run import preview
 from asterism.results.records.exact import ExactRecord
-from asterism.verification.mesh_error import verified_mesh_error
 from asterism.verification.mesh_limit import (
     design_and_law,
     has_mesh_limit,
@@ -18,6 +17,7 @@ from asterism.verification.mesh_limit import (
     mesh_limit,
     with_mesh_limit,
 )
+from asterism.verification.run import verified_mesh_error
 
 # of the exact tube's radius, mm, by extrapolation: benchmarks/results/convergence.md
 RADIUS_IN_THE_LIMIT = 35.06

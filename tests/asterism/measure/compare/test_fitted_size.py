@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
-from asterism.measure.compare.fitted_size import _fit, _rim
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import Scan
-from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
+from asterism.measure.compare.scan_comparison import ScanComparison, _fit, _rim, compare_scan
 from asterism.pattern import gallery
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.previews.run import preview

@@ -11,9 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from asterism.measure.strips.least_squares import UndeterminedMaterialError
 from asterism.measure.strips.specimen import THICKNESSES_MM
-from asterism.measure.strips.strip_fit import FORMULAS, KappaBarKind, StripFit, StripFormula, fit_readings
+from asterism.measure.strips.strip_fit import (
+    FORMULAS,
+    KappaBarKind,
+    StripFit,
+    StripFormula,
+    UndeterminedMaterialError,
+    fit_readings,
+)
 from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from tests.asterism.measure.strips.synthetic import synthetic_readings

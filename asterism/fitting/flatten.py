@@ -1,0 +1,222 @@
+"""Boundary-first flattening: a conformal map of a disk to the plane with prescribed scale factors at its border.
+
+Sawhney and Crane 2017, "Boundary First Flattening". The logarithm u of the scale factor (flat length over length on
+the surface) fulfils the equation of Yamabe for a flat result,
+
+    Lap u = K                                   K: Gauss curvature of the surface.
+
+Its values at the border can be chosen. They give the flux of u through the border, and this flux changes the geodesic
+curvature k of the border to `k - du/dn`. Lengths `exp(u)` and curvatures determine the flat border; a least
+correction of its lengths closes it. The inner vertices follow by harmonic extension.
+
+**Laplacian and curvatures.** With the angles alpha and beta opposite to an edge, its weight is `(cot alpha + cot
+beta)/2` (Pinkall and Polthier 1993). The matrix A with `(A u)_i = sum_j w_ij (u_i - u_j)` is positive semidefinite: it
+stands for minus the integral of the Laplacian over the cell of vertex i.
+
+**The smallest ratio of scale factors.** The logarithm u is determined by its values at the border. The smallest range
+`max u - min u` over all border values is a linear programme: the border values are a Fourier series over the length of
+the border, and each of its terms changes u by a harmonic function.
+
+For a surface whose Gauss curvature has one sign, constant border values are the best (Chebyshev and Grave): a
+harmonic function added to u increases its range.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.optimize import linprog
+from scipy.sparse.linalg import SuperLU, splu
+
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fitting.disk import Disk
+
+
+def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
+    """(T, 3) rad, angles at the corners of each triangle.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    >>> np.rad2deg(corner_angles(points, np.array([[0, 1, 2]]))).round(6).tolist()
+    [[90.0, 45.0, 45.0]]
+    """
+    corners = vertices[triangles]
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cross = np.linalg.norm(np.cross(ahead, behind), axis=2)
+    return np.asarray(np.arctan2(cross, np.einsum("tkc,tkc->tk", ahead, behind)))
+
+
+def laplacian(angles: Floats, triangles: Ints, count: int) -> sp.csc_array:
+    """(V, V) the matrix A above, in no unit.
+
+    Parameters
+    ----------
+    angles : (T, 3) rad, from `corner_angles`.
+    triangles : (T, 3).
+    count : V, number of vertices.
+    """
+    half = 0.5 / np.tan(angles)
+    i, j = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, 1, axis=1).ravel()
+    weights = sp.coo_array((half.ravel(), (i, j)), shape=(count, count))
+    weights = weights + weights.T
+    return sp.csc_array(sp.diags_array(np.asarray(weights.sum(axis=1)).ravel()) - weights)
+
+
+def angle_sums(angles: Floats, triangles: Ints, count: int) -> Floats:
+    """(V,) rad, sum of the angles around each vertex.
+
+    Inside, 2 pi minus the sum is the integral of the Gauss curvature. On the border, pi minus the sum is the integral
+    of the geodesic curvature.
+    """
+    return np.asarray(np.bincount(triangles.ravel(), angles.ravel(), count))
+
+
+@dataclass(frozen=True, eq=False)
+class FlatDisk:
+    """A conformal map of a disk to the plane.
+
+    Attributes
+    ----------
+    disk : the surface.
+    points : (V, 2) mm, positions of the vertices in the plane.
+    log_scale : (V,) u, logarithm of the flat length over the length on the surface, as the equation gives it.
+    """
+
+    disk: Disk
+    points: Floats
+    log_scale: Floats
+
+    @cached_property
+    def flipped(self) -> int:
+        """Number of triangles that the map turns over."""
+        a, b, c = (self.points[self.disk.triangles[:, k]] for k in range(3))
+        (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+        return int(np.count_nonzero(ux * vy - uy * vx <= 0.0))
+
+    @property
+    def ratio(self) -> float:
+        """Largest scale factor over the smallest one."""
+        return float(np.exp(np.ptp(self.log_scale)))
+
+
+class Flattener:
+    """Flattens one disk for several scale factors of its border; the factorisation is kept.
+
+    Attributes
+    ----------
+    disk : the surface.
+    gauss_curvature : (I,) rad, integral of the Gauss curvature over the cell of each inner vertex.
+
+    Examples
+    --------
+    A flat square stays as it is:
+
+    >>> from asterism.fitting.disk import disk_of
+    >>> corners = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [4.0, 5.0, 0.0]])
+    >>> triangles = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    >>> flat = Flattener(disk_of(corners, triangles, "square")).flatten()
+    >>> round(flat.ratio, 12), flat.flipped
+    (1.0, 0)
+    """
+
+    def __init__(self, disk: Disk) -> None:
+        self.disk = disk
+        count = len(disk.vertices)
+        angles = corner_angles(disk.vertices, disk.triangles)
+        matrix = laplacian(angles, disk.triangles, count)
+        sums = angle_sums(angles, disk.triangles, count)
+        inner, border = disk.inner, disk.border
+        self.gauss_curvature = 2.0 * np.pi - sums[inner]
+        self._turning = np.pi - sums[border]
+        rows = matrix.tocsr()
+        self._inner_border = rows[inner][:, border]
+        self._border_rows = rows[border]
+        self._factor: SuperLU | None = splu(rows[inner][:, inner].tocsc()) if len(inner) else None
+
+    @cached_property
+    def border_lengths(self) -> Floats:
+        """(B,) mm, lengths of the edges of the border on the surface; edge i begins at its vertex i."""
+        ring = self.disk.vertices[self.disk.border]
+        return np.asarray(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1))
+
+    def log_scale(self, border_log_scale: Floats) -> Floats:
+        """(V,) solution u of the equation of Yamabe with these values (B,) at the border."""
+        return self._spread(border_log_scale, -self.gauss_curvature)
+
+    def harmonic(self, border_values: Floats) -> Floats:
+        """(V,) or (V, k) harmonic functions with these values (B,) or (B, k) at the border."""
+        return self._spread(border_values, np.zeros((len(self.disk.inner), *border_values.shape[1:])))
+
+    def flatten(self, border_log_scale: Floats | None = None) -> FlatDisk:
+        """The flat disk whose border has these logarithms (B,) of the scale factor; zero by default.
+
+        The closing correction changes them slightly.
+        """
+        given = np.zeros(len(self.disk.border)) if border_log_scale is None else border_log_scale
+        u = self.log_scale(given)
+        turning = self._turning + self._border_rows @ u
+        following = np.roll(given, -1)
+        lengths = np.exp(0.5 * (given + following)) * self.border_lengths
+        # direction of edge i: it turns at its first vertex
+        direction = np.cumsum(turning) - turning[0]
+        tangents = np.stack([np.cos(direction), np.sin(direction)])
+        weight = 1.0 / self.border_lengths
+        # least change of the lengths, relative to the edges, that closes the curve
+        spread = tangents / weight
+        lengths = lengths - spread.T @ np.linalg.solve(spread @ tangents.T, tangents @ lengths)
+        steps = (tangents * lengths).T
+        ring = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)[:-1]])
+        points = self.harmonic(ring)
+        return FlatDisk(self.disk, points - points[self.disk.border].mean(axis=0), u)
+
+    def _spread(self, border_values: Floats, source: Floats) -> Floats:
+        """Values at all vertices that have these ones at the border, and `A u = source` inside."""
+        values = np.empty((len(self.disk.vertices), *border_values.shape[1:]))
+        values[self.disk.border] = border_values
+        if self._factor is not None:
+            values[self.disk.inner] = self._factor.solve(np.asarray(source - self._inner_border @ border_values))
+        return values
+
+
+# number of Fourier terms: cosines and sines of 1 to 12 waves around the border
+FOURIER_TERMS = 24
+# inner vertices that the programme bounds; u is smooth, so that a selection is enough
+MAX_BOUNDED_VERTICES = 1500
+
+
+def least_ratio_border(flattener: Flattener, terms: int = FOURIER_TERMS) -> Floats:
+    """(B,) logarithms of the scale factor at the border for the smallest ratio of scale factors.
+
+    Parameters
+    ----------
+    terms : number of Fourier terms of the border values.
+    """
+    disk = flattener.disk
+    around = np.cumsum(flattener.border_lengths) - flattener.border_lengths
+    angle = 2.0 * np.pi * around / flattener.border_lengths.sum()
+    waves = np.arange(1, terms // 2 + 1)
+    series = np.concatenate([np.cos(angle[:, None] * waves), np.sin(angle[:, None] * waves)], axis=1)
+    start = flattener.log_scale(np.zeros(len(disk.border)))
+    change = flattener.harmonic(series)
+    inner = disk.inner[:: max(len(disk.inner) // MAX_BOUNDED_VERTICES, 1)]
+    rows = np.concatenate([disk.border, inner])
+    ones = np.ones((len(rows), 1))
+    zeros = np.zeros((len(rows), 1))
+    # unknowns: coefficients, upper and lower bound of u
+    above = np.hstack([change[rows], -ones, zeros])
+    below = np.hstack([-change[rows], zeros, ones])
+    cost = np.concatenate([np.zeros(series.shape[1]), [1.0, -1.0]])
+    solution = linprog(
+        cost,
+        A_ub=np.vstack([above, below]),
+        b_ub=np.concatenate([-start[rows], start[rows]]),
+        bounds=(None, None),
+        method="highs",
+    )
+    if solution.status != 0:
+        return np.zeros(len(disk.border))
+    return np.asarray(series @ solution.x[: series.shape[1]])

@@ -1,1 +1,0 @@
-"""Conformal flattening of a triangulated disk, independent of stars and sheets."""

@@ -1,0 +1,94 @@
+"""The exact shapes of a design: which one is the result, and whether two are one minimum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from asterism.discrete.release.forms import SAME_FORM_PERCENT
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import Symmetry
+from asterism.shape.cell_mean import CellMean
+from asterism.shape.comparison import Comparison, compare_shapes
+from asterism.shape.shape import Shape
+
+# two minima are equal if their energies differ by at most this part
+MAX_EQUAL_ENERGY_GAP = 1e-6
+# another mesh may exchange the order of two minima whose energies differ by at most this part of the elastic energy
+MIN_CERTAIN_GAP = 0.005
+
+
+def same_energy(one: float, other: float) -> bool:
+    """Whether the energies (N mm) of two minima are equal up to the accuracy of the solver.
+
+    Examples
+    --------
+    >>> same_energy(1808.98, 1808.9801), same_energy(1808.98, 1809.98)
+    (True, False)
+    """
+    return abs(one - other) <= MAX_EQUAL_ENERGY_GAP * abs(one)
+
+
+def gap(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
+    """Difference of the energies of two minima over the elastic energy of the first; gravity has an arbitrary zero.
+
+    Parameters
+    ----------
+    one : summary of an exact shape.
+    other : summary of another one; only its energy is used.
+    """
+    elastic = one["energy_n_mm"] - one.get("gravity", 0.0)
+    return float(abs(other["energy_n_mm"] - one["energy_n_mm"]) / elastic) if elastic else math.inf
+
+
+def right_shape(exact: Mapping[str, Shape]) -> str:
+    """The name of the certified shape; among several, the one of lowest energy, and among equal energies the first.
+
+    A shape whose stars are all on the side that the design asks for comes before shapes with stars on the other side.
+    """
+
+    def rank(name: str) -> tuple[bool, bool]:
+        return not exact[name].summary["is_minimum"], bool(exact[name].summary["stars_off_branch"])
+
+    def energy(name: str) -> float:
+        return float(exact[name].summary["energy_n_mm"])
+
+    best = [name for name in exact if rank(name) == min(map(rank, exact))]
+    lowest = min(map(energy, best))
+    return next(name for name in best if same_energy(lowest, energy(name)))
+
+
+def same_minimum(
+    first: Shape,
+    second: Shape,
+    plan: Layout,
+    symmetries: Sequence[Symmetry],
+    gravity: Sequence[float] | None = None,
+    mean: CellMean | None = None,
+) -> tuple[bool, Comparison]:
+    """Whether both are certified and are one minimum, and the second laid on the first as held.
+
+    They are one minimum if their surfaces are nearer than `SAME_FORM_PERCENT` and the same stars are inverted. An image
+    of a minimum may have another energy, as the mesh may be less symmetric than the design.
+
+    Parameters
+    ----------
+    first, second : exact shapes of one design.
+    plan, symmetries, gravity, mean : as in `asterism.shape.comparison.compare_shapes`.
+    """
+    between = compare_shapes(first, second, plan, symmetries, gravity, mean)
+    certain = bool(first.summary["is_minimum"] and second.summary["is_minimum"])
+    agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(first, second, plan, symmetries)
+    if agree and not same_energy(first.summary["energy_n_mm"], second.summary["energy_n_mm"]):
+        as_it_is = compare_shapes(first, second, plan, symmetries[:1], gravity, between.mean)
+        agree = as_it_is.rms_percent >= SAME_FORM_PERCENT
+    return agree, between
+
+
+def _same_stars_down(first: Shape, second: Shape, plan: Layout, symmetries: Sequence[Symmetry]) -> bool:
+    """Whether two shapes have the same inverted stars, up to a symmetry; the cell means do not show these."""
+    down = [np.isin(plan.star_number, shape.summary["stars_down"]) for shape in (first, second)]
+    return any(np.array_equal(down[0], down[1][symmetry.star]) for symmetry in symmetries)

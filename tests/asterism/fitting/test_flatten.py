@@ -1,0 +1,120 @@
+"""Boundary-first flattening: angles are kept, developable surfaces keep their lengths, caps have the known ratio."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from asterism.equilibrium.arrays import Floats
+from asterism.fitting.disk import Disk, disk_of
+from asterism.fitting.flatten import FlatDisk, Flattener, corner_angles, laplacian, least_ratio_border
+from benchmarks.fit_targets import rectangle_mesh, round_mesh
+from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
+
+
+def singular_values(flat: FlatDisk) -> Floats:
+    """(T, 2) principal scale factors of each triangle, the larger first."""
+    disk = flat.disk
+    a, b, c = (disk.vertices[disk.triangles[:, k]] for k in range(3))
+    first = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    normal = np.cross(b - a, c - a)
+    second = np.cross(normal / np.linalg.norm(normal, axis=1, keepdims=True), first)
+    frame = np.stack([first, second], axis=1)
+    on_surface = np.stack([np.einsum("tfc,tc->tf", frame, edge) for edge in (b - a, c - a)], axis=-1)
+    p, q, r = (flat.points[disk.triangles[:, k]] for k in range(3))
+    on_plane = np.stack([q - p, r - p], axis=-1)
+    return np.linalg.svd(on_plane @ np.linalg.inv(on_surface), compute_uv=False)
+
+
+@pytest.mark.parametrize("half_angle", [20.0, 35.0, 60.0, 85.0])
+def test_the_ratio_of_a_cap_is_the_known_one(half_angle: float) -> None:
+    flat = Flattener(disk_of(*spherical_cap(half_angle), "cap")).flatten()
+    assert flat.ratio == pytest.approx(1.0 / np.cos(np.deg2rad(half_angle) / 2.0) ** 2, rel=1e-3)
+    assert flat.flipped == 0
+
+
+def test_angles_are_kept_better_on_finer_meshes() -> None:
+    errors = []
+    for rings in (8, 16, 32):
+        values = singular_values(Flattener(disk_of(*spherical_cap(50.0, rings=rings), "cap")).flatten())
+        errors.append(np.sqrt((np.log(values[:, 0] / values[:, 1]) ** 2).mean()))
+    assert errors[-1] < 0.02
+    assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]
+
+
+@given(st.floats(15.0, 80.0), st.floats(0.2, 2.0), st.floats(10.0, 200.0))
+@settings(max_examples=15, deadline=None)
+def test_a_developable_surface_is_flattened_isometrically(radius: float, turn: float, depth: float) -> None:
+    disk = disk_of(*cylinder_part(radius, turn, depth), "cylinder")
+    values = singular_values(Flattener(disk).flatten())
+    assert np.abs(values - 1.0).max() < 1e-6
+
+
+@given(st.integers(0, 1000))
+@settings(max_examples=10, deadline=None)
+def test_position_and_size_do_not_matter(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    plane, triangles = round_mesh(9)
+    heights = 0.3 * plane[:, 0] * plane[:, 1] + 0.2 * plane[:, 0] ** 2 + 0.1 * rng.normal() * plane[:, 1] ** 3
+    vertices = np.column_stack([plane, heights])
+    first = Flattener(disk_of(vertices, triangles, "one")).flatten()
+    moved = 30.0 * vertices @ Rotation.random(random_state=seed).as_matrix().T + rng.normal(size=3)
+    second = Flattener(disk_of(moved, triangles, "other")).flatten()
+    assert second.ratio == pytest.approx(first.ratio, rel=1e-9)
+    sizes = [np.linalg.norm(flat.points - flat.points.mean(axis=0), axis=1) for flat in (first, second)]
+    assert sizes[1] == pytest.approx(30.0 * sizes[0], rel=1e-6)
+
+
+def test_the_scale_of_the_map_is_that_of_the_equation() -> None:
+    flat = Flattener(disk_of(*spherical_cap(50.0, rings=24), "cap")).flatten()
+    triangle_scale = np.exp(flat.log_scale[flat.disk.triangles].mean(axis=1))
+    assert singular_values(flat).mean(axis=1) == pytest.approx(triangle_scale, rel=0.02)
+
+
+def test_border_values_are_taken_and_close_the_outline() -> None:
+    disk = disk_of(*spherical_cap(40.0), "cap")
+    flattener = Flattener(disk)
+    around = np.linspace(0.0, 2.0 * np.pi, len(disk.border), endpoint=False)
+    given_scale = 0.1 * np.cos(2.0 * around)
+    flat = flattener.flatten(given_scale)
+    assert flat.log_scale[disk.border] == pytest.approx(given_scale)
+    ring = flat.points[disk.border]
+    lengths = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
+    wanted = flattener.border_lengths * np.exp(0.5 * (given_scale + np.roll(given_scale, -1)))
+    assert lengths == pytest.approx(wanted, rel=0.01)
+
+
+def test_the_programme_is_never_above_constant_border_values() -> None:
+    # the upper part of a torus: its Gauss curvature is positive outside and negative inside
+    plane, triangles = rectangle_mesh(1.6, 1.8, 21, 25)
+    around, across = plane.T
+    radius = 90.0 + 30.0 * np.sin(across)
+    vertices = np.column_stack([radius * np.sin(around), radius * np.cos(around), 30.0 * np.cos(across)])
+    flattener = Flattener(disk_of(vertices, triangles, "torus"))
+    constant, least = flattener.flatten(), flattener.flatten(least_ratio_border(flattener))
+    assert least.ratio < 1.0 + 0.9 * (constant.ratio - 1.0)
+    cap = Flattener(disk_of(*spherical_cap(35.0, rings=12), "cap"))
+    assert cap.flatten(least_ratio_border(cap)).ratio == pytest.approx(cap.flatten().ratio, rel=1e-4)
+
+
+def test_the_laplacian_is_exact_for_linear_functions() -> None:
+    plane, triangles = round_mesh(6)
+    vertices = np.column_stack([plane, np.zeros(len(plane))])
+    disk = disk_of(vertices, triangles, "disk")
+    matrix = laplacian(corner_angles(disk.vertices, disk.triangles), disk.triangles, len(disk.vertices))
+    values = matrix @ (disk.vertices @ np.array([2.0, -3.0, 0.0]))
+    assert np.abs(values[disk.inner]).max() < 1e-12
+    assert np.abs(matrix - matrix.T).max() < 1e-14
+
+
+def test_a_surface_turned_over_is_flattened_to_the_mirror_image() -> None:
+    plane, triangles = round_mesh(8)
+    vertices = np.column_stack([plane, 0.2 * plane[:, 0] ** 3 + 0.1 * plane[:, 1] ** 2])
+    disk = disk_of(vertices, triangles, "disk")
+    original, turned = (Flattener(each).flatten() for each in (disk, disk.turned_over()))
+    assert isinstance(turned.disk, Disk) and turned.flipped == 0
+    distances = [np.linalg.norm(flat.points[:, None] - flat.points[None], axis=2) for flat in (original, turned)]
+    assert distances[0] == pytest.approx(distances[1], abs=1e-9)

@@ -1,0 +1,148 @@
+"""Previews of motifs with their state kept for edits, and their estimated errors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.previews.motifs import motif_kind
+from asterism.previews.motifs.motif_kind import MOTIF_ERROR
+from asterism.previews.run import preview
+from asterism.previews.session import Preview
+from tests.asterism.previews.laws import plain_law
+from tests.asterism.previews.motifs.nets import CROSS, GRADED, net, net_law
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scale", [0.8, 0.99])
+def test_the_height_is_known_to_millimetres_and_to_percent(scale: float) -> None:
+    design = net(pins=[{"where": "corners", "scale": scale}])
+    shape = Preview(design, net_law(design)).shape()
+    percent = shape.summary["expected_height_percent"]
+    least = (MOTIF_ERROR.height_percent**2 + (100.0 * MOTIF_ERROR.height_mm / shape.height_mm) ** 2) ** 0.5
+    assert percent >= least and 0.01 * percent * shape.height_mm > MOTIF_ERROR.height_mm
+
+
+PINS = [{"where": "corners"}]
+
+
+def test_the_plastic_is_outside_and_the_shape_is_certified() -> None:
+    design = net()
+    shape = Preview(design, net_law(design), triangles=16).shape()
+    assert shape.summary.is_minimum and not shape.summary["warnings"]
+    assert shape.point_fields["mean_curvature_per_mm"].min() > 0.0
+    assert shape.summary["stars"] == 0 and shape.summary["rods_total"] == len(shape.rods)
+    assert shape.summary["contraction"] < 1.0
+
+
+@pytest.mark.slow
+def test_a_sheet_that_its_rims_collapse_is_refused_early_and_a_thicker_one_is_not() -> None:
+    design = gallery.load("diamond-auxetic")
+    session = Preview(design)
+    assert [trial.name for trial in session.equilibrium.trials] == ["arc"]  # not in load steps, which take as long
+    (first, *_) = session.shape().summary["warnings"]
+    assert first.startswith("not an equilibrium: at wide rims the tension") and first.endswith("asterism simulate")
+    thicker = design.to_dict()
+    thicker["rods"]["thickness_mm"] = 0.4
+    assert Preview(Design.from_dict(thicker)).shape().summary.is_minimum
+
+
+@pytest.mark.slow
+def test_rods_lie_along_the_triangles_with_their_sizes() -> None:
+    design = net(GRADED)
+    shape = Preview(design, net_law(design)).shape()
+    edges = np.sort(shape.rod_edges, axis=1)
+    sides = np.sort(shape.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert set(map(tuple, edges)) <= set(map(tuple, sides))
+    middle = shape.printed[shape.rod_edges].mean(axis=1)[:, 0]
+    assert shape.rod_fields["thickness_mm"] == pytest.approx(np.clip(0.45 + 0.0025 * middle, 0.4, 0.5), abs=1e-3)
+
+
+def test_sizes_are_edited_without_new_cells() -> None:
+    said: list[str] = []
+    design = net()
+    law = net_law(design)
+    wide = net_law(net(0.41), law, said.append)
+    assert len(said) == len(wide.plan.tasks()) - 1
+    session = Preview(design, wide, triangles=16)
+    stages = [stage.name for stage in session.edit(net(0.44))]
+    assert stages == ["linear", "equilibrium"]
+    again = Preview(net(0.44), wide, triangles=16)
+    assert session.equilibrium.energy == pytest.approx(again.equilibrium.energy, rel=1e-8)
+    assert net_law(net(0.44), wide, said.append) is wide and len(said) == len(wide.plan.tasks()) - 1
+
+
+@pytest.mark.slow
+def test_another_motif_has_other_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    laws: list[Any] = []
+
+    def counted(design: Design, plan: object, known: Any, say: Any) -> object:
+        laws.append(net_law(design, known, say))
+        return laws[-1]
+
+    monkeypatch.setattr(motif_kind, "serving_motif_law", counted)
+    session = Preview(net())
+    session.update(net(pins=PINS))
+    assert laws[1] is laws[0]
+    other = net(rods={"motif": [CROSS[0]], "thickness_mm": 0.4})
+    shape = session.update(other)
+    assert laws[2] is not laws[0] and shape.summary.is_minimum
+    assert session.design == other
+
+
+@pytest.mark.slow
+def test_pins_hold_the_sheet_where_they_are() -> None:
+    design = net(pins=[{"where": "corners", "scale": 0.9}])
+    shape = Preview(design, net_law(design)).shape()
+    corners = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
+    places = shape.at(corners, off_sheet_mm=1e-6)
+    assert places == pytest.approx(np.hstack([0.9 * corners, np.zeros((4, 1))]), abs=1e-6)
+    assert shape.summary.is_minimum and shape.held
+    lifted = net(pins=[{"where": "corners", "scale": 0.9, "offset_mm": (0.0, 0.0, 5.0)}])
+    session = Preview(design, net_law(design))
+    assert [stage.name for stage in session.edit(lifted)] == ["linear", "equilibrium"]
+
+
+@pytest.mark.slow
+def test_a_session_returns_to_its_snapshot_and_turns_over() -> None:
+    design = net()
+    session = Preview(design, net_law(net(GRADED)))
+    kept, energy = session.snapshot(), session.equilibrium.energy
+    session.update(net(0.45))
+    session.restore(kept)
+    assert session.design == design and session.equilibrium.energy == pytest.approx(energy)
+    assert session.flip() in ("up", "down") and session.equilibrium.is_minimum
+
+
+@pytest.mark.slow
+def test_one_session_takes_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motif_kind, "serving_motif_law", lambda design, *others: net_law(design))
+    session = Preview(net())
+    session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
+    assert len(session.values.sizes) == 7
+    session.update(net())
+    assert session.sheet.layout.drawn is not None
+
+
+@pytest.mark.parametrize(
+    ("sections", "named"),
+    [
+        ({"rods": {"draw": [{"line_mm": [(-15, 0), (15, 0)]}]}}, "do not repeat have no law; .*asterism simulate"),
+        ({"rods": {"motif": CROSS, "draw": [{"line_mm": [(-15, 1), (15, 1)]}]}}, "rods.draw: must be left out"),
+        ({"fabric": {"bending": "none"}}, "fabric.bending"),
+    ],
+)
+def test_patterns_without_a_law_are_refused_in_one_line(sections: dict[str, Any], named: str) -> None:
+    with pytest.raises(DesignError, match=named) as raised:
+        preview(net(**sections))
+    assert "\n" not in str(raised.value)
+
+
+def test_a_law_of_stars_is_no_law_of_a_motif() -> None:
+    with pytest.raises(TypeError, match="load_motif_law"):
+        Preview(net(), plain_law())

@@ -1,0 +1,187 @@
+"""Warnings of previews: stars that are overstretched or may be inverted, and the stars and sites that they name."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asterism
+from asterism.homogenize.law.law_file import load_law
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.previews.session import Preview
+from asterism.previews.warnings import (
+    mean_square_limit,
+    mean_square_stretch,
+    overstretched_stars,
+    stars_that_may_be_inverted,
+    support_ratio,
+)
+from asterism.results.words import PlacedWarning
+from asterism.shape.shape import Shape
+
+
+def printed(design: Design, scale: float = 1.0, spike_mm: float = 0.0) -> Shape:
+    """The print, scaled, with a spike at the outermost star."""
+    plan = layout(design)
+    mesh = mesh_layout(plan, 4.0)
+    from_tip = np.linalg.norm(mesh.points - plan.centres[np.argmax(plan.centres[:, 0])], axis=1)
+    heights = spike_mm * np.maximum(1.0 - from_tip / 5.0, 0.0)
+    star = np.full(len(mesh.points), -1)
+    star[mesh.star_vertices] = plan.star_number
+    places = np.column_stack([scale * mesh.points, heights])
+    return Shape(
+        mesh.points, places, mesh.triangles, star, mesh.rods, mesh.star_vertices, held=bool(plan.pins), plan=plan
+    )
+
+
+def small(**sections: Any) -> Design:
+    return Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.4}, "border": {"rings": 1}} | sections)
+
+
+def test_a_spike_and_a_sheet_beyond_its_print_are_too_long() -> None:
+    design, plan = small(), layout(small())
+    assert overstretched_stars(printed(design, 0.99), design, plan).tolist() == []
+    assert overstretched_stars(printed(design, 1.01), design, plan).tolist() == plan.star_number.tolist()
+    (star,) = overstretched_stars(printed(design, 0.85, spike_mm=15.0), design, plan).tolist()
+    assert star == plan.star_number[np.argmax(plan.centres[:, 0])]
+
+
+def test_the_mean_square_is_exact_for_a_uniform_stretch() -> None:
+    assert mean_square_stretch(printed(small(), 0.8), layout(small())) == pytest.approx(0.64)
+
+
+def test_supports_that_pull_allow_as_much_and_weight_is_not_judged() -> None:
+    wide = small(border={"rings": 2}, pins=[{"where": "corners", "scale": 1.2}])
+    assert support_ratio(layout(wide)) == pytest.approx(1.2)
+    assert support_ratio(layout(small())) == 0.0
+    shape = printed(wide, 1.15)
+    assert not len(overstretched_stars(shape, wide, layout(wide)))
+    narrow = small(border={"rings": 2}, pins=[{"where": "corners", "scale": 0.9}])
+    over = overstretched_stars(shape, narrow, layout(narrow))
+    far = layout(narrow).distance_to_supports(layout(narrow).centres) > narrow.lattice.spacing_mm
+    assert len(over) == far.sum() > 0
+    heavy = Design.from_dict(narrow.to_dict() | {"gravity": {"on": True}})
+    assert not len(overstretched_stars(shape, heavy, layout(heavy)))
+
+
+@pytest.mark.parametrize(("stretch", "poisson"), [(1.35, 0.3), (1.7, 0.45), (2.2, 0.3), (2.2, 0.49)])
+def test_no_state_of_the_fabric_beyond_the_limit_has_less_energy_than_the_print(stretch: float, poisson: float) -> None:
+    """Over all principal stretches of two halves of a cell."""
+    mu, lam = 1.0, 2.0 * poisson / (1.0 - poisson)
+
+    def energy(one: Any, two: Any) -> Any:
+        log = np.log(one * two)
+        return 0.5 * mu * (one**2 + two**2 - 2.0) - mu * log + 0.5 * lam * log**2
+
+    of_print, limit = energy(stretch, stretch), mean_square_limit(Fabric(stretch=stretch, poisson=poisson))
+    one, two, three, four = np.meshgrid(*4 * [np.linspace(0.4, 6.0, 25)])
+    square = 0.25 * (one**2 + two**2 + three**2 + four**2) / stretch**2
+    stored = 0.5 * (energy(one, two) + energy(three, four))
+    assert square[stored <= of_print].max() <= limit + 1e-12
+    assert limit < 1.05 * square[stored <= of_print].max() + 0.05  # and hardly more than is needed
+
+
+def test_a_preview_that_is_too_long_is_no_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = Preview(gallery.load("star"))
+    shape = preview.shape()
+    assert shape.summary["is_minimum"] and shape.summary["stars_overstretched"] == []
+    monkeypatch.setattr("asterism.previews.summary.overstretched_stars", lambda *_: np.array([0]))
+    long = preview.shape().summary
+    assert not long["is_minimum"] and long["converged"] and long["stars_overstretched"] == [0]
+    assert long["warnings"][-1] == (
+        "not a shape of this sheet: around 1 of 1 stars it is longer than the fabric can stretch; use the exact model: "
+        "star 0"
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["dome", "tube", "u-shape", "fig8-h-decreasing", "fig9-parabola"])
+def test_previews_of_the_gallery_are_far_below_the_limit(name: str) -> None:
+    preview = Preview(gallery.load(name))
+    square = mean_square_stretch(preview.shape(), preview.state.layout)
+    fabric = preview.design.fabric
+    assert np.prod(fabric.stretch_xy) ** -1.0 < square.min() < square.max() < 0.8 * mean_square_limit(fabric)
+
+
+# stars of the exact dome with arms of 10 mm that are inverted after its release (`asterism simulate`), without the
+# three corners of the sheet
+INVERTED = [0, 2, 4, 6, 14, 16, 18]
+
+
+def dome(length: float | None, thickness: float = 0.3) -> Design:
+    data = asterism.new("dome").to_dict()
+    if length is not None:
+        data["stars"] |= {"length_mm": length, "thickness_mm": thickness}
+    return Design.from_dict(data)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("thickness", "count"), [(0.3, 34), (0.5, 0)])
+def test_long_thin_arms_on_a_flat_sheet_may_be_inverted(thickness: float, count: int) -> None:
+    preview = Preview(dome(10.0, thickness), load_law())
+    stars = stars_that_may_be_inverted(preview.state)
+    assert len(stars) == pytest.approx(count, abs=3)
+    if count:
+        assert set(INVERTED) <= set(stars.tolist())
+    lines = [line for line in preview.shape().summary["warnings"] if "may be inverted beside others" in line]
+    assert len(lines) == (count > 0)
+
+
+def test_a_dome_of_graded_arms_is_not_warned_of() -> None:
+    """Only its central star is long enough, and one star alone has no neighbour to alternate with."""
+    law = load_law()
+    assert len(stars_that_may_be_inverted(Preview(dome(None), law).state)) == 0
+    assert "_cell_stability" not in vars(law)  # its cells stay packed
+
+
+def test_free_sheets_are_not_warned_of() -> None:
+    data = dome(10.0).to_dict() | {"pins": []}
+    assert len(stars_that_may_be_inverted(Preview(Design.from_dict(data), load_law()).state)) == 0
+
+
+def test_the_table_holds_the_cells_of_one_stretch() -> None:
+    """The cells of 10 mm and 0.3 mm are unstable flat and stable rolled."""
+    law = load_law()
+    table = law.cell_stability(1.35)
+    assert len(table.sizes) == sum(
+        s["stretch"] == 1.35 and s["problem"] is None and s["length_mm"] > 0 for s in law.samples
+    )
+    flat, half, rolled = table.eigenvalues(np.array([[10.0, 0.3, 1.2]] * 3), np.array([-1.0, 0.5, 2.0]))
+    assert flat < 0.0 < rolled and half == pytest.approx(0.5 * (flat + rolled))
+    assert law.cell_stability(1.35) is table
+
+
+def dome_with(override: list[dict[str, Any]]) -> asterism.Design:
+    data = asterism.new("dome").to_dict() | {"mesh": {"edge_mm": 4.0}}
+    return asterism.Design.from_dict(data | {"stars": data["stars"] | {"override": override}})
+
+
+def test_stars_outside_the_law_are_marked() -> None:
+    entries = [{"site": [0, 0], "thickness_mm": 1.6}, {"site": [1, 0], "thickness_mm": 1.7}]
+    summary = asterism.preview(dome_with(entries)).summary
+    (warning,) = [line for line in summary["warnings"] if "outside the law" in line]
+    assert isinstance(warning, PlacedWarning) and len(warning.stars) == 2 and warning.stars[0] == 0
+    assert json.loads(json.dumps(list(summary["warnings"]))) == list(summary["warnings"])
+
+
+def test_sites_off_the_sheet_are_named() -> None:
+    summary = asterism.preview(
+        dome_with([{"site": [0, 9], "remove": True}, {"site": [8, 1], "length_mm": 5.0}])
+    ).summary
+    (warning,) = [line for line in summary["warnings"] if "outside of the sheet" in line]
+    assert warning == "2 entries of stars.override are for sites outside of the sheet, and ignored: [0, 9], [8, 1]"
+    assert not any("outside of the sheet" in line for line in asterism.preview(dome_with([])).summary["warnings"])
+
+
+def test_arms_that_are_bonded_where_they_meet_are_named() -> None:
+    meeting = asterism.Design.from_dict({"stars": {"length_fraction": 1.0}, "border": {"rings": 1}})
+    (warning,) = [line for line in asterism.preview(meeting).summary["warnings"] if "print as one" in line]
+    assert isinstance(warning, PlacedWarning) and set(warning.stars) == set(range(7))
+    assert not any("print as one" in line for line in asterism.preview(dome_with([])).summary["warnings"])
