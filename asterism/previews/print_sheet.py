@@ -47,6 +47,7 @@ class PrintSheet(ABC):
     space : C1 quintic elements on these triangles.
     table : shape functions at the quadrature points.
     shells : for each step a shell of this print, and the pins of its supports. Sheets of one print share them.
+    softnesses : around the supported points, for each edge of the exact model's mesh; shared likewise.
     """
 
     design: Design
@@ -56,6 +57,7 @@ class PrintSheet(ABC):
     space: Argyris
     table: Tabulation
     shells: dict[int, tuple[tuple[PinSet, ...], Shell]] = field(default_factory=dict, kw_only=True)
+    softnesses: dict[float, Floats | None] = field(default_factory=dict, kw_only=True)
 
     @abstractmethod
     def fields(self, values: Any) -> Fields:
@@ -97,12 +99,14 @@ class PrintSheet(ABC):
         """Motions of the print that map the design to itself."""
         return symmetries(self.design, self.layout)
 
-    @cached_property
+    @property
     def pin_softness(self) -> Floats | None:
         """(T, Q) softness around supported points; None if the sheet has none."""
-        pins = self.layout.in_plane_pin_points
-        pulls = self.layout.is_supported_in_plane and len(pins) > 0
-        return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm, self.model) if pulls else None
+        pins, edge = self.layout.in_plane_pin_points, self.design.mesh.edge_mm
+        if edge not in self.softnesses:
+            pulls = self.layout.is_supported_in_plane and len(pins) > 0
+            self.softnesses[edge] = softness(self.mesh, pins, self.table.points, edge, self.model) if pulls else None
+        return self.softnesses[edge]
 
     def shell(self, fields: Fields, step: int) -> Shell:
         """The shell with the supports up to a step.

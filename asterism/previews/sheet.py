@@ -5,7 +5,7 @@ A sheet is a value. `with_pattern` makes the sheet of an edited design; what the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -88,29 +88,21 @@ class Sheet(PrintSheet):
     Attributes
     ----------
     stars : shares of the stars at the quadrature points.
+    known_arms : the arms, if they follow from those of the sheet before an edit.
 
     For the others, see `PrintSheet`.
     """
 
     stars: StarShares
+    known_arms: Arms | None = field(default=None, kw_only=True)
 
     def with_pattern(self, design: Design, layout: Layout) -> Sheet:
         """The same sheet with the stars of another design and its layout; `is_same_print` must hold."""
         stars = self.stars
         if not np.array_equal(layout.centres, self.layout.centres):
             stars = StarShares.at(self.table.points.reshape(-1, 2), design, layout, self.model)
-        sheet = replace(self, design=design, layout=layout, stars=stars)
-        if design.mesh.edge_mm == self.design.mesh.edge_mm and "pin_softness" in self.__dict__:
-            sheet.__dict__["pin_softness"] = self.pin_softness
-        if "arms" in self.__dict__:
-            arms = (
-                self.arms.with_layout(layout)
-                if self.has_rods_of(layout)
-                else self.arms.with_lengths(layout, self.space)
-            )
-            if arms is not None:
-                sheet.__dict__["arms"] = arms
-        return sheet
+        arms = self.arms.with_layout(layout) if self.has_rods_of(layout) else self.arms.with_lengths(layout, self.space)
+        return replace(self, design=design, layout=layout, stars=stars, known_arms=arms)
 
     def has_rods_of(self, layout: Layout) -> bool:
         """Whether another layout of this sheet has its arms at the same positions; thickness and width may differ."""
@@ -119,7 +111,7 @@ class Sheet(PrintSheet):
     @cached_property
     def arms(self) -> Arms:
         """Arms of the stars, for shells of this sheet."""
-        return Arms(self.layout, self.space, self.model)
+        return self.known_arms or Arms(self.layout, self.space, self.model)
 
     def fields(self, values: StarValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.

@@ -128,10 +128,7 @@ class MotifSheet(PrintSheet):
 
     def with_pattern(self, design: Design, layout: Layout) -> MotifSheet:
         """The same sheet with other sizes of the rods; `is_same_print` must hold."""
-        sheet = replace(self, design=design, layout=layout)
-        if design.mesh.edge_mm == self.design.mesh.edge_mm and "pin_softness" in self.__dict__:
-            sheet.__dict__["pin_softness"] = self.pin_softness
-        return sheet
+        return replace(self, design=design, layout=layout)
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
         """Whether a design differs only in the sizes of its rods, its material and the positions of its pins."""
