@@ -167,8 +167,14 @@ def height_doubts(state: AnyPreviewState, shape: Shape, up: Floats, moves: Float
 COVERAGE = 1.645
 
 
-def distance_error_percent(sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL) -> float | None:
+def distance_error_percent(
+    sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL, floor_percent: float | None = None
+) -> float | None:
     """The estimated error in % of the diameter; None with fewer than two computed modes.
+
+    Parameters
+    ----------
+    floor_percent : takes the place of the model's mesh error.
 
     Examples
     --------
@@ -179,7 +185,8 @@ def distance_error_percent(sources: ErrorSources, model: PreviewModel = PREVIEW_
     """
     if len(sources.amplitudes_percent) < 2:
         return None
-    return math.hypot(model.mesh_error_percent, COVERAGE * math.hypot(*distance_parts(sources, model).values()))
+    floor = model.mesh_error_percent if floor_percent is None else floor_percent
+    return math.hypot(floor, COVERAGE * math.hypot(*distance_parts(sources, model).values()))
 
 
 def distance_parts(sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL) -> dict[str, float]:
@@ -204,7 +211,9 @@ def probability_lower(gap: float, model: PreviewModel = PREVIEW_MODEL) -> float:
     return 0.5 * math.erfc(gap / (math.sqrt(2.0) * model.energy_uncertainty))
 
 
-def height_error_percent(sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL) -> float | None:
+def height_error_percent(
+    sources: ErrorSources, model: PreviewModel = PREVIEW_MODEL, floor_percent: float | None = None
+) -> float | None:
     """In % of the height; None for a sheet without a height that is certain. Nine of ten heights are within it.
 
     Examples
@@ -223,8 +232,12 @@ def height_error_percent(sources: ErrorSources, model: PreviewModel = PREVIEW_MO
         model.stiffness_uncertainty * doubts.stiffness,
         model.buckling_share * sources.narrowing * sources.diameter_mm / math.sqrt(3.0),
     )
-    mesh = 0.01 * model.mesh_error_percent * sources.diameter_mm
-    return 100.0 * math.hypot(mesh, doubts.lowest, COVERAGE * math.hypot(*deviations)) / doubts.height
+    floor = model.mesh_error_percent if floor_percent is None else floor_percent
+    return (
+        100.0
+        * math.hypot(0.01 * floor * sources.diameter_mm, doubts.lowest, COVERAGE * math.hypot(*deviations))
+        / doubts.height
+    )
 
 
 @dataclass(frozen=True)
@@ -250,17 +263,20 @@ class ErrorEstimate:
     energy_uncertainty: float
 
     @classmethod
-    def of(cls, sources: ErrorSources, model: PreviewModel, is_known: bool) -> ErrorEstimate:
+    def of(
+        cls, sources: ErrorSources, model: PreviewModel, is_known: bool, floor_percent: float | None = None
+    ) -> ErrorEstimate:
         """The estimate from its sources.
 
         Parameters
         ----------
         is_known : whether an estimate is available for sheets of this kind.
+        floor_percent : as in `distance_error_percent`.
         """
         parts, doubt = distance_parts(sources, model), model.energy_uncertainty
         return cls(
-            distance_error_percent(sources, model) if is_known else None,
-            height_error_percent(sources, model) if is_known else None,
+            distance_error_percent(sources, model, floor_percent) if is_known else None,
+            height_error_percent(sources, model, floor_percent) if is_known else None,
             sources,
             max(parts, key=lambda name: parts[name]),
             close_form(sources.other_forms, doubt),

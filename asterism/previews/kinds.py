@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.homogenize.law.law import Law
@@ -17,12 +19,12 @@ from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PreviewModel
 from asterism.previews.pattern_kind import PatternKind
-from asterism.previews.places import Places, SheetLens
+from asterism.previews.places import SheetLens
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.sheet import Sheet, sheet_of
+from asterism.previews.star_lens import StarLens
 from asterism.previews.state import StarState
 from asterism.previews.summary import summary
-from asterism.previews.surface_lens import Lens, shape_of, shown_mesh
 from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
@@ -30,6 +32,8 @@ from asterism.shape.shape import Shape
 
 class StarKind(PatternKind):
     """Stars on a lattice."""
+
+    shown_edge = 1 / 6
 
     def layout(self, design: Design) -> Layout:
         return layout(design)
@@ -51,19 +55,28 @@ class StarKind(PatternKind):
         return f"{stars} star{'s' if stars > 1 else ''}"
 
     def lens(self, state: StarState, points: Floats) -> SheetLens:
-        return Lens(state.sheet, state.law.waves, points)
+        return StarLens(state.sheet, state.law.waves, points)
 
-    def shown_mesh(self, sheet: Sheet) -> Mesh:
-        return shown_mesh(sheet)
-
-    def shape(self, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
-        return shape_of(sheet, mesh, places)
+    def rod_fields(self, sheet: Sheet, mesh: Mesh) -> dict[str, np.ndarray]:
+        layout, counts = sheet.layout, np.array([len(path) for path in mesh.rods])
+        arm = np.repeat(np.arange(len(counts)), counts)
+        step = np.linalg.norm(np.diff(mesh.points[np.concatenate(mesh.rods)], axis=0), axis=1)
+        within = arm[1:] == arm[:-1]  # false for steps from one arm to the next
+        arms, step = arm[1:][within], step[within]
+        total = np.bincount(arms, step)
+        before = np.cumsum(total) - total
+        part = (np.cumsum(step) - 0.5 * step - before[arms]) / total[arms]
+        ends = {"thickness_mm": layout.arm_thickness, "width_mm": layout.arm_width}
+        return {
+            "arm": arms,
+            "star": layout.star_number[layout.arm_star[arms]],
+            **{name: (1.0 - part) * both[arms, 0] + part * both[arms, 1] for name, both in ends.items()},
+        }
 
     def summary(
         self, state: StarState, shape: Shape, mesh: Mesh, up: Floats, clock: Clock, seconds: dict[str, float]
     ) -> PreviewRecord:
-        estimate = estimate_error(state, shape, up, clock)
-        return summary(state, shape, mesh, estimate, seconds)
+        return summary(state, shape, mesh, estimate_error(state, shape, up, clock), seconds)
 
 
 def kind_of(design: Design) -> PatternKind:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Self
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.tabulation import Evaluation
 from asterism.pattern.mesh.mesh import Mesh
+from asterism.previews.fields.supported_edge import SupportedEdge
 
 
 @dataclass(frozen=True)
@@ -80,20 +82,54 @@ class Places:
         return self.smooth + self.bumps
 
 
-class SheetLens(Protocol):
-    """Computes the positions of a fixed set of printed points for shells of one sheet."""
+class SheetLens:
+    """Computes the positions of a fixed set of printed points (n, 2) mm for shells of one sheet, here without bumps.
 
-    points: Floats
+    Attributes
+    ----------
+    sheet, points : as given.
 
-    @property
-    def sheet(self) -> Any:
-        """The sheet of the points."""
+    Raises
+    ------
+    ValueError
+        A point is outside of the sheet.
+    """
 
-    def renewed(self, sheet: Any) -> SheetLens:
-        """The lens of the same points on a sheet after an edit that keeps the print."""
+    def __init__(self, sheet: Any, points: Floats) -> None:
+        self.points = np.atleast_2d(np.asarray(points, dtype=float))
+        self._at = sheet.space.locate(self.points)
+        self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
+
+    def renewed(self, sheet: Any) -> Self:
+        """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
+
+        Raises
+        ------
+        ValueError
+            The sheet has another print.
+        """
+        if sheet is self.sheet:
+            return self
+        if sheet.space is not self.sheet.space:
+            raise ValueError("the sheet has another print: make a new lens")
+        lens = copy(self)
+        lens._follow(sheet)
+        return lens
+
+    def _follow(self, sheet: Any) -> None:
+        """Take another sheet of the same print."""
+        if not self.sheet.has_pins_of(sheet.layout):
+            self._rim = SupportedEdge(sheet, self.points)
+        self.sheet = sheet
+
+    def _smooth(self, x: Floats) -> SmoothSurface:
+        smooth = smooth_surface(self._at, x)
+        return replace(smooth, places=smooth.places + self._rim(x))
 
     def __call__(self, x: Floats, values: Any) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
+        smooth = self._smooth(x)
+        return Places(smooth, np.zeros_like(smooth.places))
 
 
 @dataclass(frozen=True)

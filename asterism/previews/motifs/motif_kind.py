@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,14 +29,11 @@ from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.error_estimate import ErrorEstimate, error_sources
-from asterism.previews.fields.supported_edge import SupportedEdge
 from asterism.previews.model import PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, holes_within_cells
 from asterism.previews.motifs.motif_sheet import MotifSheet, motif_sheet_of
 from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from asterism.previews.pattern_kind import PatternKind
-from asterism.previews.places import Places, SheetLens, smooth_surface
-from asterism.previews.shown_shape import mesh_to_show, shape_on_mesh
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.summary import common_numbers, count_crossings
 from asterism.previews.warnings import form_warnings, shape_warnings, side_warnings, support_warnings
@@ -49,24 +45,9 @@ from asterism.shape.shape import Shape
 MAX_OUTSIDE_SHARE = 0.1
 
 
-@dataclass(frozen=True)
-class MotifErrorModel:
-    """Constants of the estimate for motifs. The percentages are judged from a few sheets, and not fitted.
-
-    Attributes
-    ----------
-    floor_percent : of the distance, in % of the diameter.
-    height_percent : of the height, in % of it.
-    height_mm : of the height. The median of the absolute errors of six sheets whose form is the exact one: 0.2, 0.4,
-        1.2, 1.9, 2.9 and 3.8 mm.
-    """
-
-    floor_percent: float = 0.8
-    height_percent: float = 10.0
-    height_mm: float = 1.5
-
-
-MOTIF_ERROR = MotifErrorModel()
+# floor of the distance in % of the diameter, and of the height in % of it and in mm: judged from a few sheets, and not
+# fitted. The absolute errors of the height of six sheets whose form is the exact one: 0.2, 0.4, 1.2, 1.9, 2.9 and 3.8 mm
+FLOOR_PERCENT, HEIGHT_PERCENT, HEIGHT_MM = 0.8, 10.0, 1.5
 
 
 def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:
@@ -77,51 +58,17 @@ def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock
     shape : the sheet, its height along z.
     up : (3,) unit vector, that direction in the pose of the shell.
     """
-    model = replace(state.model, mesh_error_percent=MOTIF_ERROR.floor_percent)
     is_known = len(state.values.outside) <= MAX_OUTSIDE_SHARE * state.values.places
-    estimate = ErrorEstimate.of(error_sources(state, shape, up, clock), model, is_known)
+    estimate = ErrorEstimate.of(error_sources(state, shape, up, clock), state.model, is_known, FLOOR_PERCENT)
     doubts, near = estimate.sources.height, estimate.height_percent
     if doubts is None or near is None:
         return estimate
-    parts = near, MOTIF_ERROR.height_percent, 100.0 * MOTIF_ERROR.height_mm / doubts.height
+    parts = near, HEIGHT_PERCENT, 100.0 * HEIGHT_MM / doubts.height
     return replace(estimate, height_percent=math.hypot(*parts))
 
 
 # largest Gaussian modulus over the one at which bending becomes indefinite without a warning
 MAX_RIM_SHARE = 1.5
-
-
-def motif_summary(
-    state: AnyPreviewState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
-) -> PreviewRecord:
-    """The record of the preview of a motif. Keys that it shares with other records have the same meaning.
-
-    Parameters
-    ----------
-    mesh : mesh of the shape.
-    """
-    layout, law, values = state.layout, state.law, state.values
-    nearest = cKDTree(shape.printed).query(layout.sample_points)[1]
-    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
-    crossings = count_crossings(shape)
-    numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
-        "rods_total": len(layout.graph.rods),
-        "law": {
-            "material": law.plan.design.name,
-            "stretch": float(state.design.fabric.stretch_xy[0]),
-            "edge_mm": law.edge_mm,
-            "made_by": law.made.get("command"),
-            "graded": False,
-        },
-        "law_in_range": not values.outside,
-        "stars_outside_law": [],
-        "stars_tight": [],
-        "stars_uneven": [],
-        "smoothing_mm": 0.0,
-        "self_intersections": crossings,
-        "warnings": list(_warnings(state, estimate, axis, crossings, shape.height_mm)),
-    }
-    return PreviewRecord.from_json(numbers)
 
 
 def _warnings(
@@ -159,84 +106,10 @@ def _warnings(
     yield from shape_warnings(state, axis_deg, crossings)
 
 
-# largest edge of the triangles of a preview's shape, over the spacing of the lattice
-MAX_SHOWN_MOTIF_EDGE = 1 / 3
-
-
-class MotifLens:
-    """Computes the positions of a fixed set of printed points (n, 2) mm for shells of one sheet of a motif.
-
-    Attributes
-    ----------
-    sheet, points : as given.
-
-    Raises
-    ------
-    ValueError
-        A point is outside of the sheet.
-    """
-
-    def __init__(self, sheet: MotifSheet, points: Floats) -> None:
-        self.points = np.atleast_2d(np.asarray(points, dtype=float))
-        self._at = sheet.space.locate(self.points)
-        self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
-
-    def renewed(self, sheet: MotifSheet) -> MotifLens:
-        """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
-
-        Raises
-        ------
-        ValueError
-            The sheet has another print.
-        """
-        if sheet is self.sheet:
-            return self
-        if sheet.space is not self.sheet.space:
-            raise ValueError("the sheet has another print: make a new lens")
-        lens = copy(self)
-        lens.sheet = sheet
-        if not self.sheet.has_pins_of(sheet.layout):
-            lens._rim = SupportedEdge(sheet, self.points)
-        return lens
-
-    def __call__(self, x: Floats, values: MotifFieldValues) -> Places:
-        """The positions of the points for degrees of freedom x (N, 3) of the shell."""
-        smooth = smooth_surface(self._at, x)
-        smooth = replace(smooth, places=smooth.places + self._rim(x))
-        return Places(smooth, np.zeros_like(smooth.places))
-
-
-def shown_motif_mesh(sheet: MotifSheet) -> Mesh:
-    """The mesh of a preview's shape, see `mesh_to_show`."""
-    return mesh_to_show(sheet, MAX_SHOWN_MOTIF_EDGE)
-
-
-def motif_shape_of(sheet: MotifSheet, mesh: Mesh, places: Places) -> Shape:
-    """The shape, without a summary. It has no bumps."""
-    return shape_on_mesh(
-        sheet, mesh, places, np.full(len(mesh.points), -1, dtype=np.int64), _fields_of_rods(sheet, mesh)
-    )
-
-
-def _fields_of_rods(sheet: MotifSheet, mesh: Mesh) -> dict[str, np.ndarray]:
-    """Fields of the rod edges: number of the rod, and thickness and width at the middle of the edge."""
-    thickness, width = [], []
-    for rod, path in zip(sheet.layout.graph.rods, mesh.rods, strict=True):
-        steps = np.linalg.norm(np.diff(mesh.points[path], axis=0), axis=1)
-        middles = (np.cumsum(steps) - 0.5 * steps) / steps.sum()
-        thickness.append(rod.at(rod.thickness, middles))
-        width.append(rod.at(rod.width, middles))
-    number = np.repeat(np.arange(len(mesh.rods)), [len(path) - 1 for path in mesh.rods])
-    return {
-        "arm": number,
-        "star": np.full(len(number), -1),
-        "thickness_mm": np.concatenate(thickness),
-        "width_mm": np.concatenate(width),
-    }
-
-
 class MotifKind(PatternKind):
     """A motif of drawn rods that repeats on the lattice, and nothing beside it."""
+
+    shown_edge = 1 / 3
 
     def layout(self, design: Design) -> Layout:
         """Designs without a law are refused here, before anything is computed."""
@@ -260,17 +133,44 @@ class MotifKind(PatternKind):
         rods = len(plan.graph.rods)
         return f"{rods} rod{'s' if rods > 1 else ''}"
 
-    def lens(self, state: AnyPreviewState, points: Floats) -> SheetLens:
-        return MotifLens(state.sheet, points)
-
-    def shown_mesh(self, sheet: MotifSheet) -> Mesh:
-        return shown_motif_mesh(sheet)
-
-    def shape(self, sheet: MotifSheet, mesh: Mesh, places: Places) -> Shape:
-        return motif_shape_of(sheet, mesh, places)
+    def rod_fields(self, sheet: MotifSheet, mesh: Mesh) -> dict[str, np.ndarray]:
+        thickness, width = [], []
+        for rod, path in zip(sheet.layout.graph.rods, mesh.rods, strict=True):
+            steps = np.linalg.norm(np.diff(mesh.points[path], axis=0), axis=1)
+            middles = (np.cumsum(steps) - 0.5 * steps) / steps.sum()
+            thickness.append(rod.at(rod.thickness, middles))
+            width.append(rod.at(rod.width, middles))
+        number = np.repeat(np.arange(len(mesh.rods)), [len(path) - 1 for path in mesh.rods])
+        return {
+            "arm": number,
+            "star": np.full(len(number), -1),
+            "thickness_mm": np.concatenate(thickness),
+            "width_mm": np.concatenate(width),
+        }
 
     def summary(
         self, state: AnyPreviewState, shape: Shape, mesh: Mesh, up: Floats, clock: Clock, seconds: dict[str, float]
     ) -> PreviewRecord:
         estimate = estimate_motif_error(state, shape, up, clock)
-        return motif_summary(state, shape, mesh, estimate, seconds)
+        layout, law, values = state.layout, state.law, state.values
+        nearest = cKDTree(shape.printed).query(layout.sample_points)[1]
+        axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
+        crossings = count_crossings(shape)
+        numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
+            "rods_total": len(layout.graph.rods),
+            "law": {
+                "material": law.plan.design.name,
+                "stretch": float(state.design.fabric.stretch_xy[0]),
+                "edge_mm": law.edge_mm,
+                "made_by": law.made.get("command"),
+                "graded": False,
+            },
+            "law_in_range": not values.outside,
+            "stars_outside_law": [],
+            "stars_tight": [],
+            "stars_uneven": [],
+            "smoothing_mm": 0.0,
+            "self_intersections": crossings,
+            "warnings": list(_warnings(state, estimate, axis, crossings, shape.height_mm)),
+        }
+        return PreviewRecord.from_json(numbers)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import asterism.previews.kinds as star_kind_module
+import asterism.previews.pattern_kind as pattern_kind
 import asterism.previews.solve as solve_module
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -122,8 +122,10 @@ def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
 @pytest.mark.slow
 def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
     meshed: list[Sheet] = []
-    mesh = star_kind_module.shown_mesh
-    monkeypatch.setattr(star_kind_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
+    mesh = pattern_kind.mesh_layout
+    monkeypatch.setattr(
+        pattern_kind, "mesh_layout", lambda *given, **more: meshed.append(given[0]) or mesh(*given, **more)
+    )
     forget_prints()
     preview = Preview(edited("dome"))
     preview.shape()

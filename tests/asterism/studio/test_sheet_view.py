@@ -17,7 +17,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
-from asterism.previews.surface_lens import Lens
+from asterism.previews.star_lens import StarLens
 from asterism.studio.sheet_view import SheetView
 from tests.asterism.previews.laws import plain_law
 
@@ -62,7 +62,7 @@ def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(
         painted = with_painted_stars(DESIGN, SITES[list(stroke)], list(stroke.values()))
         stage = next(preview.edit(painted))
         state = preview.state
-        followed, anew = lens(stage.x), Lens(state.sheet, state.law.waves, view.printed)(stage.x, state.values)
+        followed, anew = lens(stage.x), StarLens(state.sheet, state.law.waves, view.printed)(stage.x, state.values)
         assert np.abs(followed.bumpy - anew.bumpy).max() <= 1e-12
         fresh = copy(view)  # a new view may have another mesh
         fresh._follow(preview)

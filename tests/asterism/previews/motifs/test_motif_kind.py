@@ -11,7 +11,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.previews.motifs import motif_kind
-from asterism.previews.motifs.motif_kind import MOTIF_ERROR
+from asterism.previews.motifs.motif_kind import HEIGHT_MM, HEIGHT_PERCENT
 from asterism.previews.run import preview
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
@@ -24,8 +24,8 @@ def test_the_height_is_known_to_millimetres_and_to_percent(scale: float) -> None
     design = net(pins=[{"where": "corners", "scale": scale}])
     shape = Preview(design, net_law(design)).shape()
     percent = shape.summary["expected_height_percent"]
-    least = (MOTIF_ERROR.height_percent**2 + (100.0 * MOTIF_ERROR.height_mm / shape.height_mm) ** 2) ** 0.5
-    assert percent >= least and 0.01 * percent * shape.height_mm > MOTIF_ERROR.height_mm
+    least = (HEIGHT_PERCENT**2 + (100.0 * HEIGHT_MM / shape.height_mm) ** 2) ** 0.5
+    assert percent >= least and 0.01 * percent * shape.height_mm > HEIGHT_MM
 
 
 PINS = [{"where": "corners"}]
