@@ -2,7 +2,8 @@
 
 The fit is weighted least squares through means of kinds of strips, with intervals by Student's distribution. Strips of
 a kind may share an error, mostly that of their thickness. Therefore the scatter of the means about the fit gives the
-intervals, and not that of the strips. Single strips take the place of the means if there are too few kinds."""
+intervals, and not that of the strips. Single strips take the place of the means if there are too few kinds.
+"""
 
 from __future__ import annotations
 

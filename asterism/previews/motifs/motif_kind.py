@@ -46,7 +46,7 @@ MAX_OUTSIDE_SHARE = 0.1
 
 
 # floor of the distance in % of the diameter, and of the height in % of it and in mm: judged from a few sheets, and not
-# fitted. The absolute errors of the height of six sheets whose form is the exact one: 0.2, 0.4, 1.2, 1.9, 2.9 and 3.8 mm
+# fitted. Absolute errors of the height of six sheets whose form is the exact one: 0.2, 0.4, 1.2, 1.9, 2.9 and 3.8 mm
 FLOOR_PERCENT, HEIGHT_PERCENT, HEIGHT_MM = 0.8, 10.0, 1.5
 
 

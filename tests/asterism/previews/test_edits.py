@@ -15,9 +15,11 @@ import asterism.previews.solve as solve_module
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.print_cache import forget_prints
 from asterism.previews.session import Preview
-from asterism.previews.sheet import Sheet
 
 
 def edited(name: str, **sections: Any) -> Design:
@@ -121,11 +123,13 @@ def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
 
 @pytest.mark.slow
 def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
-    meshed: list[Sheet] = []
-    mesh = pattern_kind.mesh_layout
-    monkeypatch.setattr(
-        pattern_kind, "mesh_layout", lambda *given, **more: meshed.append(given[0]) or mesh(*given, **more)
-    )
+    meshed: list[Layout] = []
+
+    def counted(plan: Layout, *how: Any, **more: Any) -> Mesh:
+        meshed.append(plan)
+        return mesh_layout(plan, *how, **more)
+
+    monkeypatch.setattr(pattern_kind, "mesh_layout", counted)
     forget_prints()
     preview = Preview(edited("dome"))
     preview.shape()
