@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
-from asterism.fitting.target import TargetSurface
+from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
 from asterism.measure.compare.errors import ScanError
 from tests.asterism.fitting.surfaces import spherical_cap
 from tests.asterism.fitting.wrong_surfaces import (
@@ -150,3 +151,20 @@ def test_a_coarse_target_is_divided_without_a_change_of_its_shape() -> None:
     target = TargetSurface.of_triangles(corners, np.array([[0, 1, 2], [0, 2, 3]]))
     assert len(target.disk.triangles) >= 1500
     assert target.diameter_mm == pytest.approx(np.linalg.norm(corners[2] - corners[0]))
+
+
+def test_a_large_target_is_decimated_with_a_note() -> None:
+    vertices, triangles = spherical_cap(35.0, rings=70)
+    assert len(triangles) > MAX_TARGET_TRIANGLES
+    target = TargetSurface.of_triangles(vertices, triangles, name="cap")
+    assert len(target.disk.triangles) <= MAX_TARGET_TRIANGLES
+    (note,) = target.notes
+    moved = float(re.search(r"by at most (\S+) mm", note)[1])  # type: ignore[index]
+    away = np.abs(target.nearest(vertices @ target.motion.T + target.shift_mm).distance)
+    assert away.max() == pytest.approx(moved, rel=0.1) and moved < 0.01
+
+
+def test_a_small_target_stays_as_it_is() -> None:
+    vertices, triangles = spherical_cap(35.0)
+    target = TargetSurface.of_triangles(vertices, triangles)
+    assert target.notes == () and len(target.disk.triangles) == len(triangles)
