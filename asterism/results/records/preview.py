@@ -187,6 +187,3 @@ class PreviewRecord(ShapeRecord):
         "Triangles of the mesh of the shell.", label="shell", show="{shell_triangles} triangles, {dofs} unknowns"
     )
     load_steps: int = key("Load steps that were needed; 0 if the full loads could be applied at once.")
-
-
-COMPARED_KEYS = ("height_mm", "extent_mm", "expected_rms_percent", "expected_height_percent", "contraction")
