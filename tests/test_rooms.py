@@ -13,7 +13,7 @@ PACKAGES = ("equilibrium", "pattern", "discrete", "fem", "homogenize", "asterism
 
 # rooms inside a package from the bottom up; a room may import those of lower rows, and a row's rooms not each other
 ORDER: dict[str, list[list[str]]] = {
-    "pattern": [["geometry"], ["design"], ["rods"], ["layout"], ["mesh"]],
+    "pattern": [["geometry"], ["drawing"], ["design"], ["rods"], ["layout"], ["mesh"]],
     "asterism": [
         ["process"],
         ["results"],

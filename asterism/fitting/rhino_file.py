@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
-from asterism.pattern.design.rhino_model import open_rhino_model
+from asterism.pattern.drawing.rhino import open_rhino_model
 
 # points along each parameter of a NURBS surface: at least, and for each span between knots
 MIN_SURFACE_POINTS = 60

@@ -11,17 +11,13 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.border import OUTLINE_CURVE_MM
-from asterism.pattern.design.errors import DesignError, NoUnitError
-from asterism.pattern.design.file_lines import MM_OF_UNITS, FileLine, read_lines
-from asterism.pattern.design.rods import IMPORT_CURVE_MM
+from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM
+from asterism.pattern.drawing.read import DRAWING_FORMATS, closed_curves
+from asterism.pattern.drawing.read import read_drawing as read_lines
+from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, FileLine, NoUnitError
 from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
 from asterism.studio.requests import LayerUse, PlaceDrawing
 from asterism.studio.uploads import MAX_CORNERS, UploadError
-
-DRAWING_FORMATS = (".svg", ".dxf", ".3dm")
-# ends of lines that are nearer than this are one corner of the outline
-JOINED_MM = 0.01
 
 
 @dataclass(frozen=True)
@@ -107,51 +103,28 @@ def read_drawing(path: Path, name: str, units: str | None = None) -> SentDrawing
     if units is not None and units not in MM_OF_UNITS:
         raise UploadError(f"the unit must be one of {', '.join(MM_OF_UNITS)}")
     try:
-        return SentDrawing(name, tuple(read_lines(path, IMPORT_CURVE_MM, units)))
+        return SentDrawing(name, read_lines(path, IMPORT_CURVE_MM, MM_OF_UNITS.get(units or "")).lines)
     except NoUnitError:
         raise
-    except DesignError as error:
-        raise UploadError(f"{name}: {error.allowed}") from None
+    except DrawingError as error:
+        raise UploadError(f"{name}: {error}") from None
 
 
 def rings(lines: Iterable[FileLine]) -> list[Floats]:
-    """Closed lines (n, 2) mm without their last point, the largest first; open lines that meet end to end are joined.
-
-    Examples
-    --------
-    >>> corner = FileLine(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), "cut", None)
-    >>> side = FileLine(np.array([[4.0, 3.0], [0.0, 0.0]]), "cut", None)
-    >>> rings([corner, side])[0].shape
-    (3, 2)
-    """
-    closed, parts = [], []
-    for line in lines:
-        if len(line.points) > 3 and np.array_equal(line.points[0], line.points[-1]):
-            closed.append(line.points[:-1])
-        else:
-            ends = np.round(line.points / JOINED_MM) * JOINED_MM
-            parts.append(np.concatenate([ends[:1], line.points[1:-1], ends[-1:]]))
-    if parts:
-        joined = shapely.get_parts(shapely.line_merge(shapely.multilinestrings([shapely.LineString(p) for p in parts])))
-        closed += [shapely.get_coordinates(line)[:-1] for line in joined if line.is_closed]
-    return sorted((ring for ring in closed if len(ring) > 2), key=_area, reverse=True)
-
-
-def _area(ring: Floats) -> float:
-    return float(shapely.area(shapely.polygons(ring)))
+    """Closed curves (n, 2) mm without their last point, the largest first."""
+    return sorted(closed_curves(lines), key=lambda ring: -float(shapely.area(shapely.polygons(ring))))
 
 
 def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str, Any]:
     widths = [line.width_mm for line in lines if line.width_mm is not None]
     shown = shapely.get_coordinates
     pictured = [shown(shapely.LineString(line.points).simplify(tolerance)).round(3).tolist() for line in lines]
-    is_closed = [len(line.points) > 3 and np.array_equal(line.points[0], line.points[-1]) for line in lines]
     return {
         "name": name,
         "count": len(lines),
         "widths_mm": [min(widths), max(widths)] if len(widths) == len(lines) else None,
         "has_rings": bool(rings(lines)),
-        "is_one_ring": is_closed == [True],
+        "is_one_ring": [line.is_closed for line in lines] == [True],
         "lines": pictured,
     }
 

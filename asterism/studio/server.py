@@ -28,8 +28,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.equilibrium.errors import Error
-from asterism.pattern.design.errors import NoUnitError
-from asterism.pattern.design.file_lines import MM_OF_UNITS
+from asterism.pattern.drawing.records import MM_OF_UNITS, NoUnitError
 from asterism.studio.child import StartedProcess
 from asterism.studio.drawing import read_drawing
 from asterism.studio.engine_link import EngineLink

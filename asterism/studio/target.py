@@ -12,7 +12,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.rhino_file import read_rhino
 from asterism.measure.compare.scan import read_surface
 from asterism.measure.compare.units import MM
-from asterism.pattern.design.rhino_model import RHINO_FORMAT
+from asterism.pattern.drawing.rhino import RHINO_FORMAT
 from asterism.studio import frames
 from asterism.studio.messages import Surface, TargetPose
 

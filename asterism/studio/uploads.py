@@ -63,8 +63,7 @@ def read_upload(kind: UploadKind, path: Path, name: str = "") -> dict[str, Any]:
         return {"value": {"image": name or path.name, "pixels": [columns, rows], "grey": pack_image(grey)}}
     if path.suffix not in (*OUTLINE_FORMATS, ".dxf"):
         raise UploadError(f"an outline must be a file of {', '.join((*OUTLINE_FORMATS, '.dxf'))}")
-    corners = read_dxf_outline(path) if path.suffix == ".dxf" else read_outline(path).corners
-    return {"border": {"polygon_mm": border_corners(corners).round(4).tolist()}}
+    return {"border": {"polygon_mm": border_corners(read_outline(path).corners).round(4).tolist()}}
 
 
 def border_corners(corners: Floats) -> Floats:

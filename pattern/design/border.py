@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 import shapely
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, model_validator
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.file_lines import MM_OF_UNITS, closed_lines, read_lines
-from asterism.pattern.design.rods import IMPORT_CURVE_MM, DrawnCircle
+from asterism.pattern.design.rods import DrawnCircle
 from asterism.pattern.design.section import Line, Number, Point, Section, Text, Whole
 from asterism.pattern.geometry.planar import distance_to_segment
 
@@ -24,8 +22,6 @@ MIN_SHEET_AREA_MM2 = 1.0
 MIN_SHEET_WIDTH_MM = 0.01
 MIN_SPIKE_ASPECT = 20.0
 MAX_HOLES = 1000
-# mm, largest distance of a curve from the straight edges of the sheet
-OUTLINE_CURVE_MM = 0.02
 
 
 class Hole(Section):
@@ -53,26 +49,13 @@ class Hole(Section):
     file: Text | None = None
     layer: Text | None = None
     origin: Literal["middle", "drawing"] = "middle"
-    units: Literal["mm", "cm", "in", "px"] | None = None
+    units: Literal["mm", "cm", "in", "px", "pt"] | None = None
     rings_mm: tuple[tuple[Point, ...], ...] = Field((), max_length=MAX_HOLES, repr=False)
 
     @property
     def kind(self) -> str:
         """Which of the keys has the edge."""
         return next(key for key in _KINDS if getattr(self, key) is not None)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        if not isinstance(data, dict) or data.get("rings_mm") or not isinstance(data.get("file"), str):
-            return data
-        units, path = data.get("units"), (info.context or {}).get("folder", Path()) / data["file"]
-        lines = read_lines(path, IMPORT_CURVE_MM, units if isinstance(units, str) and units in MM_OF_UNITS else None)
-        everything = np.concatenate([line.points for line in lines])
-        middle = 0.5 * (everything.min(axis=0) + everything.max(axis=0))
-        shift = middle if data.get("origin", "middle") == "middle" else np.zeros(2)
-        chosen = closed_lines(lines, data.get("layer"), data["file"])
-        return {**data, "rings_mm": [np.round(line.points[:-1] - shift, 6).tolist() for line in chosen]}
 
     @model_validator(mode="after")
     def _one_edge(self) -> Self:
@@ -83,39 +66,6 @@ class Hole(Section):
 
 
 _KINDS = ("circle_mm", "polygon_mm", "spline_mm", "rods", "file")
-
-
-def _with_outline(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The table `[border]` with the outline and the holes of its `file`, if they were not read before.
-
-    Raises
-    ------
-    DesignError
-        The file cannot be read, or its closed lines are not one outline with holes.
-    """
-    file, layer, units = (data.get(key) for key in ("file", "layer", "units"))
-    if not isinstance(file, str) or data.get("polygon_mm") is not None:
-        return data
-    known_unit = units if isinstance(units, str) and units in MM_OF_UNITS else None
-    lines = read_lines(folder / file, OUTLINE_CURVE_MM, known_unit)
-    rings = [line.points[:-1] for line in closed_lines(lines, layer, file)]
-    outer = max(range(len(rings)), key=lambda number: shapely.area(shapely.polygons(rings[number])))
-    shift = np.zeros(2)
-    if data.get("origin", "middle") == "middle":
-        shift = 0.5 * (rings[outer].min(axis=0) + rings[outer].max(axis=0))
-    outline, *inner = (
-        np.round(ring - shift, 6).tolist() for ring in (rings[outer], *rings[:outer], *rings[outer + 1 :])
-    )
-    beside = [ring for ring in inner if not shapely.intersects(shapely.polygons(outline), shapely.polygons(ring))]
-    if beside:
-        x, y = (float(part) for part in np.mean(beside[0], axis=0))
-        problem = f"must have one outline: a closed line lies beside it, about ({x:.1f}, {y:.1f}) mm; choose a layer"
-        raise DesignError("file", problem, file, place_mm=(x, y))
-    holes = [{"polygon_mm": ring} for ring in inner]
-    given = data.get("holes", ())
-    if isinstance(given, list | tuple) and holes:
-        data = {**data, "holes": [*given, *holes]}
-    return {**data, "polygon_mm": outline}
 
 
 class Border(Section):
@@ -150,17 +100,12 @@ class Border(Section):
     file: Text | None = None
     layer: Text | None = None
     origin: Literal["middle", "drawing"] = "middle"
-    units: Literal["mm", "cm", "in", "px"] | None = None
+    units: Literal["mm", "cm", "in", "px", "pt"] | None = None
     rods: Line | None = None
     holes: tuple[Hole, ...] = Field((), max_length=MAX_HOLES)
     star_margin_mm: Number | None = Field(None, ge=1, le=1000)
     overhang: Literal["cut", "refuse"] = "cut"
     tip_margin_mm: Number = Field(0.5, ge=0.1, le=100)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        return _with_outline(data, (info.context or {}).get("folder", Path())) if isinstance(data, dict) else data
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:

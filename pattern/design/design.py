@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.border import Border
+from asterism.pattern.design.drawings import with_drawings
 from asterism.pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
 from asterism.pattern.design.files import write_table
 from asterism.pattern.design.lattice import Lattice
@@ -145,8 +146,11 @@ class Design(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _keys_in_their_tables(cls, data: Any) -> Any:
-        """Refuse a key in a wrong table, and name the right one: in TOML, a key belongs to the header above it."""
+    def _keys_in_their_tables(cls, data: Any, info: ValidationInfo) -> Any:
+        """Refuse a key in a wrong table, and name the right one: in TOML, a key belongs to the header above it.
+
+        Then read the drawings that the tables name.
+        """
         if not isinstance(data, Mapping):
             return data
         kinds = {"": cls} | {name: field.annotation for name, field in cls.model_fields.items()}
@@ -163,7 +167,7 @@ class Design(Section):
                 if homes and name not in homes:
                     field = f"{name}.{key}" if name else key
                     raise DesignError(field, f"unknown key here, it belongs {_place(homes)}", entries[key])
-        return data
+        return with_drawings(data, (info.context or {}).get("folder", Path()))
 
     @model_validator(mode="after")
     def _one_pattern(self) -> Self:

@@ -59,10 +59,6 @@ class BlankSheetError(DesignError):
     """A sheet without a single arm to print; `asterism.shape.blank_sheet` has its shape."""
 
 
-class NoUnitError(DesignError):
-    """A drawing without a unit of length; the same drawing can be read with one."""
-
-
 def from_validation(error: ValidationError, file: str | Path | None = None) -> DesignError:
     """The first of pydantic's errors as a `DesignError`."""
     first = error.errors(include_url=False)[0]

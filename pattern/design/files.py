@@ -69,6 +69,8 @@ def _hint(text: str, problem: str) -> str:
     if re.match("Cannot (overwrite|declare)", problem):
         return "; what it sets is set before, each key and each table may stand once"
     at = re.search(r"at line (\d+)", problem)
+    if "hex value" in problem or "escape" in problem:
+        return "; write paths with /"
     line = text.split("\n")[int(at[1]) - 1] if at else ""
     return "; decimals have a point, 7.5" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
 

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
-import numpy as np
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, model_validator
 
-from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.file_lines import MM_OF_UNITS, read_lines
+from asterism.pattern.design.errors import DesignError, one_line
 from asterism.pattern.design.residual_curvature import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Line, Number, Point, Section, Text
 from asterism.pattern.design.sizing.field import SizingField
 
 MIN_RADIUS_MM = 0.5
-# mm, largest distance of an imported curve from the straight pieces that are stored
-IMPORT_CURVE_MM = 0.005
 
 
 class DrawnCircle(Section):
@@ -120,31 +115,8 @@ class ImportedDrawing(Section):
     width: Literal["stroke"] | None = None
     layers: dict[str, LayerSizes] | None = None
     origin: Literal["middle", "drawing"] = "middle"
-    units: Literal["mm", "cm", "in", "px"] | None = None
+    units: Literal["mm", "cm", "in", "px", "pt"] | None = None
     lines: tuple[StoredLine, ...] = Field((), repr=False)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        if not isinstance(data, dict) or data.get("lines") or not isinstance(data.get("file"), str):
-            return data
-        units = data.get("units")
-        path = (info.context or {}).get("folder", Path()) / data["file"]
-        lines = read_lines(path, IMPORT_CURVE_MM, units if isinstance(units, str) and units in MM_OF_UNITS else None)
-        if data.get("origin", "middle") == "middle":
-            everything = np.concatenate([line.points for line in lines])
-            shift = 0.5 * (everything.min(axis=0) + everything.max(axis=0))
-        else:
-            shift = np.zeros(2)
-        stored = [
-            {
-                "points_mm": np.round(line.points - shift, 6).tolist(),
-                "layer": line.layer,
-                **({} if line.width_mm is None else {"width_mm": round(line.width_mm, 6)}),
-            }
-            for line in lines
-        ]
-        return {**data, "lines": stored}
 
     @model_validator(mode="after")
     def _has_its_layers(self) -> Self:
@@ -163,7 +135,7 @@ class ImportedDrawing(Section):
             sizes = LayerSizes() if self.layers is None else self.layers[line.layer]
             stroke = line.width_mm if self.width == "stroke" else None
             width = stroke if sizes.width_mm is None else sizes.width_mm
-            name = line.layer[:100]
+            name = one_line(line.layer)[:100]
             out.append(DrawnLine(name=name, line_mm=line.points_mm, thickness_mm=sizes.thickness_mm, width_mm=width))
         return tuple(out)
 

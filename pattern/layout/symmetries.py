@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.rods import IMPORT_CURVE_MM
+from asterism.pattern.design.drawings import IMPORT_CURVE_MM
 from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import SupportSamples

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.clusters import clusters
 from asterism.pattern.geometry.planar import turning_angles
 from asterism.pattern.rods.graph import CORNER_DEG
 
@@ -72,7 +70,7 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     # ends and corners first: merged nodes are there
     order = np.concatenate([np.arange(meetings, len(place)), np.arange(meetings)])
     place, owner, part = place[order], owner[order], part[order]
-    node, nodes = _clusters(place, merge_mm)
+    node, nodes = clusters(place, merge_mm)
     pieces = []
     of_lines = np.split(np.argsort(owner, kind="stable"), np.cumsum(np.bincount(owner, minlength=len(lines)))[:-1])
     for number, (line, of_line) in enumerate(zip(lines, of_lines, strict=True)):
@@ -81,6 +79,9 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     kept = [
         piece for piece in pieces if min(degree[piece.start], degree[piece.end]) > 1 or _length(piece.points) > merge_mm
     ]
+    if not kept:
+        problem = f"all lines are shorter than {max(join_mm, merge_mm):g} mm: is the drawing in mm?"
+        raise DesignError("rods", problem)
     used, index = np.unique([[piece.start, piece.end] for piece in kept], return_inverse=True)
     ends = index.reshape(-1, 2)
     return nodes[used], [Piece(p.line, p.points, int(a), int(b)) for p, (a, b) in zip(kept, ends, strict=True)]
@@ -115,7 +116,7 @@ def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:
     ends = [(number, at) for number, line in enumerate(lines) if not is_closed(line) for at in (0, -1)]
     key = [(number, at) for number, line in enumerate(lines) for at in _key_points(line)]
     places = np.array([lines[number][at] for number, at in key]).reshape(-1, 2)
-    node, merged = _clusters(places, join_mm)
+    node, merged = clusters(places, join_mm)
     size = np.bincount(node, minlength=len(merged))
     fixed = {int(node[i]): places[i] for i, (number, at) in enumerate(key) if not _is_end(lines[number], int(at))}
     target = {k: fixed.get(k, merged[k]) for k in range(len(merged))}
@@ -201,20 +202,6 @@ def _meeting(first: Floats, second: Floats) -> Floats | None:
             return None
         return np.asarray(a + np.clip(0.5 * (max(along[0], 0.0) + min(along[1], 1.0)), 0.0, 1.0) * u)
     return np.asarray(a + min(max(float((w[0] * v[1] - w[1] * v[0]) / cross), 0.0), 1.0) * u)
-
-
-def _clusters(places: Floats, distance: float) -> tuple[Ints, Floats]:
-    """Cluster (n,) of each place, and the first place (k, 2) of each cluster; clusters in the order of their first."""
-    n = len(places)
-    if n == 0:
-        return np.empty(0, dtype=np.int64), np.empty((0, 2))
-    pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
-    label = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n)), directed=False)[1]
-    _, first, group = np.unique(label, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.arange(len(order))
-    return rank[group], places[first[order]]
 
 
 def _split(number: int, line: Floats, part: Floats, node: Ints, nodes: Floats, merge_mm: float) -> list[Piece]:

@@ -8,6 +8,7 @@ import inspect
 import io
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -144,6 +145,13 @@ def _collect_from_here() -> None:
     gc.enable()
 
 
+def _show_warning(run: Run, otherwise: Callable[..., None], message: Any, category: type, *place: Any) -> None:
+    if category.__name__ == "DrawingWarning":
+        run.warn(str(message))
+    else:
+        otherwise(message, category, *place)
+
+
 def command(function: Callable[..., int | None]) -> Callable[..., int]:
     """Make a command for typer from a function whose first parameter is a `Run`.
 
@@ -159,7 +167,9 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     @functools.wraps(function)
     def run_command(**arguments: Any) -> int:
         run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
-        with run.progress:
+        with run.progress, warnings.catch_warnings():
+            # what is left out of a drawing is a warning of the command, all others are Python's
+            warnings.showwarning = functools.partial(_show_warning, run, warnings.showwarning)
             try:
                 status = function(run, **arguments) or DONE
             except Error as error:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.file_lines import DXF_NEEDED
+from asterism.pattern.drawing.dxf import DXF_NEEDED
 from asterism.print.drawing import Circle, Drawing, Polyline
 from asterism.print.formats.registry import export_format
 
@@ -66,8 +66,10 @@ def _write(path: Path, drawing: Drawing) -> None:
     document.header["$LUNITS"] = 2  # decimal
     document.header["$EXTMIN"] = (*drawing.low, 0.0)
     document.header["$EXTMAX"] = (*drawing.high, 0.0)
+    layers = document.layers
     for layer in drawing.layers:
-        entry = document.layers.add(layer.name)
+        # the layers 0 and Defpoints are in every file
+        entry = layers.get(layer.name) if layers.has_entry(layer.name) else layers.add(layer.name)
         colour = colors.RGB.from_hex(layer.colour)
         # brightness below which a colour becomes the foreground colour
         if colour.luminance < 0.3:

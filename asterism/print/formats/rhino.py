@@ -12,7 +12,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.rhino_model import RHINO_NEEDED
+from asterism.pattern.drawing.rhino import RHINO_NEEDED
 from asterism.pattern.geometry.planar import dense_outline
 from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.print.drawing import CUT, NEEDLES, STARS

@@ -135,7 +135,7 @@ def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestC
     content = dxf(lambda space: space.add_line((-2, 0), (2, 0), dxfattribs={"layer": "ribs"}), unit=0)
     headers = {"origin": f"http://{HOST}", "x-name": "ribs.dxf"}
     asked = client.post(f"/{TOKEN}/upload?kind=drawing", content=content, headers=headers).json()
-    assert asked["units"] == ["mm", "cm", "in", "px"]
+    assert asked["units"] == ["mm", "cm", "in", "px", "pt"]
     told = client.post(f"/{TOKEN}/upload?kind=drawing&units=cm", content=content, headers=headers).json()["drawing"]
     assert told["name"] == "ribs.dxf" and told["size_mm"] == [40.0, 0.0]
     (layer,) = told["layers"]

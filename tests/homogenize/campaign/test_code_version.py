@@ -24,11 +24,16 @@ ASIDE = (
     # sizes that vary, outlines, pins and drawings: a cell has none
     *(
         "design.border",
-        "design.rhino_model",
         "layout.support_curve",
         "design.pins",
         "design.rods",
-        "design.file_lines",
+        "design.drawings",
+        "drawing.dxf",
+        "drawing.read",
+        "drawing.records",
+        "drawing.rhino",
+        "drawing.svg",
+        "geometry.clusters",
         "geometry.flattening",
         "design.sizing.field",
         "design.sizing.profile",

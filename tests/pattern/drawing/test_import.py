@@ -12,7 +12,8 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.file_lines import read_lines
+from asterism.pattern.drawing.read import read_drawing
+from asterism.pattern.drawing.records import DrawingError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 
@@ -56,7 +57,7 @@ def sheet(folder: Path, **entry: Any) -> Layout:
 
 
 def test_svg_has_its_places_layers_and_widths(tmp_path: Path) -> None:
-    lines = read_lines(svg(tmp_path), 0.005, None)
+    lines = read_drawing(svg(tmp_path), 0.005).lines
     assert [line.layer for line in lines] == ["rim", "ribs", "ribs"]
     assert [line.width_mm for line in lines] == pytest.approx([1.6, 1.2, 1.2], rel=1e-5)
     rim, rib, stem = (line.points for line in lines)
@@ -72,7 +73,7 @@ def test_svg_has_its_places_layers_and_widths(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("units", "scale"), [(4, 1.0), (5, 0.1), (1, 1 / 25.4)])
 def test_dxf_has_the_places_of_the_svg_in_any_unit(tmp_path: Path, units: int, scale: float) -> None:
-    lines = read_lines(dxf(tmp_path, units, scale), 0.005, None)
+    lines = read_drawing(dxf(tmp_path, units, scale), 0.005).lines
     assert sorted(line.layer for line in lines) == ["ribs", "ribs", "rim"]
     (rim,) = [line for line in lines if line.layer == "rim"]
     assert np.linalg.norm(rim.points - [50, -40], axis=1) == pytest.approx(30.0, abs=0.01)
@@ -104,7 +105,7 @@ REFUSED = [
     ("none.svg", None, {}, "there is no such file"),
     ("leaf.ai", "x", {}, "must end in .svg, .dxf or .3dm"),
     ("leaf.svg", SVG.replace('width="100mm" height="80mm"', ""), {}, "has no size in mm: give it one"),
-    ("leaf.svg", SVG.replace("scale(2)", "scale(2,3)"), {}, "with a stroke stretched 1.5 to 1"),
+    ("leaf.svg", SVG.replace("scale(2)", "scale(2,3)"), {"width": "stroke"}, "with a stroke stretched 1.5 to 1"),
     ("leaf.svg", "<svg", {}, "cannot be read as SVG"),
     ("leaf.svg", SVG.replace("stroke:", "strike:"), {}, "holds no line with a stroke"),
     ("leaf.svg", SVG, {"layers": {"ribz": {}}}, "layers.ribz: no such layer; the drawing has ribs, rim"),
@@ -132,5 +133,5 @@ def test_dxf_without_a_unit_is_refused_until_one_is_given(tmp_path: Path) -> Non
 def test_without_the_package_for_dxf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = dxf(tmp_path)
     monkeypatch.setitem(sys.modules, "ezdxf", None)
-    with pytest.raises(DesignError, match=r"leaf.dxf'?: needs ezdxf: pip install"):
-        read_lines(file, 0.005, None)
+    with pytest.raises(DrawingError, match="needs ezdxf: pip install"):
+        read_drawing(file, 0.005)

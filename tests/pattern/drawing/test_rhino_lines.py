@@ -12,7 +12,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.print_layout import print_layout
-from tests.pattern.design.rhino_drawing import Drawing
+from tests.pattern.drawing.rhino_drawing import Drawing
 
 rhino3dm: Any = pytest.importorskip("rhino3dm")
 SQUARE = [(0, 0), (120, 0), (120, 90), (0, 90), (0, 0)]

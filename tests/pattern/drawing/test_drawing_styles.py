@@ -13,7 +13,8 @@ import shapely
 from ezdxf.layouts import Modelspace
 from scipy.interpolate import BSpline
 
-from asterism.pattern.design.file_lines import FileLine, read_lines
+from asterism.pattern.drawing.read import read_drawing
+from asterism.pattern.drawing.records import FileLine
 
 CURVE_MM, WITHIN_MM = 0.005, 0.01
 
@@ -71,7 +72,7 @@ def test_lines_of_cad_programs(kind: str, tmp_path: Path) -> None:
     drawing = ezdxf.new(units=4)
     draw(drawing.modelspace())
     drawing.saveas(tmp_path / "one.dxf")
-    (line,) = read_lines(tmp_path / "one.dxf", CURVE_MM, None)
+    (line,) = read_drawing(tmp_path / "one.dxf", CURVE_MM).lines
     assert distance(line, curve) < WITHIN_MM
 
 
@@ -106,5 +107,5 @@ def test_lines_of_drawing_programs(kind: str, inches: bool, tmp_path: Path) -> N
     size = '3.93700787402in" height="3.93700787402in' if inches else '100mm" height="100mm'
     head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{size}" viewBox="0 0 100 100">'
     (tmp_path / "one.svg").write_text(f'{head}<g fill="none" stroke="black" stroke-width="1">{text}</g></svg>')
-    (line,) = read_lines(tmp_path / "one.svg", CURVE_MM, None)
+    (line,) = read_drawing(tmp_path / "one.svg", CURVE_MM).lines
     assert distance(line, curve) < WITHIN_MM

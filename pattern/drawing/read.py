@@ -1,0 +1,155 @@
+"""Drawings of other programs: their lines in mm, and the closed curves that these form."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from asterism.equilibrium.arrays import Floats
+from asterism.pattern.drawing.dxf import open_dxf
+from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, DrawingWarning, FileLine, NoUnitError
+from asterism.pattern.drawing.rhino import RHINO_FORMAT, open_rhino_drawing
+from asterism.pattern.drawing.svg import open_svg
+from asterism.pattern.geometry.clusters import clusters
+
+DRAWING_FORMATS = (".svg", ".dxf", RHINO_FORMAT)
+# ends of lines that are nearer than this meet: programs round coordinates
+MEET_MM = 0.01
+_MAX_BYTES = 20_000_000
+_MAX_LINES = 20_000
+_MAX_SIZE_MM = 2e5
+_SAME_PLACE_MM = 1e-4
+# what takes the place of the end of `text|s`, for one and for several
+_ENDS = ("", r"\1")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """The visible lines of a file.
+
+    Attributes
+    ----------
+    lines : in the order of the file.
+    has_unit : the file says the unit of its numbers.
+    """
+
+    lines: tuple[FileLine, ...]
+    has_unit: bool
+
+    @property
+    def size_mm(self) -> Floats:
+        """(2,) of the box around all lines."""
+        return _size(self.lines)
+
+
+def read_drawing(
+    path: Path, curve_mm: float, unit_mm: float | None = None, silent_mm: float | None = None, fills: bool = False
+) -> Drawing:
+    """All visible lines of a drawing; a `DrawingWarning` counts what is left out.
+
+    Parameters
+    ----------
+    path : file that ends in .svg, .dxf or .3dm.
+    curve_mm : largest distance of a curve from the polyline that stands for it.
+    unit_mm : unit of a file that gives none, and in place of that of a 3DM file.
+    silent_mm : unit of a file that says nothing of its size.
+    fills : read the edges of shapes in SVG that have a fill only.
+
+    Raises
+    ------
+    DrawingError
+        The file cannot be read, or holds no line.
+    NoUnitError
+        The file has no unit, and none is given.
+    """
+    if not path.is_file():
+        raise DrawingError(f"there is no such file in {path.parent.absolute()}")
+    if path.stat().st_size > _MAX_BYTES:
+        raise DrawingError(f"must be at most {_MAX_BYTES // 1_000_000} MB")
+    if (ending := path.suffix.lower()) not in DRAWING_FORMATS:
+        raise DrawingError("must end in .svg, .dxf or .3dm")
+    if ending == RHINO_FORMAT:
+        source = open_rhino_drawing(path, unit_mm)
+    else:
+        source = open_svg(path, fills) if ending == ".svg" else open_dxf(path)
+    mm = source.mm or unit_mm or (silent_mm if source.is_silent else None)
+    scale, left_out = mm or 1.0, Counter[str]()
+    lines = []
+    for line in source.lines(curve_mm / scale, left_out):
+        points = _cleaned(scale * line.points)
+        if len(points) > 1:
+            layer = line.layer.encode(errors="replace").decode()  # DXF may hold bytes that are no text
+            width = line.width_mm and scale * line.width_mm
+            lines.append(replace(line, points=points, layer=layer, width_mm=width))
+    rest = ", ".join(f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items())
+    if not lines:
+        raise DrawingError("holds no line with a stroke" + (f"; left out: {rest}" if rest else ""))
+    if len(lines) > _MAX_LINES:
+        raise DrawingError(f"holds {len(lines)} lines, at most {_MAX_LINES} are allowed")
+    size = _size(lines)
+    if mm is None:
+        units = ("mm", "px", "pt") if ending == ".svg" else ("mm", "cm", "in")
+        sizes = ", ".join(f'"{unit}" makes it {_in_words(MM_OF_UNITS[unit] * size)}' for unit in units)
+        raise NoUnitError(source.problem, sizes)
+    if size.max() > _MAX_SIZE_MM:
+        raise DrawingError(f"is {_in_words(size)} large: at most {_MAX_SIZE_MM / 1000:g} m are allowed")
+    if rest:
+        layers = len({line.layer for line in lines})
+        read = f"read {len(lines)} line{'s'[: len(lines) > 1]} in {layers} layer{'s'[: layers > 1]}, {_in_words(size)}"
+        said = f"{path.name}: {read}; left out: {rest}"
+        warnings.warn("".join(c if c.isprintable() else " " for c in said), DrawingWarning, stacklevel=2)
+    return Drawing(tuple(lines), source.mm is not None)
+
+
+def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[Floats]:
+    """Closed lines (n, 2) mm without their last point, then those that open lines form which meet end to end.
+
+    Examples
+    --------
+    >>> corner = FileLine(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), "cut", None)
+    >>> side = FileLine(np.array([[4.0, 3.004], [0.0, 0.0]]), "cut", None)
+    >>> closed_curves([corner, side])[0].shape
+    (3, 2)
+    """
+    lines = list(lines)
+    closed = [line.points[:-1] for line in lines if line.is_closed]
+    parts = [line.points for line in lines if not line.is_closed]
+    if parts:
+        node, places = clusters(np.concatenate([points[[0, -1]] for points in parts]), meet_mm)
+        ends = places[node].reshape(-1, 2, 2)
+        met = [np.concatenate([end[:1], points[1:-1], end[1:]]) for points, end in zip(parts, ends, strict=True)]
+        chains = shapely.line_merge(shapely.multilinestrings([shapely.LineString(points) for points in met]))
+        closed += [shapely.get_coordinates(line)[:-1] for line in shapely.get_parts(chains) if line.is_closed]
+    return [curve for curve in closed if len(curve) > 2]
+
+
+def box_middle(lines: Iterable[FileLine]) -> Floats:
+    """(2,) mm, the middle of the box around lines."""
+    points = np.concatenate([line.points for line in lines])
+    return np.asarray(0.5 * (points.min(axis=0) + points.max(axis=0)))
+
+
+def _size(lines: Iterable[FileLine]) -> Floats:
+    return np.asarray(np.ptp(np.concatenate([line.points for line in lines]), axis=0))
+
+
+def _in_words(size: Floats) -> str:
+    return f"{size[0]:.4g} x {size[1]:.4g} mm"
+
+
+def _cleaned(points: Floats) -> Floats:
+    """The points without those that repeat the one before; a line that returns to its start ends with it exactly."""
+    kept = points[:1]
+    if len(points) > 1:
+        step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        kept = points[np.concatenate([[True], step > _SAME_PLACE_MM])]
+    if len(kept) > 3 and np.linalg.norm(kept[0] - kept[-1]) <= MEET_MM:
+        kept[-1] = kept[0]
+    return kept

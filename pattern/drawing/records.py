@@ -1,0 +1,92 @@
+"""What a reader of a format gives: lines, the unit of their numbers, and counts of what was left out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
+
+MM_OF_UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4, "px": 25.4 / 96.0, "pt": 25.4 / 72.0}
+# groups, blocks and what they use, within each other
+MAX_DEPTH = 100
+# elements of a drawing after all that is used stands in its place
+MAX_ELEMENTS = 200_000
+# larger numbers are no places
+_MAX_PLACE = 1e9
+
+
+class DrawingError(Error, ValueError):
+    """A drawing that cannot be read; the message is one line that does not name the file."""
+
+
+class NoUnitError(DrawingError):
+    """A drawing without a unit of length; it can be read with one.
+
+    Attributes
+    ----------
+    problem : the message without the sizes that units give.
+    """
+
+    def __init__(self, problem: str, sizes: str) -> None:
+        super().__init__(f"{problem}, or its unit here: units = {sizes}")
+        self.problem = problem
+
+
+class DrawingWarning(UserWarning):
+    """A part of a drawing is left out."""
+
+
+@dataclass(frozen=True)
+class FileLine:
+    """One line of a drawing.
+
+    Attributes
+    ----------
+    points : (n, 2) mm, y upwards; the last is the first if it is closed.
+    layer : name of its layer.
+    width_mm : of its stroke, or of the polyline in DXF; None if the file gives none.
+    name : of the entity, for messages.
+    unevenness : of a stroke that a transform has stretched: the largest width over the least.
+    """
+
+    points: Floats
+    layer: str
+    width_mm: float | None
+    name: str = "line"
+    unevenness: float = 1.0
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it returns to its first point."""
+        return len(self.points) > 3 and np.array_equal(self.points[0], self.points[-1])
+
+
+@dataclass(frozen=True)
+class Source:
+    """An open file.
+
+    Attributes
+    ----------
+    mm : length of its unit; None if it says none.
+    problem : what is wrong with the unit, if it says none.
+    is_silent : it says nothing at all about its size.
+    lines : the visible lines in the unit of the file, for the largest distance of a curve from its polyline; what is
+        not read is counted by its name, as `text|s`.
+    """
+
+    mm: float | None
+    problem: str
+    is_silent: bool
+    lines: Callable[[float, Counter[str]], Iterator[FileLine]]
+
+
+def checked(points: Floats, layer: str, name: str) -> Floats:
+    """The points, if all of them can be places."""
+    if not (np.abs(points) <= _MAX_PLACE).all():
+        raise DrawingError(f"holds places that are no sensible numbers: {name} in layer {layer!r}")
+    return points
