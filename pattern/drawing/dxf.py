@@ -40,6 +40,7 @@ def open_dxf(path: Path) -> Source:
         drawing, _ = recover.readfile(path)
     except (DXFError, OSError, ValueError, IndexError, KeyError, RecursionError) as error:
         raise DrawingError(f"cannot be read as DXF: {type(error).__name__}") from None
+    _unfold_arrays(drawing)
     number = int(drawing.header.get("$INSUNITS", 0))
     mm = None
     if 1 <= number <= max(units.InsertUnits):
@@ -87,9 +88,8 @@ def _entities(
         is_frozen = outer[1] or (entry is not None and entry.is_frozen())
         is_hidden = bool(entity.dxf.get("invisible", 0))
         if kind == "INSERT":
-            for one in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                parts = one.virtual_entities(skipped_entity_callback=partial(_skip, left_out))
-                yield from _entities(parts, layers, (layer, is_frozen or is_hidden), depth + 1, count, left_out)
+            parts = entity.virtual_entities(skipped_entity_callback=partial(_skip, left_out))
+            yield from _entities(parts, layers, (layer, is_frozen or is_hidden), depth + 1, count, left_out)
         elif kind not in _LINES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
             left_out[_NAMES.get(kind, f"{kind}|s" if kind not in _LINES else "mesh|es")] += 1
         elif is_frozen or (entry is not None and entry.is_off()):
@@ -98,6 +98,18 @@ def _entities(
             left_out["hidden line|s"] += 1
         else:
             yield entity, layer
+
+
+def _unfold_arrays(drawing: Any) -> None:
+    """Single inserts in place of arrays of them: ezdxf does not turn and scale the steps of an array within a block."""
+    arrays = [(block, one) for block in drawing.blocks for one in block.query("INSERT") if one.mcount > 1]
+    if (count := sum(array.mcount for _, array in arrays)) > MAX_ELEMENTS:
+        raise DrawingError(f"holds arrays of {count} blocks, at most {MAX_ELEMENTS} are allowed")
+    for block, array in arrays:
+        for one in array.multi_insert():
+            drawing.entitydb.add(one)
+            block.add_entity(one)
+        block.delete_entity(array)
 
 
 def _skip(left_out: Counter[str], entity: Any, reason: str) -> None:

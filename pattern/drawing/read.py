@@ -88,11 +88,11 @@ def read_drawing(
             layer = line.layer.encode(errors="replace").decode()  # DXF may hold bytes that are no text
             width = line.width_mm and scale * line.width_mm
             lines.append(replace(line, points=points, layer=layer, width_mm=width))
+            if len(lines) > _MAX_LINES:
+                raise DrawingError(f"holds more than {_MAX_LINES} lines")
     rest = ", ".join(f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items())
     if not lines:
         raise DrawingError("holds no line with a stroke" + (f"; left out: {rest}" if rest else ""))
-    if len(lines) > _MAX_LINES:
-        raise DrawingError(f"holds {len(lines)} lines, at most {_MAX_LINES} are allowed")
     size = _size(lines)
     if mm is None:
         units = ("mm", "px", "pt") if ending == ".svg" else ("mm", "cm", "in")

@@ -15,7 +15,7 @@ MM_OF_UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4, "px": 25.4 / 96.0, "pt": 25.4 
 # groups, blocks and what they use, within each other
 MAX_DEPTH = 100
 # elements of a drawing after all that is used stands in its place
-MAX_ELEMENTS = 200_000
+MAX_ELEMENTS = 100_000
 # larger numbers are no places
 _MAX_PLACE = 1e9
 

@@ -41,8 +41,9 @@ _LAYER = "data-asterism-layer"
 _GROUPS = ("g", "a", "switch", "svg", "use")
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 _NAMES = {"text": "text|s", "image": "picture|s", "foreignObject": "foreign object|s"}
-_ALONG = ({"x", "width", "cx", "x1", "x2"}, {"y", "height", "cy", "y1", "y2"})
-_PLACEMENT = ("x", "y", "width", "height", "viewBox", "preserveAspectRatio", *_HREF)
+# percentages of these are of the height of the viewport, and of the others of its width
+_UPWARDS = ("y", "height", "cy", "y1", "y2")
+_PLACES = ("x", "width", "cx", "x1", "x2", *_UPWARDS)
 
 
 def open_svg(path: Path, fills: bool) -> Source:
@@ -90,95 +91,86 @@ class _Unfolded:
 
     def __init__(self, root: Any, left_out: Counter[str]) -> None:
         self._left_out, self._count = left_out, itertools.count()
-        self._by_id: dict[str, Any] = {}
-        for element in root.iter():
-            self._by_id.setdefault(element.get("id", ""), element)
-        _, size = _viewport(root, (100.0, 100.0))
+        self._by_id = {element.get("id", ""): element for element in reversed(list(root.iter()))}
         self.root = ElementTree.Element("svg", root.attrib)
-        for style in [element for element in root.iter() if _tag(element) == "style"]:
-            ElementTree.SubElement(self.root, "style").text = style.text
-        self._add(root, self.root, size, ("", False), 1)
+        # svgelements uses a style from its place on
+        self.root.extend(element for element in root.iter() if _tag(element) == "style")
+        _, size = _viewport(root.attrib, (100.0, 100.0))
+        for child in root:
+            self._add(child, self.root, size, ("", False), 1)
 
-    def _add(self, element: Any, copy: Any, size: tuple[float, float], layer: tuple[str, bool], depth: int) -> None:
-        """Add copies of the children of an element.
+    def _add(
+        self,
+        element: Any,
+        parent: Any,
+        size: tuple[float, float],
+        layer: tuple[str, bool],
+        depth: int,
+        sides: dict[str, str] | None = None,
+    ) -> None:
+        """Add the copy of an element.
 
         Parameters
         ----------
         size : width and height of the viewport, to which percentages refer.
         layer : its name, and whether it is a layer of Inkscape, to which all groups in it belong.
+        sides : width and height that the use of the element gives; None if it is not used.
         """
+        tag, own = _tag(element), dict(element.attrib)
+        if tag in _NAMES:
+            self._left_out[_NAMES[tag]] += 1
+        if tag not in _GROUPS and tag not in _SHAPES and (tag != "symbol" or sides is None):
+            return
         if depth > MAX_DEPTH:
             raise DrawingError(f"has groups more than {MAX_DEPTH} deep, or an element that uses itself")
-        for child in element:
-            tag = _tag(child)
-            if tag in _GROUPS or tag in _SHAPES:
-                self._add_one(child, tag, copy, size, layer, depth)
-            elif tag in _NAMES:
-                self._left_out[_NAMES[tag]] += 1
-
-    def _add_one(
-        self, child: Any, tag: str, copy: Any, size: tuple[float, float], layer: tuple[str, bool], depth: int
-    ) -> None:
         if next(self._count) > MAX_ELEMENTS:
             raise DrawingError(f"holds more than {MAX_ELEMENTS} elements, counted in all that uses them")
-        attributes = dict(child.attrib)
-        if re.search(r"clip-path:\s*url", f"{child.get('style', '')};clip-path:{child.get('clip-path', '')}"):
+        if re.search(r"clip-path:\s*url", f"{own.get('style')};clip-path:{own.get('clip-path')}"):
             self._left_out["clip path|s, whose lines are whole"] += 1
-        for part, names in zip(size, _ALONG, strict=True):
-            for name in names & attributes.keys():
-                if (text := attributes[name].strip()).endswith("%"):
-                    attributes[name] = repr(float(text[:-1]) / 100.0 * part)
+        own |= {name: repr(_length(own, name, size[name in _UPWARDS])) for name in _PLACES if "%" in own.get(name, "")}
         if tag in _SHAPES:
-            ElementTree.SubElement(copy, tag, attributes | ({_LAYER: layer[0]} if layer[0] else {}))
+            ElementTree.SubElement(parent, tag, own | ({_LAYER: layer[0]} if layer[0] else {}))
             return
-        inside: Any = child
+        children, transform = list(element), own.get("transform", "")
         if tag == "g":
-            name = child.get(f"{_INKSCAPE}label") or child.get("id") or layer[0]
-            if child.get(f"{_INKSCAPE}groupmode") == "layer" or not layer[1]:
-                layer = (name, layer[1] or child.get(f"{_INKSCAPE}groupmode") == "layer")
+            name, is_layer = own.get(f"{_INKSCAPE}label") or own.get("id"), own.get(f"{_INKSCAPE}groupmode") == "layer"
+            if is_layer or not layer[1]:
+                layer = (name or layer[0], is_layer)
         elif tag in ("svg", "symbol"):
-            placed, size = _viewport(child, size)
-            attributes["transform"] = f"{attributes.get('transform', '')} {placed}"
+            placed, size = _viewport(own | (sides or {}), size)
+            transform = f"{transform} {placed}"
         elif tag == "use":
-            target = next((self._by_id.get(child.get(key)[1:]) for key in _HREF if child.get(key)), None)
-            inside = [] if target is None else [target]
-            x, y = (_length(child, name, "0", 0.0) for name in ("x", "y"))
-            attributes["transform"] = f"{attributes.get('transform', '')} translate({x!r},{y!r})"
-        if tag != "g":
-            attributes = {name: value for name, value in attributes.items() if name not in _PLACEMENT}
-        group = ElementTree.SubElement(copy, "g", attributes)
-        if tag == "use" and inside and (used := _tag(inside[0])) in ("svg", "symbol"):
-            sized = ElementTree.Element(inside[0].tag, inside[0].attrib)
-            sized.attrib |= {key: value for key, value in child.attrib.items() if key in ("width", "height")}
-            sized.extend(list(inside[0]))
-            if depth > MAX_DEPTH:
-                raise DrawingError(f"has groups more than {MAX_DEPTH} deep, or an element that uses itself")
-            self._add_one(sized, used, group, size, layer, depth + 1)
-        else:
-            self._add(inside, group, size, layer, depth + 1)
+            used = next((self._by_id.get(own[key][1:]) for key in _HREF if key in own), None)
+            children = [] if used is None else [used]
+            transform += f" translate({_length(own, 'x', size[0])!r},{_length(own, 'y', size[1])!r})"
+        kept = {name: value for name, value in own.items() if name not in (*_PLACES, *_HREF, "viewBox")}
+        group = ElementTree.SubElement(parent, "g", kept | {"transform": transform})
+        given = {side: own[side] for side in ("width", "height") if side in own} if tag == "use" else None
+        for child in children:
+            self._add(child, group, size, layer, depth + 1, given)
 
 
 def _tag(element: Any) -> str:
     return str(element.tag).removeprefix(_SVG)
 
 
-def _length(element: Any, name: str, default: str, whole: float) -> float:
+def _length(own: dict[str, str], name: str, whole: float, default: str = "0") -> float:
     import svgelements as svg
 
-    return float(svg.Length(element.get(name, default)).value(ppi=96, relative_length=whole))
+    return float(svg.Length(own.get(name, default)).value(ppi=96, relative_length=whole))
 
 
-def _viewport(element: Any, size: tuple[float, float]) -> tuple[str, tuple[float, float]]:
+def _viewport(own: dict[str, str], size: tuple[float, float]) -> tuple[str, tuple[float, float]]:
     """The transform of a nested drawing or a symbol, and its size in its own unit."""
     import svgelements as svg
 
-    x, y = (_length(element, name, "0", whole) for name, whole in zip("xy", size, strict=True))
-    sides = [_length(element, name, "100%", whole) for name, whole in zip(("width", "height"), size, strict=True)]
-    if (box := element.get("viewBox")) is None:
-        return f"translate({x!r},{y!r})", (sides[0], sides[1])
-    left, top, width, height = map(float, re.split(r"[\s,]+", box.strip()))
-    placed = svg.Viewbox.viewbox_transform(x, y, *sides, left, top, width, height, element.get("preserveAspectRatio"))
-    return str(placed), (width, height)
+    x, y = _length(own, "x", size[0]), _length(own, "y", size[1])
+    width, height = _length(own, "width", size[0], "100%"), _length(own, "height", size[1], "100%")
+    if "viewBox" not in own:
+        return f"translate({x!r},{y!r})", (width, height)
+    box = [float(text) for text in re.split(r"[\s,]+", own["viewBox"].strip())]
+    aspect = own.get("preserveAspectRatio")
+    return str(svg.Viewbox.viewbox_transform(x, y, width, height, *box, aspect)), (box[2], box[3])
 
 
 def _lines(

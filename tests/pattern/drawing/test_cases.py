@@ -1,0 +1,407 @@
+"""Drawings as programs write them: sizes, layers, what is hidden, what is used, gaps, and what is refused."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+
+from asterism.measure.compare.errors import ScanError
+from asterism.measure.compare.outline import read_outline
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.drawing.read import Drawing, read_drawing
+from asterism.pattern.drawing.records import DrawingError, DrawingWarning, NoUnitError
+from tests.pattern.drawing import rhino_drawing
+
+NAMES = (
+    'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+    'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+)
+MM = 'width="100mm" height="80mm" viewBox="0 0 100 80"'
+LINE = '<path fill="none" stroke="#000" stroke-width="1.2" '
+RECTANGLE = f'{LINE} d="M10 10H90V70H10Z"/>'
+FOUR = "".join(f'{LINE} d="{d}"/>' for d in ("M10 10H90", "M90 10V70", "M90 70H10", "M10 70V10"))
+SQUARE = [(0.0, 0.0), (80.0, 0.0), (80.0, 60.0), (0.0, 60.0)]
+
+
+def svg(folder: Path, body: str, size: str = MM) -> Path:
+    path = folder / "x.svg"
+    path.write_text(f"<svg {NAMES} {size}>{body}</svg>", encoding="utf-8")
+    return path
+
+
+def dxf(folder: Path, draw: Any, units: int = 4) -> Path:
+    drawing = ezdxf.new(units=units)
+    draw(drawing.modelspace())
+    drawing.saveas(folder / "x.dxf")
+    return folder / "x.dxf"
+
+
+def sides(space: Any, gap: float = 0.0) -> None:
+    for start, end in zip(SQUARE, SQUARE[1:] + SQUARE[:1], strict=True):
+        space.add_line((start[0] + gap, start[1]), end)
+
+
+def outline_size(path: Path, **keys: Any) -> np.ndarray:
+    """(2,) mm, of the outline that a design takes from a file."""
+    data = {"stars": {"length_mm": 6.0}, "border": {"file": path.name, **keys}}
+    return np.asarray(np.ptp(np.array(Design.from_dict(data, path.parent).border.polygon_mm), axis=0))
+
+
+def read(path: Path) -> Drawing:
+    return read_drawing(path, 0.005)
+
+
+@pytest.mark.parametrize(
+    ("body", "size"),
+    [
+        (RECTANGLE, MM),
+        (RECTANGLE, 'width="100 mm" height="80 mm" viewBox="0 0 100 80"'),
+        (RECTANGLE, 'width="100MM" height=" 8CM" viewBox="0 0 100 80"'),
+        (f'<svg viewBox="0 0 10 8">{LINE} d="M1 1H9V7H1Z"/></svg>', MM),
+        (f'<svg x="5" y="5" width="50%" height="50%" viewBox="0 0 50 40">{RECTANGLE}</svg>', MM),
+        (f'<svg x="5"><g><svg y="3">{RECTANGLE}</svg></g></svg>', MM),
+        (f'<symbol id="s" viewBox="0 0 10 8">{LINE} d="M1 1H9V7H1Z"/></symbol><use href="#s"/>', MM),
+        (f'<g display="inline"><a href="#x"><switch>{RECTANGLE}</switch></a></g>', MM),
+        (
+            f'<rect class="no" width="99" height="70" stroke="red"/><style>.no{{display:none}}</style>{RECTANGLE}',
+            MM,
+        ),
+        ('<rect x="10%" y="12.5%" width="80%" height="75%" fill="none" stroke="url(#colours)"/>', MM),
+        (FOUR, MM),
+        (f'{LINE} d="M10 10H90V70H10V10.004"/>', MM),
+    ],
+)
+def test_an_outline_of_80_x_60_mm(body: str, size: str, tmp_path: Path) -> None:
+    path = svg(tmp_path, body, size)
+    assert outline_size(path) == pytest.approx([80.0, 60.0], abs=1e-3)
+    assert np.ptp(read_outline(path).corners, axis=0) == pytest.approx([80.0, 60.0], abs=1e-3)
+    assert read(path).size_mm == pytest.approx([80.0, 60.0], abs=1e-2)
+
+
+def test_a_size_in_pixels_names_what_it_may_be(tmp_path: Path) -> None:
+    path = svg(tmp_path, RECTANGLE, 'width="377.95" height="302.36" viewBox="0 0 100 80"')
+    with pytest.raises(
+        DesignError, match=r'its size in px.*"mm" makes it 302.4 x 226.8 mm, "px" makes it 80 x 60 mm, "pt"'
+    ):
+        outline_size(path)
+    assert outline_size(path, units="px") == pytest.approx([80.0, 60.0], abs=1e-2)
+    with pytest.raises(ScanError, match=r"size in px: give width and height in mm$"):
+        read_outline(path)
+    # Illustrator's points, with its entities
+    text = path.read_text().replace(NAMES, 'xmlns="&ns;"').replace("377.95", "283.46").replace("302.36", "226.77")
+    path.write_text(f'<!DOCTYPE svg [<!ENTITY ns "http://www.w3.org/2000/svg">]>{text}')
+    assert outline_size(path, units="pt") == pytest.approx([80.0, 60.0], abs=1e-2)
+
+
+def test_a_decimal_comma_is_refused(tmp_path: Path) -> None:
+    path = svg(tmp_path, RECTANGLE, 'width="100,0mm" height="80,0mm" viewBox="0 0 100 80"')
+    with pytest.raises(DesignError, match="'100,0mm': must be a number and a unit, 120mm; decimals have a point"):
+        outline_size(path)
+
+
+def test_layers_of_inkscape_hold_their_groups(tmp_path: Path) -> None:
+    layer = '<g inkscape:groupmode="layer" inkscape:label="{}" id="{}">{}</g>'
+    inner = layer.format("ribs", "l2", f"<g id='g9'>{RECTANGLE}</g>")
+    body = layer.format("rim", "l1", f"{RECTANGLE}<g id='g1' inkscape:label='a group'>{RECTANGLE}</g>{inner}")
+    lines = read(svg(tmp_path, f"{body}<g id='g2'>{RECTANGLE}</g>{RECTANGLE}")).lines
+    assert [line.layer for line in lines] == ["rim", "rim", "ribs", "g2", "#000000"]
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        f'{LINE} stroke-opacity="0" d="M0 0H5"/>',
+        f'{LINE} opacity="0" d="M0 0H5"/>',
+        f'{LINE} style="stroke-width:0" d="M0 0H5"/>',
+        f'{LINE} visibility="hidden" d="M0 0H5"/>',
+        f'{LINE} style="stroke:rgba(0,0,0,0)" d="M0 0H5"/>',
+        f'<g opacity="0.0"><g opacity="1">{LINE} opacity="1" d="M0 0H5"/></g></g>',
+        f'<g style="display:none"><g display="inline">{LINE} d="M0 0H5"/></g></g>',
+        '<path fill="none" d="M0 0H5"/>',
+        f'<marker>{RECTANGLE}</marker><clipPath>{RECTANGLE}</clipPath><path fill="none" d="M0 0H5"/>',
+    ],
+)
+def test_what_cannot_be_seen_is_left_out_and_said(hidden: str, tmp_path: Path) -> None:
+    with pytest.warns(
+        DrawingWarning, match=r"x.svg: read 1 line in 1 layer, 80 x 60 mm; left out: 1 (hidden line|line in)"
+    ):
+        assert len(read(svg(tmp_path, hidden + RECTANGLE)).lines) == 1
+
+
+def test_all_that_is_left_out_is_counted(tmp_path: Path) -> None:
+    body = (
+        f'<g id="a">{RECTANGLE}<text>a<tspan>b</tspan></text><text>c</text><image href="a.png"/></g>{LINE} d="M5 5H9"/>'
+    )
+    body += f'<g display="none">{3 * RECTANGLE}</g><rect width="5" height="5"/>'
+    body += f'<g clip-path="url(#c)">{LINE} d="M-50 40H150"/></g>'
+    with pytest.warns(DrawingWarning) as caught:
+        read(svg(tmp_path, body))
+    assert str(caught[0].message) == (
+        "x.svg: read 3 lines in 2 layers, 200 x 65 mm; left out: 2 texts, 1 picture, "
+        "1 clip path, whose lines are whole, 3 lines in hidden layers, 1 fill without a stroke"
+    )
+    with pytest.raises(DrawingError, match=r"holds no line with a stroke; left out: 1 text$"):
+        read(svg(tmp_path, "<text>a</text>"))
+
+
+def test_symbols_and_groups_are_used_at_any_depth(tmp_path: Path) -> None:
+    body = (
+        f'<defs><symbol id="s">{LINE} d="M0 0H20V20"/></symbol><g id="g">{LINE} d="M0 0H10"/><use href="#s" x="1"/></g>'
+    )
+    body += '<g id="twice"><use href="#g"/><use xlink:href="#g" transform="scale(2)" x="10" y="60"/></g></defs>'
+    lines = read(svg(tmp_path, f'{body}<use href="#s" x="10" y="10"/><use href="#twice"/>{RECTANGLE}')).lines
+    starts = [line.points[0].round(3).tolist() for line in lines]
+    assert starts == [[10, -10], [0, 0], [1, 0], [20, -120], [22, -120], [10, -10]]
+
+
+def test_one_shift_for_outline_and_rods_of_a_file(tmp_path: Path) -> None:
+    layer = '<g inkscape:groupmode="layer" inkscape:label="{}">{} d="{}"/></g>'
+    drawn = {"cut": "M10 10H90V70H10Z", "ribs": "M20 40H80", "title": "M100 40H130", "eye": "M20 20H30V30Z"}
+    body = "".join(layer.format(name, LINE, d) for name, d in drawn.items())
+    svg(tmp_path, body, 'width="400mm" height="100mm" viewBox="0 0 400 100"')
+    rods = {"import": [{"file": "x.svg", "layers": {"ribs": {}}}]}
+    border: dict[str, Any] = {"file": "x.svg", "layer": "cut", "holes": [{"file": "x.svg", "layer": "eye"}]}
+    design = Design.from_dict({"rods": rods, "border": border}, tmp_path)
+    assert design.rods is not None
+    assert np.array(design.rods.on_sheet[0].line_mm) == pytest.approx(np.array([[-30, 0], [30, 0]]), abs=1e-4)
+    assert np.array(design.border.holes[0].rings_mm[0])[0] == pytest.approx([-30, 20], abs=1e-4)
+    rods["import"] += [{"file": "./x.svg", "layers": {"cut": {}}}]
+    alone = Design.from_dict({"rods": rods, "border": {"rectangle_mm": [90, 90]}}, tmp_path).rods
+    assert alone is not None  # the middle of both tables, not of each
+    assert np.array(alone.on_sheet[0].line_mm) == pytest.approx(np.array([[-30, 0], [30, 0]]), abs=1e-4)
+    again = Design.from_dict(design.to_dict())
+    assert again == design
+
+
+def test_a_stretched_stroke_matters_for_widths_only(tmp_path: Path) -> None:
+    circle = '<circle transform="scale(2,1)" cx="25" cy="40" r="20" fill="none" stroke="#000"/>'
+    path = svg(tmp_path, circle)
+    assert outline_size(path) == pytest.approx([80.0, 40.0], abs=1e-2)
+    rods: dict[str, Any] = {"file": path.name, "width": "stroke"}
+    with pytest.raises(
+        DesignError, match=r"import\[0\].file = 'x.svg': Circle is drawn with a stroke stretched 2 to 1"
+    ):
+        Design.from_dict({"rods": {"import": [rods]}, "border": {"rectangle_mm": [99, 99]}}, tmp_path)
+
+
+def test_lines_of_a_cad_program_are_an_outline(tmp_path: Path) -> None:
+    assert outline_size(dxf(tmp_path, sides)) == pytest.approx([80.0, 60.0])
+    assert outline_size(dxf(tmp_path, lambda space: sides(space, 0.003))) == pytest.approx([80.0, 60.0], abs=0.01)
+    with pytest.raises(DesignError, match="must have a closed line"):
+        outline_size(dxf(tmp_path, lambda space: sides(space, 0.3)))
+
+    def plate(space: Any) -> None:
+        sides(space)
+        space.add_circle((40, 30), 20)
+
+    path = dxf(tmp_path, plate)
+    assert outline_size(path) == pytest.approx([80.0, 60.0])
+    data = {"stars": {"length_mm": 6.0}, "border": {"file": path.name}}
+    assert len(Design.from_dict(data, tmp_path).border.holes) == 1
+
+
+def test_blocks_of_dxf(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        drawing = space.doc
+        inner, outer = drawing.blocks.new("inner"), drawing.blocks.new("outer")
+        inner.add_line((0, 0), (10, 0))
+        inner.add_line((0, 5), (10, 5), dxfattribs={"layer": "own"})
+        outer.add_blockref("inner", (0, 0), dxfattribs={"layer": "0"})
+        outer.add_blockref("inner", (0, 10), dxfattribs={"layer": "middle"})
+        space.add_blockref("outer", (20, 0), dxfattribs={"layer": "ribs", "rotation": 90})
+        grid = space.add_blockref("inner", (100, 0), dxfattribs={"layer": "grid"})
+        grid.grid((2, 3), (20, 30))
+
+    lines = read(dxf(tmp_path, draw)).lines
+    assert [line.layer for line in lines[:4]] == ["ribs", "own", "middle", "own"]
+    assert lines[3].points == pytest.approx(np.array([[5, 0], [5, 10]]), abs=1e-9)
+    assert len(lines) == 4 + 12 and {line.layer for line in lines[4:]} == {"grid", "own"}
+    assert np.max([line.points.max(axis=0) for line in lines], axis=0) == pytest.approx([170.0, 25.0])
+
+
+def test_hidden_lines_of_dxf(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        layers = space.doc.layers
+        layers.add("off").off()
+        layers.add("frozen").freeze()
+        block = space.doc.blocks.new("block")
+        for layer in ("0", "on"):
+            block.add_line((0, 0), (1, 1), dxfattribs={"layer": layer})
+        for layer in ("on", "off", "frozen"):
+            space.add_line((0, 0), (80, 60), dxfattribs={"layer": layer})
+            # layers that are off show what is on other layers, and frozen ones do not
+            space.add_blockref("block", (5, 5), dxfattribs={"layer": layer})
+        space.add_line((0, 0), (1, 0), dxfattribs={"invisible": 1})
+        space.add_text("a")
+        space.add_mtext("b")
+        space.add_polymesh()
+
+    with pytest.warns(DrawingWarning, match="left out: 5 lines in hidden layers, 1 hidden line, 2 texts, 1 mesh$"):
+        assert [line.layer for line in read(dxf(tmp_path, draw)).lines] == ["on"] * 4
+
+
+def test_splines_are_read_over_their_domain(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        points = [(0, 0, 0), (10, 20, 0), (30, -20, 0), (40, 0, 0), (50, 10, 0)]
+        loose = space.add_spline(degree=3)
+        loose.control_points, loose.knots = points, range(9)
+        circle = space.add_spline(degree=2)  # with weights: a quarter of a circle
+        circle.control_points, circle.knots = [(9, 0, 0), (9, 9, 0), (0, 9, 0)], [0, 0, 0, 1, 1, 1]
+        circle.weights = [1.0, np.sqrt(0.5), 1.0]
+
+    loose, circle = read(dxf(tmp_path, draw)).lines
+    assert loose.points[[0, -1]] == pytest.approx(np.array([[35 / 3, 10], [40, -5 / 3]]), abs=1e-9)
+    assert np.linalg.norm(circle.points, axis=1) == pytest.approx(9.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("units", "mm"), [(1, 25.4), (3, 1_609_344.0), (6, 1000.0), (10, 914.4), (13, 1e-3), (14, 100.0)]
+)
+def test_units_of_dxf(units: int, mm: float, tmp_path: Path) -> None:
+    path = dxf(tmp_path, lambda space: space.add_line((0, 0), (80 / mm, 60 / mm)), units)
+    assert read(path).size_mm == pytest.approx([80.0, 60.0])
+
+
+def test_unknown_units_of_dxf_can_be_given(tmp_path: Path) -> None:
+    path = dxf(tmp_path, sides, 0)
+    path.write_text(path.read_text().replace("$INSUNITS\n 70\n0\n", "$INSUNITS\n 70\n99\n"))
+    with pytest.raises(
+        NoUnitError, match=r'unknown unit \(\$INSUNITS = 99\).*"mm" makes it 80 x 60 mm, "cm" makes it 800'
+    ):
+        read(path)
+    assert outline_size(path, units="mm") == pytest.approx([80.0, 60.0])
+
+
+def test_a_drawing_far_from_its_origin_is_shifted(tmp_path: Path) -> None:
+    places = [(x + 3.5e8, y + 5.6e8) for x, y in SQUARE]
+    path = dxf(tmp_path, lambda space: space.add_lwpolyline(places, close=True))
+    assert outline_size(path) == pytest.approx([80.0, 60.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("place", [1e300, float("nan"), float("inf")])
+def test_numbers_that_are_no_places_are_refused(place: float, tmp_path: Path) -> None:
+    path = dxf(tmp_path, lambda space: space.add_line((0, 0), (place, 1), dxfattribs={"layer": "ribs"}))
+    with pytest.raises(DrawingError, match=r"no sensible numbers: LINE \w+ in layer 'ribs'"):
+        read(path)
+    if place == 1e300:
+        for d in (f"M0 0L{place} 1", f"M0 0C1 1 {place} 1 2 2"):
+            with pytest.raises(DrawingError, match="no sensible numbers: p1 in layer 'ribs'"):
+                read(svg(tmp_path, f'<g id="ribs">{LINE} id="p1" d="{d}"/></g>'))
+    with pytest.raises(DrawingError, match="is 1e\\+06 x 0 mm large: at most 200 m"):
+        read(dxf(tmp_path, lambda space: space.add_line((0, 0), (1e6, 0))))
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"AutoCAD Binary DXF\r\n\x1a\x00", "binary DXF"),
+        (b"AC1027\0", "DWG"),
+        (b"<!DOCTYPE html>", "HTML or XML"),
+        (b"x", "no"),
+    ],
+)
+def test_what_is_no_text_dxf_is_named(content: bytes, kind: str, tmp_path: Path) -> None:
+    (tmp_path / "x.dxf").write_bytes(content)
+    with pytest.raises(DrawingError, match=f"it is {kind}.*: save the drawing as text DXF"):
+        read(tmp_path / "x.dxf")
+
+
+def test_endless_drawings_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for reader in ("svg", "dxf"):
+        monkeypatch.setattr(f"asterism.pattern.drawing.{reader}.MAX_ELEMENTS", 5000)
+    uses = (
+        "".join(f'<g id="g{k}">{10 * f"<use href=#g{k + 1}/>"}</g>' for k in range(8))
+        .replace("#", '"#')
+        .replace("/>", '"/>')
+    )
+    for body, words in (
+        (f'<g id="a"><use href="#a"/>{RECTANGLE}</g>', "or an element that uses itself"),
+        ('<symbol id="a"><use href="#a"/></symbol><use href="#a"/>', "or an element that uses itself"),
+        (f"{20_000 * '<g>'}{RECTANGLE}{20_000 * '</g>'}", "has groups more than 100 deep"),
+        (f'<defs>{uses}<g id="g8">{RECTANGLE}</g></defs><use href="#g0"/>', "more than 5000 elements"),
+    ):
+        with pytest.raises(DrawingError, match=words):
+            read(svg(tmp_path, body))
+
+    def nested(space: Any, grid: int) -> None:
+        for k in range(8):
+            block = space.doc.blocks.new(f"b{k}")
+            block.add_line((0, 0), (1, 0))
+            block.add_blockref(f"b{k + 1}", (0, 0)).grid((grid, 10), (1, 1))
+        space.doc.blocks.new("b8").add_line((0, 0), (1, 0))
+        space.add_blockref("b0", (0, 0))
+
+    with pytest.raises(DrawingError, match="more than 5000 entities"):
+        read(dxf(tmp_path, lambda space: nested(space, 10)))
+    with pytest.raises(DrawingError, match="blocks more than 100 deep, or one that holds itself"):
+        read(dxf(tmp_path, holding_itself))
+    with pytest.raises(DrawingError, match="holds arrays of 900000000 blocks"):
+        read(dxf(tmp_path, array))
+
+
+def array(space: Any) -> None:
+    space.doc.blocks.new("b")
+    space.add_blockref("b", (0, 0)).grid((30_000, 30_000), (1, 1))
+
+
+def holding_itself(space: Any) -> None:
+    block = space.doc.blocks.new("b")
+    block.add_line((0, 0), (1, 0))
+    block.add_blockref("b", (0, 0))
+    space.add_blockref("b", (0, 0))
+
+
+def test_blocks_of_rhino(tmp_path: Path) -> None:
+    rhino: Any = pytest.importorskip("rhino3dm")
+    drawing = rhino_drawing.Drawing()
+    blocks, objects, move = drawing.file.InstanceDefinitions, drawing.file.Objects, rhino.Transform.Translation
+    origin = rhino.Point3d(0, 0, 0)
+    ring = rhino.Circle(origin, 8.0).ToNurbsCurve()
+    blocks.Add("ring", "", "", "", origin, (ring,), (drawing.on("cut"),))
+    objects.AddInstanceObject(rhino.InstanceReference(blocks[0].Id, move(60, 45, 0)), drawing.on("other"))
+    objects.AddInstanceObject(rhino.InstanceReference(blocks[0].Id, move(0, 0, 0)), drawing.on("off", visible=False))
+    drawing.on("parent", visible=False)
+    drawing.polyline(SQUARE, "parent::child")
+    with pytest.warns(DrawingWarning, match="left out: 2 lines in hidden layers"):
+        (line,) = read(drawing.saved(tmp_path)).lines
+    assert line.layer == "cut"
+    assert np.linalg.norm(line.points - [60, 45], axis=1) == pytest.approx(8.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("layer", ["a\tb", "a]\u200db\u202e", 'it"s "#1"', "\u00c4ste & <R\u00fccken>", " "])
+def test_odd_names_of_layers(layer: str, tmp_path: Path) -> None:
+    path = dxf(tmp_path, lambda space: space.add_line((0, 0), (80, 0), dxfattribs={"layer": "x"}))
+    path.write_text(path.read_text().replace("\nx\n", f"\n{layer}\n"), encoding="utf-8")
+    rods = {"import": [{"file": path.name, "layers": {layer: {}}}]}
+    design = Design.from_dict({"rods": rods, "border": {"rectangle_mm": [99, 99]}}, tmp_path)
+    assert design.rods is not None and design.rods.on_sheet[0].name.isprintable()
+    with pytest.raises(DesignError) as caught:
+        Design.from_dict(
+            {"rods": {"import": [{**rods["import"][0], "layers": {"y": {}}}]}, "border": {"rings": 2}}, tmp_path
+        )
+    assert str(caught.value).isprintable()
+
+
+def test_paths_of_windows_get_a_hint(tmp_path: Path) -> None:
+    from asterism.pattern.layout.load_design import load_design
+
+    text = '[stars]\nlength_mm = 7\n[border]\nfile = "C:\\users\\new\\leaf.svg"\n'
+    with pytest.raises(tomllib.TOMLDecodeError):
+        tomllib.loads(text)
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(DesignError, match=r"write paths with /$"):
+        load_design(tmp_path / "a.toml")
+
+
+def test_a_drawing_in_metres_is_refused_in_one_line() -> None:
+    from asterism.pattern.layout.print_layout import print_layout
+
+    line = {"line_mm": [[0, 0], [0.08, 0], [0.08, 0.06], [0, 0.06]], "closed": True}
+    with pytest.raises(DesignError, match=r"all lines are shorter than 0.6 mm: is the drawing in mm?"):
+        print_layout(Design.from_dict({"rods": {"draw": [line]}, "border": {"rectangle_mm": [40, 40]}}))
