@@ -122,9 +122,14 @@ def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[F
     closed = [line.points[:-1] for line in lines if line.is_closed]
     parts = [line.points for line in lines if not line.is_closed]
     if parts:
-        node, places = clusters(np.concatenate([points[[0, -1]] for points in parts]), meet_mm)
-        ends = places[node].reshape(-1, 2, 2)
-        met = [np.concatenate([end[:1], points[1:-1], end[1:]]) for points, end in zip(parts, ends, strict=True)]
+        node, places = clusters(np.concatenate([points[[0, -1]] for points in parts]), _SAME_PLACE_MM)
+        ends = places[node]
+        # only ends that meet nothing are moved: lines may be shorter than the gap
+        loose = np.bincount(node)[node] == 1
+        near, places = clusters(ends[loose], meet_mm)
+        ends[loose] = places[near]
+        pairs = zip(parts, ends.reshape(-1, 2, 2), strict=True)
+        met = [np.concatenate([end[:1], points[1:-1], end[1:]]) for points, end in pairs]
         chains = shapely.line_merge(shapely.multilinestrings([shapely.LineString(points) for points in met]))
         closed += [shapely.get_coordinates(line)[:-1] for line in shapely.get_parts(chains) if line.is_closed]
     return [curve for curve in closed if len(curve) > 2]

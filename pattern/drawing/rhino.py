@@ -50,36 +50,31 @@ class RhinoModel:
     file: Any
     mm: float
 
-    def things(self) -> Iterator[tuple[Any, str, str]]:
-        """The geometry of each object outside blocks, the full name of its layer, and the reason why it is hidden.
-
-        The name of a layer is such as `sheet::outline`.
-        """
-        objects = (thing for thing in self.file.Objects if not thing.Attributes.IsInstanceDefinitionObject)
-        return self._shown(objects)
-
     def visible(self) -> Iterator[tuple[Any, str]]:
-        """The geometry of each visible object outside blocks, and the full name of its layer."""
-        return ((geometry, layer) for geometry, layer, hidden in self.things() if not hidden)
+        """The geometry of each visible object outside blocks, and the full name of its layer, as `sheet::outline`."""
+        return ((geometry, layer) for geometry, layer, hidden in self._shown(self._outside) if not hidden)
 
-    def unfolded(self) -> Iterator[tuple[Any, str, str]]:
-        """As `things`, with the objects of all blocks in their places.
+    @property
+    def _outside(self) -> list[Any]:
+        """The objects that are no part of a block."""
+        return [thing for thing in self.file.Objects if not thing.Attributes.IsInstanceDefinitionObject]
+
+    def unfolded(
+        self, objects: Iterable[Any] | None = None, depth: int = 0, number: Iterator[int] | None = None
+    ) -> Iterator[tuple[Any, str, str]]:
+        """The geometry of each object, also of those in blocks, its layer, and the reason why it is hidden.
 
         Raises
         ------
         DrawingError
             A block holds itself, or copies are too many.
         """
-        return self._unfolded(self.things(), 0, count())
-
-    def _unfolded(
-        self, things: Iterable[tuple[Any, str, str]], depth: int, number: Iterator[int]
-    ) -> Iterator[tuple[Any, str, str]]:
         import rhino3dm
 
+        number = number or count()
         if depth > MAX_DEPTH:
             raise DrawingError(f"has blocks more than {MAX_DEPTH} deep, or one that holds itself")
-        for geometry, layer, hidden in things:
+        for geometry, layer, hidden in self._shown(self._outside if objects is None else objects):
             if next(number) > MAX_ELEMENTS:
                 raise DrawingError(f"holds more than {MAX_ELEMENTS} objects, counted in all copies of its blocks")
             if not isinstance(geometry, rhino3dm.InstanceReference):
@@ -87,12 +82,11 @@ class RhinoModel:
                 continue
             insert: Any = geometry
             block = self.file.InstanceDefinitions.FindId(insert.ParentIdefId)
-            parts = [] if block is None else map(self.file.Objects.FindId, block.GetObjectIds())
-            for part, own, is_hidden in self._unfolded(self._shown(filter(None, parts)), depth + 1, number):
-                copy = part.Duplicate()
-                if not copy.Transform(insert.Xform):  # circles cannot be stretched
-                    copy = part.ToNurbsCurve() if isinstance(part, rhino3dm.Curve) else copy
-                    copy.Transform(insert.Xform)
+            parts = [] if block is None else filter(None, map(self.file.Objects.FindId, block.GetObjectIds()))
+            for part, own, is_hidden in self.unfolded(parts, depth + 1, number):
+                # circles cannot be stretched
+                copy = part.ToNurbsCurve() if isinstance(part, rhino3dm.Curve) else part.Duplicate()
+                copy.Transform(insert.Xform)
                 yield copy, own, hidden or is_hidden
 
     def _shown(self, objects: Iterable[Any]) -> Iterator[tuple[Any, str, str]]:

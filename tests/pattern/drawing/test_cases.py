@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -196,10 +197,18 @@ def test_lines_of_a_cad_program_are_an_outline(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="must have a closed line"):
         outline_size(dxf(tmp_path, lambda space: sides(space, 0.3)))
 
+    def fine(space: Any) -> None:
+        angles = np.linspace(0.0, 2.0 * np.pi, 900)  # lines that are shorter than a gap
+        places = np.column_stack([np.cos(angles), np.sin(angles)]).tolist()
+        for start, end in pairwise(places):
+            space.add_line(start, end)
+
     def plate(space: Any) -> None:
         sides(space)
         space.add_circle((40, 30), 20)
 
+    path = dxf(tmp_path, fine)
+    assert outline_size(path) == pytest.approx([2.0, 2.0], abs=1e-3)
     path = dxf(tmp_path, plate)
     assert outline_size(path) == pytest.approx([80.0, 60.0])
     data = {"stars": {"length_mm": 6.0}, "border": {"file": path.name}}
