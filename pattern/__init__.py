@@ -4,6 +4,8 @@ The rooms, in the order in which they build on each other:
 
 geometry
     Arrays, plane lattices, polygons, triangles and rigid motions. It imports no other room.
+drawing
+    Lines of drawings of other programs: SVG, DXF and 3DM.
 design
     The design file: its sections, sizing profiles and errors.
 rods

@@ -16,7 +16,7 @@ import asterism
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.layout.load_design import load_design
-from tests.pattern.design.rhino_drawing import Drawing
+from tests.pattern.drawing.rhino_drawing import Drawing
 
 ROOT = Path(__file__).parents[1]
 # a drawing of two layers: a closed rim, and a rib across it

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 
 
 def clusters(places: Floats, distance: float) -> tuple[Ints, Floats]:
     """Cluster (n,) of each place, and the first place (k, 2) of each cluster; clusters in the order of their first."""
+    # slow to import, and not needed to read a design
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     n = len(places)
     if n == 0:
         return np.empty(0, dtype=np.int64), np.empty((0, 2))
