@@ -19,6 +19,9 @@ DXF_NEEDED = 'needs ezdxf: pip install "asterism-fabric[cad]"'
 _LINES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "HELIX")
 _NAMES = {"MTEXT": "text|s", "TEXT": "text|s", "ATTRIB": "text|s", "ATTDEF": "text|s", "HATCH": "hatch|es"}
 _STARTS = {b"AutoCAD Binary DXF": "binary DXF", b"AC10": "DWG", b"<": "HTML or XML"}
+# mm of the unit by its number in the header, $INSUNITS; 0 is none
+_MM_OF_INSUNITS = {1: 25.4, 2: 304.8, 3: 1_609_344.0, 4: 1.0, 5: 10.0, 6: 1e3, 7: 1e6, 8: 2.54e-5, 9: 0.0254, 10: 914.4}
+_MM_OF_INSUNITS |= {11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 1e4, 16: 1e5, 21: 1.2e6 / 3937.0}
 # pieces of a Bezier curve: a quarter of a circle turns by less than 6 degrees in each
 _CURVE_PIECES = 16
 # points of a spline in each span between its knots, at which its turn is measured
@@ -28,7 +31,7 @@ _SPAN_SAMPLES = 24
 def open_dxf(path: Path) -> Source:
     """The drawing in the model space of a DXF file."""
     try:
-        from ezdxf import recover, units
+        from ezdxf import recover
         from ezdxf.lldxf.const import DXFError
     except ImportError:
         raise DrawingError(DXF_NEEDED) from None
@@ -42,12 +45,9 @@ def open_dxf(path: Path) -> Source:
         raise DrawingError(f"cannot be read as DXF: {type(error).__name__}") from None
     _unfold_arrays(drawing)
     number = int(drawing.header.get("$INSUNITS", 0))
-    mm = None
-    if 1 <= number <= max(units.InsertUnits):
-        mm = float(f"{units.conversion_factor(units.InsertUnits(number), units.InsertUnits.Millimeters):.12g}")
     known = "no" if number == 0 else "an unknown"
     problem = f"has {known} unit ($INSUNITS = {number}): set it to mm in the drawing"
-    return Source(mm, problem, number == 0, partial(_lines, drawing))
+    return Source(_MM_OF_INSUNITS.get(number), problem, number == 0, partial(_lines, drawing))
 
 
 def _lines(drawing: Any, curve: float, left_out: Counter[str]) -> Iterator[FileLine]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import warnings
 from collections import Counter
@@ -69,7 +70,7 @@ def read_drawing(
     NoUnitError
         The file has no unit, and none is given.
     """
-    if not path.is_file():
+    if not os.path.isfile(path):  # names may be too long
         raise DrawingError(f"there is no such file in {path.parent.absolute()}")
     if path.stat().st_size > _MAX_BYTES:
         raise DrawingError(f"must be at most {_MAX_BYTES // 1_000_000} MB")

@@ -91,7 +91,7 @@ class _Unfolded:
 
     def __init__(self, root: Any, left_out: Counter[str]) -> None:
         self._left_out, self._count = left_out, itertools.count()
-        self._by_id = {element.get("id", ""): element for element in reversed(list(root.iter()))}
+        self._by_id = {element.get("id"): element for element in reversed(list(root.iter()))}
         self.root = ElementTree.Element("svg", root.attrib)
         # svgelements uses a style from its place on
         self.root.extend(element for element in root.iter() if _tag(element) == "style")
@@ -180,7 +180,7 @@ def _lines(
 
     left_out.update(counted)
     for shape, hidden in _shapes(drawing, ""):
-        has_stroke = _is_seen(shape.stroke) and float(shape.stroke_width) > 0.0
+        has_stroke = _is_seen(shape.stroke) and not _is_zero(shape.values.get("stroke-width"))
         has_fill = _is_seen(shape.fill) and not isinstance(shape, svg.SimpleLine)
         if hidden or not (has_stroke or has_fill) or shape.values.get("visibility") in ("hidden", "collapse"):
             left_out[hidden or "hidden line|s"] += 1
@@ -221,7 +221,7 @@ def _is_seen(colour: Any) -> bool:
 
 
 def _is_zero(text: str | None) -> bool:
-    return text is not None and re.fullmatch(r"\s*[+-]?0*\.?0*%?\s*", text) is not None and "0" in text
+    return text is not None and re.fullmatch(r"\s*[+-]?(0+\.?0*|\.0+)(%|[a-z]*)\s*", text) is not None
 
 
 def _points(part: Any, curve: float, layer: str, name: str) -> Floats:

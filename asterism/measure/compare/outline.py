@@ -89,7 +89,7 @@ def _from_drawing(path: Path, unit: str | None) -> Outline:
         raise ScanError(path, "says its own size: --units is for files without one")
     # lines that a program has traced may miss their start by more than rounding
     rings = closed_curves(drawing.lines, max(MEET_MM, _MAX_GAP * float(drawing.size_mm.max())))
-    if not rings:  # lines that cross
+    if not rings and path.suffix.lower() == ".dxf":  # lines of CAD programs may cross at corners
         crossed = shapely.unary_union([shapely.LineString(line.points) for line in drawing.lines])
         areas = shapely.get_parts(shapely.unary_union(shapely.polygonize([crossed])))
         rings = [np.asarray(area.exterior.coords)[:-1] for area in areas if not area.is_empty]

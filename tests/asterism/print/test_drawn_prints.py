@@ -14,6 +14,7 @@ import trimesh
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
+from asterism.pattern.drawing.read import read_drawing
 from asterism.pattern.layout.load_design import load_design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.rods.graph import RodGraph
@@ -52,6 +53,13 @@ TAPERED: dict[str, Any] = {
 
 def drawn(data: dict[str, Any] = LEAF, **options: Any) -> Job:
     return job(Design.from_dict(data), **options)
+
+
+def test_names_of_layers_that_every_dxf_has(tmp_path: Path) -> None:
+    lines = [{"name": name, "line_mm": [(-20, y), (20, y)]} for y, name in ((-5, "0"), (5, "Defpoints"))]
+    export(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (60, 40)}}), tmp_path)
+    drawing = read_drawing(tmp_path / "middle-lines.dxf", 0.005)
+    assert {"0", "Defpoints"} <= {line.layer for line in drawing.lines}
 
 
 def test_solids_are_closed_and_as_large_as_the_lines(tmp_path: Path) -> None:

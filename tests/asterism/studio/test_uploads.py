@@ -44,7 +44,14 @@ def four_lines(space: Any) -> None:
         space.add_line(start, end)
 
 
-@pytest.mark.parametrize("draw", [rectangle, four_lines])
+def lines_that_cross(space: Any) -> None:
+    for y in (20, 80):
+        space.add_line((0, y), (120, y))
+    for x in (10, 110):
+        space.add_line((x, 0), (x, 100))
+
+
+@pytest.mark.parametrize("draw", [rectangle, four_lines, lines_that_cross])
 def test_an_outline_in_dxf_is_centred(client: TestClient, draw: Any):
     corners = sent(client, "outline", "a.dxf", dxf(draw))["border"]["polygon_mm"]
     assert {tuple(corner) for corner in corners} == CENTRED
