@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.print.drawing import A4_MM, TEXT, Circle, Drawing, Label, Polyline, font_size_within
-from asterism.print.formats.threemf import WALLS, wider_mm
 from asterism.print.job import Job
 from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
+from asterism.print.slicing import WALLS, wider_mm
 from asterism.results.records.export import TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
