@@ -70,7 +70,6 @@ def export(
     from asterism.laws.design_law import any_law_for_design
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
-    from asterism.print.formats.registry import formats_left_out
     from asterism.print.write import export_file_names
     from asterism.results.files import EXPORT_SUMMARY_FILE
     from asterism.verification.both_starts import BOTH_STARTS
@@ -103,7 +102,6 @@ def export(
             report=run.report,
             say=run.say,
         )
-    run.warn(*formats_left_out())
     run.warn(*(line for line in exported.warnings if line not in exported.doubts))
     run.table(exported.summary.table(), doubts=exported.doubts)
     run.files(directory, exported.files)

@@ -20,7 +20,7 @@ from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.print.bed_placement import frame_warning
-from asterism.print.formats.registry import demanded_formats
+from asterism.print.formats.registry import demanded_formats, formats_left_out
 from asterism.print.job import Job, prepare
 from asterism.print.needles import NEEDLE_SPACING_MM
 from asterism.print.printer import PlasticProfile, Printer
@@ -43,7 +43,7 @@ class PrintExport:
     ----------
     job : the rounded design on the bed, with its solids, needles and costs.
     summary : content of export.json.
-    warnings : one line for each reason to doubt the shape in space.
+    warnings : one line for each reason to doubt the print or its shape in space, and for each format that is left out.
     doubts : those of the warnings for which the shape is not reliable: it is not certified.
     """
 
@@ -141,7 +141,7 @@ def export(
 
     # this finds most mistakes before anything is computed
     job = job_with(given)
-    warnings = [*frame_warning(machine, frame_is_known), *plastic_warning(design, profile)]
+    warnings = [*formats_left_out(), *frame_warning(machine, frame_is_known), *plastic_warning(design, profile)]
     doubts = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
     of_shapes = {"the given shape": job.shape_warnings}
     computed, change = printed_shape(job, preview, simulate, law, report, say)

@@ -105,7 +105,12 @@ def export_file_names(has_shape: bool) -> list[str]:
 
 
 def _in_all_formats(stems: Mapping[str, Sequence[FormatKind]]) -> list[str]:
-    return [f"{stem}{each.suffix}" for stem, kinds in stems.items() for kind in kinds for each in export_formats(kind)]
+    return [
+        f"{stem}{each.suffix}"
+        for stem, kinds in stems.items()
+        for kind in kinds
+        for each in export_formats(kind, with_missing=True)
+    ]
 
 
 def stale_files(directory: str | Path) -> str | None:
@@ -125,7 +130,9 @@ def stale_files(directory: str | Path) -> str | None:
     """
     if not (Path(directory) / EXPORT_SUMMARY_FILE).is_file():
         return None
-    names = [re.escape(name) for name in _in_all_formats(OPTIONAL_FILES) if not re.fullmatch(EXPORT_COMPANIONS, name)]
+    # a drawing whose format cannot be written any more would show the sheet of the earlier export
+    stems = {**OPTIONAL_FILES, "layout": ("drawing",)}
+    names = [re.escape(name) for name in _in_all_formats(stems) if not re.fullmatch(EXPORT_COMPANIONS, name)]
     # the others may belong to that result
     return "|".join(names if holds_result(directory) else [*names, EXPORT_COMPANIONS])
 

@@ -56,10 +56,12 @@ def export_format(
     return register
 
 
-def export_formats(kind: FormatKind) -> list[ExportFormat]:
+def export_formats(kind: FormatKind, with_missing: bool = False) -> list[ExportFormat]:
     """The registered formats of a kind, in the order of their suffixes.
 
-    Formats whose package is missing are left out, but for those that are written on demand.
+    Parameters
+    ----------
+    with_missing : also those that cannot be written here, because their package is missing.
 
     Examples
     --------
@@ -68,7 +70,7 @@ def export_formats(kind: FormatKind) -> list[ExportFormat]:
     ['.glb', '.obj', '.stl']
     """
     known = sorted((each for each in _all_formats() if each.kind == kind), key=lambda each: each.suffix)
-    return known if kind == "model" else [each for each in known if _problem(each) is None]
+    return [each for each in known if with_missing or _problem(each) is None]
 
 
 def formats_left_out() -> list[str]:
@@ -108,7 +110,7 @@ def demanded_formats(names: Sequence[str]) -> list[ExportFormat]:
     DesignError
         There is no such format, or its package is not installed.
     """
-    known = {each.name.lower(): each for each in export_formats("model")}
+    known = {each.name.lower(): each for each in export_formats("model", with_missing=True)}
     for name in names:
         if name.lower() not in known:
             raise DesignError("--format", f"must be {' or '.join(known)}; all other formats are always written", name)
