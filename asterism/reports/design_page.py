@@ -236,13 +236,12 @@ def _plastic(design: Design) -> list[str]:
 
 
 def _stars(plan: Layout, design: Design) -> list[str]:
-    width, height = np.ptp(plan.outline, axis=0)
     return [
         f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
         f"length {_range(plan.arm_length)} mm",
         f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
         *_sides(plan),
-        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+        _size(plan),
     ]
 
 
@@ -251,14 +250,18 @@ def _rods(plan: Layout) -> list[str]:
     rods = plan.drawn_rods
     if not rods:
         return []
-    width, height = np.ptp(plan.outline, axis=0)
     thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
     return [
         f"{len(rods)} between nodes, {sum(rod.length for rod in rods):.0f} mm in all",
         f"joints: {len(plan.graph.joints)}",
         f"thickness {_range(thickness)}, width {_range(widths)} mm",
-        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+        _size(plan),
     ]
+
+
+def _size(plan: Layout) -> str:
+    width, height = np.ptp(plan.outline, axis=0)
+    return f"sheet {width:.1f} x {height:.1f} mm, stretched"
 
 
 def _sides(plan: Layout) -> list[str]:

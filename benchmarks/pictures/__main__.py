@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 from importlib import import_module
+from inspect import signature
 
 # by the module that draws them: browsers are not loaded for pictures that need none
 KINDS = {
@@ -27,14 +28,12 @@ def main() -> None:
     parser.add_argument("names", nargs="*")
     options = parser.parse_intermixed_args()
     draw = getattr(import_module(f"benchmarks.pictures.{KINDS[options.kind]}"), options.kind)
+    if options.names and not signature(draw).parameters:
+        parser.error(f"NAME: {options.kind} has none")
     try:
         draw(*options.names)
     except KeyError as unknown:
         parser.error(f"NAME: {unknown} is unknown to {options.kind}")
-    except TypeError:
-        if not options.names:
-            raise
-        parser.error(f"NAME: {options.kind} has none")
 
 
 if __name__ == "__main__":

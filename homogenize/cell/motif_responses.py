@@ -1,9 +1,9 @@
 """The responses of the unit cell of a motif: rest metric, stiffness, and how far the sheet rolls in each direction.
 
-A cell of 2 x 2 motifs tells whether one cell stands for an endless sheet, since it may relax to a lower energy. A net
-of stiff lines may not shrink cell by cell. It then buckles in a pattern that repeats after several cells only. A
-honeycomb does: all directions of a single cell keep their length, while four cells together fold. Such a sheet has
-several equilibria of similar energy, and no law of one cell describes it.
+One cell stands for an endless sheet only if a cell of 2 x 2 motifs does not relax to a lower energy. Where stiff lines
+keep a single cell from shrinking, the sheet buckles in a pattern that repeats after several cells. A honeycomb is such
+a sheet: a single cell keeps its length in all directions, while four cells together fold. It has several equilibria of
+similar energy, and no law of one cell describes it.
 """
 
 from __future__ import annotations
