@@ -21,7 +21,7 @@ uncached: list[str] = []
 
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
     """Mark a function of one element: plain Python calls it unchanged, and compiled loops call it as well."""
-    return register_jitable(function)
+    return register_jitable(forceinline=True)(function)
 
 
 def sum_formula(function: Callable[..., Any]) -> Callable[..., Any]:

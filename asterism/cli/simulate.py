@@ -43,7 +43,7 @@ def simulate(
     ] = None,
     law: LawFile = None,
     fabric_bending: Annotated[
-        str | None, typer.Option(help="paper, consistent or none, instead of the value in the design.")
+        str | None, typer.Option(help="paper, plate, consistent or none, instead of the value in the design.")
     ] = None,
     contact: Contact = None,
     material: MaterialFile = None,

@@ -44,10 +44,9 @@ def measure_creases(model: DiscreteModel, state: State) -> Creases:
     twice = np.linalg.norm(np.cross(step[:, 0], step[:, 1]), axis=1)
     height = twice[:, None] / np.linalg.norm(step, axis=2)
     beside = at_arm.any(axis=1)
-    fabric = model.design.fabric
-    bending = fabric.modulus_mpa * fabric.bending_thickness_mm**3 / (12.0 * (1.0 - fabric.poisson**2))
+    bending = model.design.fabric.bending_tensor.d11
     tension = float(_tension(model, state, 0.5 * twice)[beside].mean())
-    width = np.sqrt(model.bending.crease_factor * bending / tension) if tension > 0.0 else np.inf
+    width = np.sqrt(bending / tension) if tension > 0.0 else np.inf
     return Creases(float(width), float(np.median(height[at_arm])))
 
 

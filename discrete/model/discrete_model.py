@@ -8,8 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
-from asterism.discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane, membrane_params
 from asterism.discrete.energies.rods.bend import RodBend
@@ -89,10 +88,11 @@ class DiscreteModel(System):
     design : the design.
     layout : its stars, outline and supports, from `pattern.layout.build.layout`.
     mesh : mesh of the layout, from `pattern.mesh.meshing.mesh_layout`.
+    bending_mesh : the same mesh with what lies beyond its border, if it is periodic.
 
     Attributes
     ----------
-    bending : bending energy of the fabric, from the registry.
+    bending : bending energy of the fabric.
     joints : joints of the rods, and their half edges.
     parts : the energies by name: membrane, those of `bending`, rod_bending, rod_stretch, rod_twist, and rod_joints if
         there are joints.
@@ -109,14 +109,14 @@ class DiscreteModel(System):
     >>> design = gallery.load("star")
     >>> plan = layout(design)
     >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
-    >>> model.bending.name, sorted(model.parts)
-    ('paper', ['hinges', 'membrane', 'rod_bending', 'rod_stretch', 'rod_twist'])
+    >>> sorted(model.parts)
+    ['hinges', 'membrane', 'rod_bending', 'rod_stretch', 'rod_twist']
     >>> energies = model.energies(model.printed_state())
     >>> energies["membrane"] > 10 * energies["rod_bending"] > 0 and abs(energies["rod_stretch"]) < 1e-12
     True
     """
 
-    def __init__(self, design: Design, layout: Layout, mesh: Mesh) -> None:
+    def __init__(self, design: Design, layout: Layout, mesh: Mesh, bending_mesh: BendingMesh | None = None) -> None:
         self.design, self.layout, self.mesh = design, layout, mesh
         self.bending = FABRIC_BENDING[design.fabric.bending]
         self.network, self.joints = _networks(layout.graph, mesh)
@@ -127,17 +127,18 @@ class DiscreteModel(System):
         edges = self.network.edges
         n_turns = len(edges) + 3 * len(self.joints.vertices)
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(n_turns, dtype=bool)])
-        parts = self._fabric() | self._rods()
+        parts = self._fabric(bending_mesh or BendingMesh(mesh.triangles, mesh.points)) | self._rods()
         super().__init__(parts, len(mesh.points), edges, held, joint_vertices=self.joints.vertices)
         self.load_datum = self.constraints.mean_support
         self._weight = self._dead_load()
         self.set_release(1.0)
         self._reconstruction: Reconstruction | None = None
 
-    def _fabric(self) -> dict[str, Elements]:
-        mesh, plate, incompressible = self.mesh, self.fabric_plate, self.design.fabric.model == "incompressible"
-        membrane = Membrane(mesh.triangles, mesh.points, *plate, incompressible)
-        return {"membrane": membrane} | self.bending.build(BendingMesh(mesh.triangles, mesh.points), plate)
+    def _fabric(self, bending_mesh: BendingMesh) -> dict[str, Elements]:
+        mesh, fabric = self.mesh, self.design.fabric
+        sheet = fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson
+        membrane = Membrane(mesh.triangles, mesh.points, *sheet, fabric.model == "incompressible")
+        return {"membrane": membrane} | self.bending.build(bending_mesh, fabric.bending_tensor)
 
     def _rods(self) -> dict[str, Elements]:
         net, points, plastic = self.network, self.mesh.points, self.design.plastic
@@ -198,7 +199,7 @@ class DiscreteModel(System):
         )
         # bending coefficients depend on the rest shape only up to its size
         rest_shape = self.mesh.points / (sx / sy, 1.0) if len(set(fabric.stretch_xy)) > 1 else None
-        self.bending.set_rest(self.parts, self.fabric_plate, 1.0 / (sx * sy), rest_shape)
+        self.bending.set_rest(self.parts, fabric.bending_tensor, 1.0 / (sx * sy), rest_shape)
         net = self.network
         step = self.mesh.points[net.edges[:, 1]] - self.mesh.points[net.edges[:, 0]]
         length = np.linalg.norm(step, axis=1)
@@ -216,12 +217,6 @@ class DiscreteModel(System):
             self.parts["rod_joints"].params[:, 7] = -0.5 * tau[edge] * length[edge]
         # a sheet without supports lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
-
-    @property
-    def fabric_plate(self) -> FabricPlate:
-        """The plate with the bending stiffness of the fabric."""
-        fabric = self.design.fabric
-        return FabricPlate(fabric.bending_thickness_mm, fabric.modulus_mpa, fabric.poisson)
 
     @property
     def spacing(self) -> float:

@@ -17,7 +17,7 @@ from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 # 1: product of Hessian and rigid motion over the largest entry of the Hessian, by rounding alone
 HESSIAN_ROUNDING = 1e-13
 # elements whose Hessians are in memory at a time; so many fit in the cache of the processor
-ELEMENTS_PER_BATCH = 8192
+ELEMENTS_PER_BATCH = 1024
 
 
 class System:

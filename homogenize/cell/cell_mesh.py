@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.discrete.energies.bending.fabric_bending import BendingMesh
+from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.bending.plate_patches import patches
-from asterism.discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents, moved_state, rotate_vectors
@@ -333,15 +332,7 @@ def _unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | Non
     layout = _stars(design, torus) if motif is None else _rods(design, torus, motif)
     none = np.empty(0, dtype=np.int64)
     mesh = Mesh(torus.points, torus.triangles, torus.rods, torus.star_vertices, none, (), "aligned")
-    fabric = design.fabric
-    unbent = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": NO_BENDING.name})})
-    model = DiscreteModel(unbent, layout, mesh)
-    model.bending = FABRIC_BENDING[fabric.bending]
-    model.parts |= model.bending.build(
-        BendingMesh(torus.triangles, torus.points, torus.hinges, torus.around), model.fabric_plate
-    )
-    model.set_release(1.0)  # the parts that were added are those of the print so far
-    return model
+    return DiscreteModel(design, layout, mesh, BendingMesh(torus.triangles, torus.points, torus.hinges, torus.around))
 
 
 def _stars(design: Design, torus: PeriodicMesh) -> Layout:

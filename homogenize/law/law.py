@@ -200,7 +200,7 @@ class Law:
         check_same(
             "lattice", _lattice(self.material.lattice, design.lattice), _lattice(design.lattice), LATTICE_TOLERANCE
         )
-        check_bending(self.material.fabric.bending_thickness_mm, design.fabric.bending_thickness_mm)
+        check_bending(self.material.fabric, design.fabric)
         return self.at(sx)
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:

@@ -49,7 +49,7 @@ class Material(Section):
         if self.plan.stretches is not None and "stretch" in self.fabric.model_fields_set:
             raise DesignError("fabric.stretch", "conflicts with plan.stretches: remove one", self.fabric.stretch)
         if self.plan.graded and self.fabric.bending_follows_mesh:
-            problem = 'needs fabric.bending = "consistent": the stiffness of the paper\'s hinges follows the mesh'
+            problem = 'needs fabric.bending = "plate" or "consistent": the paper\'s hinges follow the mesh'
             raise DesignError("plan.graded", problem, True)
         if self.plan.graded and aligned_lines(self.lattice) is None:
             raise DesignError("plan.graded", f"must be false: {GRADED_OFF_LINES}", True)

@@ -130,7 +130,7 @@ class MotifPlan:
         for section, free in FREE_KEYS.items():
             ours, theirs = (getattr(each, section).model_dump(mode="json") for each in (self.design, design))
             check_same(section, ours, theirs, MATERIAL_TOLERANCE, free)
-        check_bending(self.design.fabric.bending_thickness_mm, design.fabric.bending_thickness_mm)
+        check_bending(self.design.fabric, design.fabric)
         known, asked = (list(each.fabric.stretch_xy) for each in (self.design, design))
         if not same_values(known, asked):
             problem = f"fabric.stretch = {_stretch(asked)}: the law was made for {_stretch(known)}"

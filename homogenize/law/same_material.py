@@ -10,13 +10,14 @@ import numpy as np
 
 from asterism.homogenize.errors import ForeignLaw
 from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.materials import Fabric
 
 # relative difference between numbers of a design and of the law: rounding of the machine
 LATTICE_TOLERANCE = 1e-6
 # the same for a measured material, whose numbers people copy from a printed text; the law is less accurate than this
 MATERIAL_TOLERANCE = 2e-3
-# keys of a material that may differ. Without gravity, shapes depend on the ratio of the moduli only; the thickness that
-# stands for a bending stiffness is compared by itself
+# keys of a material that may differ. Without gravity, shapes depend on the ratio of the moduli only; the bending
+# stiffness over the modulus is compared by itself
 FREE_KEYS = {
     "fabric": {"stretch", "modulus_mpa", "density_kg_m3", "bending_stiffness_n_mm"},
     "plastic": {"density_kg_m3"},
@@ -40,16 +41,18 @@ def check_same(
             raise ForeignLaw(f"{field} = {theirs[key]}: the law is for another {kind}, of {ours[key]}", field=field)
 
 
-def check_bending(known_mm: float, asked_mm: float) -> None:
-    """Compare the thicknesses of the plates that two fabrics bend like.
+def check_bending(known: Fabric, asked: Fabric) -> None:
+    """Compare the bending stiffnesses of two fabrics, each over its modulus.
 
     Raises
     ------
     ForeignLaw
         They differ.
     """
-    if not same_values(known_mm, asked_mm, MATERIAL_TOLERANCE):
-        problem = f"the fabric bends like a plate {asked_mm:.3g} mm thick: the law is for another, of {known_mm:.3g} mm"
+    ours, theirs = ([d / each.modulus_mpa for d in each.bending_tensor] for each in (known, asked))
+    if not same_values(ours, theirs, MATERIAL_TOLERANCE):
+        found = f"{theirs[0]:.3g} mm^3: the law is for {ours[0]:.3g} mm^3"
+        problem = f"the fabric's bending stiffness over its modulus is {found}"
         raise ForeignLaw(problem, field="fabric.bending_stiffness_n_mm")
 
 

@@ -8,7 +8,7 @@ energies:
 |---|---|
 | bending of an arm about its width | `E1 w h^3/(12 E2 h2 d^3)`, the bending number |
 | its rest curvature | `kappa d`; the law uses the couple number instead |
-| bending of the fabric | `t^3/(h2 d^2)` for a fabric that bends like a plate of thickness t |
+| bending of the fabric | `h2^2/d^2` |
 | bending of an arm in the plane, twist | bending number times functions of `w/h` |
 | stretch of an arm | bending number times `12 (d/h)^2` |
 
@@ -94,9 +94,8 @@ def star_groups(fabric: Fabric, plastic: Plastic, spacing_mm: float, edge_mm: fl
     curl = rest_curvature(thickness, fabric, plastic) * d
     with np.errstate(divide="ignore", invalid="ignore"):
         couple = bending * curl / mismatch(stretch)
-    plate = np.sqrt(fabric.bending_thickness_mm**3 / h2) / d
     ones = np.ones(len(length))
-    columns = (length / d, stretch * ones, bending, couple, plate * ones, width / thickness, thickness / d)
+    columns = (length / d, stretch * ones, bending, couple, h2 / d * ones, width / thickness, thickness / d)
     return np.column_stack([*columns, edge_mm / d * ones])
 
 

@@ -166,7 +166,7 @@ def _even_ratios(low: float, high: float) -> tuple[float, ...]:
 def law_edge(design: Design) -> float:
     """mm, edge of the law's mesh: that of the design's exact model, or the nearest one in the range of the law."""
     spacing, (finest, coarsest) = design.lattice.spacing_mm, GROUPS[GROUP_KEYS.index("edge")].limits
-    resolved = design.fabric.bending_thickness_mm / MIN_FABRIC_TO_EDGE
+    resolved = design.fabric.thickness_mm / MIN_FABRIC_TO_EDGE
     longest = max(min(coarsest * spacing, resolved), finest * spacing)
     return float(np.clip(design.mesh.edge_mm, finest * spacing, longest))
 

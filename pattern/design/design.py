@@ -227,7 +227,8 @@ class Design(Section):
     def _bending_of_graded_meshes(self) -> Self:
         if self.mesh.graded and self.fabric.bending_follows_mesh:
             message = (
-                'needs fabric.bending = "consistent" or "none": the stiffness of the paper\'s hinges follows the mesh'
+                'needs fabric.bending = "plate", "consistent" or "none": the stiffness of the paper\'s hinges follows '
+                "the mesh"
             )
             raise DesignError("mesh.graded", message, self.mesh.graded)
         return self

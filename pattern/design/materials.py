@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,28 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.residual_curvature import KappaBar, residual_curvature
 from asterism.pattern.design.section import MassDensity, Number, NumberOrPair, Section
 
-MESH_DEPENDENT_BENDING = ("paper",)  # bending energies whose stiffness depends on the mesh
+HINGES_POISSON = -1.0 / 3.0  # Poisson's ratio of the paper's hinges as a plate
+
+
+class BendingStiffness(NamedTuple):
+    """Stiffness D of a sheet against bending, N mm.
+
+    Twice the energy per area is `D11 k11^2 + 2 D12 k11 k22 + D22 k22^2 + 4 D66 k12^2` for the curvatures k.
+    """
+
+    d11: float
+    d12: float
+    d22: float
+    d66: float
+
+    @classmethod
+    def isotropic(cls, stiffness: float, poisson: float) -> BendingStiffness:
+        """The same in all directions.
+
+        >>> BendingStiffness.isotropic(1.0, -0.5)
+        BendingStiffness(d11=1.0, d12=-0.5, d22=1.0, d66=0.75)
+        """
+        return cls(stiffness, poisson * stiffness, stiffness, 0.5 * (1.0 - poisson) * stiffness)
 
 
 class Fabric(Section):
@@ -23,8 +44,9 @@ class Fabric(Section):
     stretch : printed length over released length, the same in x and y or one for each.
     modulus_mpa : Young's modulus. Without gravity only its ratio to the plastic's matters for the shape.
     model : energy of the membrane.
-    bending : energy of the hinges: `paper` is the paper's, `consistent` the plate of this thickness.
-    bending_stiffness_n_mm : measured bending stiffness for each mm of width, in place of that of the thickness.
+    bending : bending energy: `paper` is the paper's hinges, `plate` the plate that bends like them, `consistent` the
+        plate of this thickness.
+    bending_stiffness_n_mm : measured bending stiffness of a plate for each mm of width, in place of those.
     thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
     """
 
@@ -33,7 +55,7 @@ class Fabric(Section):
     modulus_mpa: Number = Field(7.1875, ge=1e-3, le=1e5)
     poisson: Number = Field(0.3, ge=0, le=0.49)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
-    bending: Literal["paper", "consistent", "none"] = "paper"
+    bending: Literal["paper", "plate", "consistent", "none"] = "paper"
     bending_stiffness_n_mm: Number | None = Field(None, ge=1e-6, le=1e4)
     density_kg_m3: MassDensity = 400.0
 
@@ -48,8 +70,8 @@ class Fabric(Section):
     def _measured_bending(self) -> Self:
         if self.bending_stiffness_n_mm is None:
             return self
-        if self.bending != "consistent":
-            message = 'needs fabric.bending = "consistent": the other bending energies have no stiffness of their own'
+        if self.bending not in ("plate", "consistent"):
+            message = 'needs fabric.bending = "plate": other bending energies have no stiffness of their own'
             raise DesignError("bending_stiffness_n_mm", message, self.bending_stiffness_n_mm)
         if "modulus_mpa" not in self.model_fields_set:
             message = "must be given with bending_stiffness_n_mm: the default only sets the scale of a ratio"
@@ -68,21 +90,25 @@ class Fabric(Section):
         return self.bending != "none"
 
     @property
-    def bending_thickness_mm(self) -> float:
-        """Thickness of a plate of the fabric's modulus that has its bending stiffness.
+    def bending_tensor(self) -> BendingStiffness:
+        """The fabric's stiffness against bending. On equilateral triangles, the paper's hinges bend like `plate`.
 
-        >>> knit = Fabric(bending="consistent", modulus_mpa=0.2, bending_stiffness_n_mm=0.02)
-        >>> round(knit.bending_thickness_mm, 3), Fabric().bending_thickness_mm
-        (1.03, 0.8)
+        >>> [round(Fabric(bending=each).bending_tensor.d11, 3) for each in ("paper", "plate", "consistent", "none")]
+        [1.011, 1.011, 0.337, 0.0]
         """
-        if self.bending_stiffness_n_mm is None:
-            return self.thickness_mm
-        return float((12.0 * (1.0 - self.poisson**2) * self.bending_stiffness_n_mm / self.modulus_mpa) ** (1 / 3))
+        if not self.has_bending:
+            return BendingStiffness(0.0, 0.0, 0.0, 0.0)
+        if self.bending_stiffness_n_mm is not None:
+            return BendingStiffness.isotropic(self.bending_stiffness_n_mm, self.poisson)
+        of_thickness = self.modulus_mpa * self.thickness_mm**3 / (12.0 * (1.0 - self.poisson**2))
+        if self.bending == "consistent":
+            return BendingStiffness.isotropic(of_thickness, self.poisson)
+        return BendingStiffness.isotropic(3.0 * of_thickness, HINGES_POISSON)
 
     @property
     def bending_follows_mesh(self) -> bool:
         """The bending stiffness depends on the mesh, so the mesh must be even."""
-        return self.bending in MESH_DEPENDENT_BENDING
+        return self.bending == "paper"
 
     @property
     def printed_mass(self) -> float:

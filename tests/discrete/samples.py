@@ -18,6 +18,7 @@ from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
 from asterism.discrete.model.state import State, moved_state
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.materials import BendingStiffness
 
 COUNT = 40
 
@@ -85,13 +86,16 @@ def folds(rng: np.random.Generator, bent: bool) -> Sample:
 
 
 def plate(rng: np.random.Generator, bent: bool) -> Sample:
-    """Patches of six vertices, stretched by a third; `bent`: their outer triangles folded by 90 to 130 degrees."""
+    """Patches of six vertices of an orthotropic plate, stretched by a third.
+
+    `bent`: their outer triangles folded by 90 to 130 degrees.
+    """
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.8], [1.5, 0.8], [-0.5, 0.8], [0.5, -0.8]])
     around = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
     rest = np.tile(corners, (COUNT, 1)) + 0.08 * rng.normal(size=(6 * COUNT, 2))
     patch = 6 * np.arange(COUNT)[:, None, None]
     triangles = (patch + around).transpose(1, 0, 2).reshape(-1, 3)
-    elements = Plate(triangles, rest, 0.8, 7.0, 0.3)
+    elements = Plate(triangles, rest, BendingStiffness(1.0, 0.3, 0.4, 0.2))
     # only the patch of each middle triangle
     elements.inputs, elements.dofs = elements.inputs[:COUNT].copy(), elements.dofs[:COUNT].copy()
     elements.params = elements.params[:COUNT].copy()

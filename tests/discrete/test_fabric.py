@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
+from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, hinge_coefficients, interior_edges
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
@@ -15,10 +15,12 @@ from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
+HINGES = Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS, poisson=POISSON).bending_tensor
 SIDE = 20.0
 
 
@@ -87,7 +89,7 @@ def fabric(
     parts = {"membrane": Membrane(triangles, points, THICKNESS, MODULUS, POISSON, incompressible)}
     if bending:
         edges = interior_edges(triangles)
-        parts["hinges"] = Hinges(edges, paper_coefficients(edges, points, THICKNESS, MODULUS, POISSON))
+        parts["hinges"] = Hinges(edges, hinge_coefficients(edges, points, HINGES.d11))
     n = 3 * len(points)
     return System(parts, len(points), np.zeros((0, 2), dtype=int), np.zeros(n, dtype=bool) if held is None else held)
 
@@ -222,7 +224,7 @@ def bending_factor(mesh: str, shape: str, edge: float) -> float:
     k = 1e-4
     z = height(*(points - 0.5 * SIDE).T, k)
     hinges = interior_edges(triangles)
-    elements = Hinges(hinges, paper_coefficients(hinges, points, THICKNESS, MODULUS, POISSON))
+    elements = Hinges(hinges, hinge_coefficients(hinges, points, HINGES.d11))
     half = 0.5 * elements.energies(np.column_stack([points, z]).ravel())
     owners: dict[frozenset[int], int] = {frozenset(t): i for i, t in enumerate(triangles.tolist())}
     energy = np.zeros(len(triangles))
@@ -268,10 +270,11 @@ def test_paper_bending_ignores_poisson_ratio():
     """nu enters through k_B only, so the ratio of sphere to cylinder depends on the mesh alone."""
     points, triangles = equilateral(2.0)
     edges = interior_edges(triangles)
-    base = paper_coefficients(edges, points, THICKNESS, MODULUS, 0.0)
-    np.testing.assert_allclose(paper_coefficients(edges, points, THICKNESS, MODULUS, 0.4), base / 0.84, rtol=1e-14)
+    base, other = (Fabric(poisson=each).bending_tensor.d11 for each in (0.0, 0.4))
+    assert other == pytest.approx(base / 0.84, rel=1e-14)
     # the weights do not depend on the size of the rest shape either
-    np.testing.assert_allclose(paper_coefficients(edges, points / 1.35, THICKNESS, MODULUS, 0.0), base, rtol=1e-14)
+    weights = hinge_coefficients(edges, points, base)
+    np.testing.assert_allclose(hinge_coefficients(edges, points / 1.35, base), weights, rtol=1e-14)
 
 
 @pytest.mark.parametrize(("bending", "part", "column"), [("paper", "hinges", 0), ("consistent", "folds", 1)])
@@ -282,13 +285,13 @@ def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
     design = Design.from_dict({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}})
     plan = layout(design)
     model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
-    rule = paper_coefficients if bending == "paper" else fold_coefficients
-    sheet = (design.fabric.thickness_mm, design.fabric.modulus_mpa, design.fabric.poisson)
+    rule = hinge_coefficients if bending == "paper" else fold_coefficients
+    stiffness = design.fabric.bending_tensor.d11
     hinges = model.parts[part]
     for release, x in ((1.0, 1.8), (0.5, 1.4), (0.0, 1.0)):
         model.set_release(release)
         rest = model.mesh.points / (x, 1.0)
-        np.testing.assert_allclose(hinges.params[:, column], rule(hinges.vertices, rest, *sheet), rtol=1e-12)
+        np.testing.assert_allclose(hinges.params[:, column], rule(hinges.vertices, rest, stiffness), rtol=1e-12)
     np.testing.assert_array_equal(hinges.vertices, interior_edges(model.mesh.triangles))
 
 
@@ -296,7 +299,7 @@ def test_sheet_bent_round_a_circle():
     """Large angles: a prism with undeformed faces has the energy c (2 tan(theta/2))^2 at each of its folds."""
     points, triangles = equilateral(2.0)
     edges = interior_edges(triangles)
-    elements = Hinges(edges, paper_coefficients(edges, points, THICKNESS, MODULUS, POISSON))
+    elements = Hinges(edges, hinge_coefficients(edges, points, HINGES.d11))
     for radius in (40.0, 20.0, 10.0):
         # a prism: rows of vertices on a circle, edges and triangles keep their size
         row = np.round(points[:, 1] / (2.0 * np.sqrt(0.75)))

@@ -27,8 +27,10 @@ def model(**fabric: Any) -> DiscreteModel:
     return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
 
 
-def test_its_energy_is_proportional_to_the_stiffness() -> None:
-    models = model(), model(bending_stiffness_n_mm=PLATE), model(bending_stiffness_n_mm=3.0 * PLATE)
+@pytest.mark.parametrize("bending", ["consistent", "plate"])
+def test_its_energy_is_proportional_to_the_stiffness(bending: str) -> None:
+    measured = (model(bending=bending, bending_stiffness_n_mm=each * PLATE) for each in (1.0, 3.0))
+    models = model(), *measured
     x = models[0].mesh.points
     bent = np.column_stack([20.0 * np.sin(x[:, 0] / 20.0), x[:, 1], 20.0 * np.cos(x[:, 0] / 20.0)]).ravel()
     plate, same, thrice = (float(one.parts["plate"].energies(bent).sum()) for one in models)

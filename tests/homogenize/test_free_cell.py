@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from asterism.discrete.energies.bending.hinges import paper_coefficients
+from asterism.discrete.energies.bending.hinges import hinge_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.effective_stiffness import cell_stability, effective_stiffness
@@ -137,7 +137,7 @@ def test_uniform_sheets_have_their_closed_form(tube: bool) -> None:
     a, b, left, right = every[cell.mesh.hinges].swapaxes(0, 1)
     one, two = np.cross(b - a, left - a), np.cross(right - a, b - a)
     cosine = (one * two).sum(axis=1) / np.linalg.norm(one, axis=1) / np.linalg.norm(two, axis=1)
-    stiff = paper_coefficients(cell.mesh.hinges, cell.printed, fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+    stiff = hinge_coefficients(cell.mesh.hinges, cell.printed, fabric.bending_tensor.d11)
     bending = (np.ravel(stiff) * 4.0 * (1.0 - cosine) / (1.0 + cosine)).sum()
     assert found["hinges"] == pytest.approx(bending, rel=1e-8)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.discrete.energies.bending.hinges import Hinges, interior_edges, paper_coefficients
+from asterism.discrete.energies.bending.hinges import Hinges, hinge_coefficients, interior_edges
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.energies.rods.bend import RodBend
@@ -21,6 +21,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
@@ -50,9 +51,10 @@ def fabric(data: dict[str, Array]) -> dict[str, Elements]:
     triangles = counterclockwise(points, data["triangles"])
     sheet = float(data["h2"]), float(data["E2"]), float(data["nu"])
     hinges = interior_edges(triangles)
+    stiffness = Fabric(thickness_mm=sheet[0], modulus_mpa=sheet[1], poisson=sheet[2]).bending_tensor
     return {
         "membrane": Membrane(triangles, points / float(data["s"]), *sheet),
-        "hinge": Hinges(hinges, paper_coefficients(hinges, points, *sheet)),
+        "hinge": Hinges(hinges, hinge_coefficients(hinges, points, stiffness.d11)),
     }
 
 

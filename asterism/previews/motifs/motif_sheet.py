@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.shell.density import Density, EnergyTerm, isotropic, on_metric
+from asterism.fem.shell.density import Density, EnergyTerm, on_metric
 from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.supports.loads import area_load
 from asterism.homogenize.cell.rod_bending import GAUSSIAN
@@ -279,9 +279,10 @@ def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fab
 def fabric_bending(fabric: Fabric) -> Floats:
     """(3, 3) N mm, bending stiffness of bare fabric per printed area."""
     metric = np.array([*(1.0 / stretch**2 for stretch in fabric.stretch_xy), 0.0])
-    plane = fabric.modulus_mpa / (1.0 - fabric.poisson**2)
-    bending = plane * fabric.bending_thickness_mm**3 / 12.0
-    return on_metric(isotropic(plane * fabric.thickness_mm, bending, fabric.poisson), metric)[3:, 3:]
+    d11, d12, d22, d66 = fabric.bending_tensor
+    stiffness = np.zeros((6, 6))
+    stiffness[3:, 3:] = [[d11, d12, 0.0], [d12, d22, 0.0], [0.0, 0.0, d66]]
+    return on_metric(stiffness, metric)[3:, 3:]
 
 
 def _mean_of_product(first: Floats, second: Floats) -> Floats:

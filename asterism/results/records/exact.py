@@ -151,7 +151,7 @@ class ExactRecord(ShapeRecord):
         "Contact of the sheet with itself; null if the model ran without contact, so that parts may pass through each "
         "other."
     )
-    fabric_bending: str = key("Bending energy of the fabric: `paper`, `consistent` or `none`.")
+    fabric_bending: str = key("Bending energy of the fabric: `paper`, `plate`, `consistent` or `none`.")
     fabric_bending_n_mm: float = key("Energy of the fabric's bending.", unit="N mm")
     instabilities_passed: int = key("Times that the path to the shape lost its stability.")
     backend: str = key("Linear solver.")

@@ -1,1 +1,1 @@
-"""Bending energies of the fabric: hinges, plate, and the registry in which a design file finds them by name."""
+"""Bending energies of the fabric: hinges and plate, found by the names in the design file."""

@@ -158,19 +158,22 @@ def interior_edges(triangles: Array) -> Array:
     return np.column_stack([start[left], end[left], apex[left], apex[right]])
 
 
-def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
-    """(H,) N mm, `c = k_B 3 |e|^2/(A1 + A2)` on the rest shape (V, 2) mm; the size of the shape does not matter."""
+def hinge_coefficients(hinges: Array, rest: Array, stiffness: float) -> Array:
+    """(H,) N mm, `c = k_B 3 |e|^2/(A1 + A2)` on the rest shape (V, 2) mm; the size of the shape does not matter.
+
+    `stiffness` (N mm) is `6 k_B`, D11 of the plate that equilateral triangles with such hinges bend like.
+    """
     x0, x1, x2, x3 = (rest[hinges[:, i]] for i in range(4))
     e, a, b = x1 - x0, x2 - x0, x3 - x0
     areas = 0.5 * (np.abs(e[:, 0] * a[:, 1] - e[:, 1] * a[:, 0]) + np.abs(e[:, 0] * b[:, 1] - e[:, 1] * b[:, 0]))
-    return np.asarray(modulus * thickness**3 / (24.0 * (1.0 - poisson**2)) * 3.0 * np.einsum("ij,ij->i", e, e) / areas)
+    return np.asarray(0.5 * stiffness * np.einsum("ij,ij->i", e, e) / areas)
 
 
-def fold_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
-    """(H,) N mm, coefficient f of the fold energy beside the plate: `k_B |e|^2/(2 (A1 + A2))`.
+def fold_coefficients(hinges: Array, rest: Array, stiffness: float) -> Array:
+    """(H,) N mm, coefficient f of the fold energy beside a plate of this stiffness D11: `D11 |e|^2/(4 (A1 + A2))`.
 
     The patches of the plate measure heights, so a fold costs about `sin(theta)^2` instead of `(2 tan(theta/2))^2`, and
     its energy would fall again beyond 90 degrees. The difference of the two is `theta^4/2` to leading order. The fold
-    energy adds this difference, for hinges as stiff as the plate of a cylinder (a third of the paper's).
+    energy adds this difference, for hinges as stiff as the plate of a cylinder.
     """
-    return paper_coefficients(hinges, rest, thickness, modulus, poisson) / 6.0
+    return 0.5 * hinge_coefficients(hinges, rest, stiffness)

@@ -1,22 +1,30 @@
 """Plate bending of the fabric: constant curvature on patches of six vertices, with displacements as only unknowns.
 
-With the rest area A of the triangle and the curvature tensor k, the energy of a patch is
+With the rest area A of the triangle, the energy of a patch is
 
-    W = c [(1 - nu) tr(k^2) + nu (tr k)^2],    c = A E h^3/(24 (1 - nu^2)).
+    W = A/2 [D11 k11^2 + 2 D12 k11 k22 + D22 k22^2 + 4 D66 k12^2].
 
 The three vertices of the triangle and three more (the apexes of the adjacent triangles, see
 `discrete.energies.bending.plate_patches`) define one quadratic surface, as in the enhanced basic shell triangle of
-Flores and Onate (2005). Its curvature in space is `k = C^-1 b`, with `b_ab = n . x_ab` and the normal n and metric C of
-the flat triangle.
+Flores and Onate (2005). The tangents of the flat triangle are `F = Q R` with R upper triangular, and its normal is n.
+The curvature is `k = R^-T b R^-1` with `b_ab = n . x_ab`. This is `C^-1 b` in the orthonormal frame whose e1 lies along
+the first axis of the fabric, and e2 across it in the surface.
 
 Measure of curvature. The fabric is stretched by a third along the arms, so the measure matters. Integration of the
 membrane law through a constant thickness gives `C^-1 b`: the tangent stiffness is contracted with C^-1. With b on the
 rest metric, a sheet stretched by 1.35 would be 3.3 times stiffer, and a compressed sheet would hardly resist bending.
 
-Derivatives, in an orthonormal frame of the triangle. A vertex moves by u; t is the surface gradient and B the second
-covariant derivative of its shape function. Then `db = B (n . u)`, the strain is `eps = sym(t u)`, and
-`dk = db - 2 eps k` equals the symmetric `eta = db - eps k - k eps` up to a spin. With the moment `m = dW/dk`, the
-variations are `dW = m : eta` and `d2W = 2 c [(1 - nu) eta : eta + nu (tr eta)^2]` plus terms that can be indefinite.
+Derivatives, in that frame. A vertex moves by u; t is the surface gradient and B the second covariant derivative of its
+shape function. Motion along n changes b, motion in the surface changes R. With `L = u t`, the change of R is the upper
+triangle L11, L12 + L21, L22, so that
+
+    dk11 = B11 (n . u) - 2 k11 L11,
+    dk12 = B12 (n . u) - k12 (L11 + L22) - k11 (L12 + L21),
+    dk22 = B22 (n . u) - 2 k22 L22 - 2 k12 (L12 + L21).
+
+With the moments `m = dW/dk`, the first variation is `m . dk`, and the second `dm . dk`, which is never negative, plus
+`m . d2k`. The second order of k follows from `x = L11 + L21^2/2`, `y = L12 + L21 + L21 (L22 - L11)` and
+`z = L22 - L21 L12 - L21^2/2`, by which R11, R12 and R22 change, and from the rotation of the normal.
 """
 
 from __future__ import annotations
@@ -25,185 +33,191 @@ import numpy as np
 
 from asterism.discrete.energies.bending.plate_patches import patches
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
+from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.materials import BendingStiffness
 
 
 @formula
 def _frame(q, p):  # type: ignore[no-untyped-def]
-    """Orthonormal frame (e1, e2, n) of the flat triangle, and a, b, d of the columns `a e1` and `b e1 + d e2` of F."""
-    x0, x1, x2 = point(q, 0), point(q, 1), point(q, 2)
-    f1 = combine(1.0, combine(p[2], x0, p[4], x1), p[6], x2)
-    f2 = combine(1.0, combine(p[3], x0, p[5], x1), p[7], x2)
-    a = np.sqrt(dot(f1, f1))
-    e1 = multiply(1.0 / a, f1)
-    b = dot(e1, f2)
-    across = combine(1.0, f2, -b, e1)
-    d = np.sqrt(dot(across, across))
-    e2 = multiply(1.0 / d, across)
-    return e1, e2, cross(e1, e2), a, b, d
+    """Orthonormal frame (e1, e2, n) of the flat triangle; 1/R11, R12/R11 and 1/R22."""
+    x0 = point(q, 0)
+    side1, side2 = sub(point(q, 1), x0), sub(point(q, 2), x0)
+    f1, f2 = combine(p[4], side1, p[6], side2), combine(p[5], side1, p[7], side2)
+    by_11 = 1.0 / np.sqrt(dot(f1, f1))
+    e1 = multiply(by_11, f1)
+    shear = by_11 * dot(e1, f2)
+    across = combine(1.0, f2, -shear, f1)
+    by_22 = 1.0 / np.sqrt(dot(across, across))
+    e2 = multiply(by_22, across)
+    return e1, e2, cross(e1, e2), (by_11, shear, by_22)
 
 
 @formula
-def _shape_gradient(p, i, a, b, d):  # type: ignore[no-untyped-def]
-    """Surface gradient (1/mm) of the shape function of vertex i < 3, in the frame."""
-    t1 = p[2 + 2 * i] / a
-    return t1, (p[3 + 2 * i] - b * t1) / d
+def _in_frame(s11, s12, s22, r):  # type: ignore[no-untyped-def]
+    """`R^-T s R^-1` of a symmetric tensor s in printed coordinates."""
+    by_11, shear, by_22 = r
+    s12, s22 = s12 - shear * s11, s22 - shear * (2.0 * s12 - shear * s11)
+    return by_11 * by_11 * s11, by_11 * by_22 * s12, by_22 * by_22 * s22
 
 
 @formula
-def _shape_second_derivatives(p, i, a, b, d):  # type: ignore[no-untyped-def]
-    """Second derivatives 11, 12, 22 (1/mm^2) of the shape function of vertex i, in the frame."""
-    c11, c12, c22 = p[8 + 3 * i], p[9 + 3 * i], p[10 + 3 * i]
-    s11 = c11 / (a * a)
-    s12 = (c12 - a * b * s11) / (a * d)
-    return s11, s12, (c22 - b * b * s11 - 2.0 * b * d * s12) / (d * d)
-
-
-@formula
-def _position_second_derivatives(q, p, a, b, d):  # type: ignore[no-untyped-def]
-    """Second derivatives 11, 12, 22 of the position, three vectors, in the frame."""
-    x11 = x12 = x22 = (0.0, 0.0, 0.0)
-    for i in range(6):
-        s11, s12, s22 = _shape_second_derivatives(p, i, a, b, d)
-        x = point(q, i)
-        x11, x12, x22 = combine(1.0, x11, s11, x), combine(1.0, x12, s12, x), combine(1.0, x22, s22, x)
-    return x11, x12, x22
-
-
-@formula
-def _moment(p, k11, k12, k22):  # type: ignore[no-untyped-def]
-    """Components 11, 12, 22 of the moment `m = dW/dk = 2 c [(1 - nu) k + nu tr(k) I]`."""
-    twist, both = 2.0 * p[0] * (1.0 - p[1]), 2.0 * p[0] * p[1] * (k11 + k22)
-    return twist * k11 + both, twist * k12, twist * k22 + both
-
-
-@formula
-def _covariant(p, i, a, b, d, g1, g2):  # type: ignore[no-untyped-def]
-    """Surface gradient (2) and second covariant derivative (3) of vertex i; g1, g2 are the in-plane parts of x_ab."""
-    s11, s12, s22 = _shape_second_derivatives(p, i, a, b, d)
-    if i > 2:
-        return 0.0 * s11, 0.0 * s11, s11, s12, s22
-    t1, t2 = _shape_gradient(p, i, a, b, d)
-    return t1, t2, s11 - g1[0] * t1 - g2[0] * t2, s12 - g1[1] * t1 - g2[1] * t2, s22 - g1[2] * t1 - g2[2] * t2
-
-
-@formula
-def _strain_times_curvature(t1, t2, k11, k12, k22, e1, e2):  # type: ignore[no-untyped-def]
-    """Components 11, 12, 22 of `eps k + k eps` and the spin `(k eps - eps k)_12`, as vectors to be multiplied by u."""
-    half = combine(0.5 * t2, e1, 0.5 * t1, e2)
-    return (
-        combine(2.0 * k11 * t1, e1, 2.0 * k12, half),
-        combine(1.0, combine(k12 * t1, e1, k12 * t2, e2), k11 + k22, half),
-        combine(2.0 * k22 * t2, e2, 2.0 * k12, half),
-        combine(1.0, combine(-k12 * t1, e1, k12 * t2, e2), k11 - k22, half),
+def _curvature(q, p, n, r):  # type: ignore[no-untyped-def]
+    """Components 11, 12, 22 of k, from the heights of the three extra vertices above the triangle."""
+    x0 = point(q, 0)
+    z0, z1, z2 = dot(n, sub(point(q, 3), x0)), dot(n, sub(point(q, 4), x0)), dot(n, sub(point(q, 5), x0))
+    return _in_frame(
+        p[8] * z0 + p[11] * z1 + p[14] * z2,
+        p[9] * z0 + p[12] * z1 + p[15] * z2,
+        p[10] * z0 + p[13] * z1 + p[16] * z2,
+        r,
     )
 
 
 @formula
+def _moment(p, k):  # type: ignore[no-untyped-def]
+    """`dW/dk` for the components 11, 12, 22 of k."""
+    return p[0] * k[0] + p[1] * k[2], 4.0 * p[3] * k[1], p[1] * k[0] + p[2] * k[2]
+
+
+@formula
+def _stress(m, k):  # type: ignore[no-untyped-def]
+    """Symmetric tensor s, components 11, 12, 22, with `s . L = -m . dk` for motion in the surface."""
+    return 2.0 * m[0] * k[0] + m[1] * k[1], m[1] * k[0] + 2.0 * m[2] * k[1], m[1] * k[1] + 2.0 * m[2] * k[2]
+
+
+@formula
+def _gradients(p, r):  # type: ignore[no-untyped-def]
+    """Surface gradients of the shape functions of the triangle's vertices, in the frame."""
+    a1, b1 = r[0] * p[4], r[2] * (p[5] - r[1] * p[4])
+    a2, b2 = r[0] * p[6], r[2] * (p[7] - r[1] * p[6])
+    return (-a1 - a2, -b1 - b2), (a1, b1), (a2, b2)
+
+
+@formula
+def _second_derivatives(q, p, e1, e2, r, t1, t2):  # type: ignore[no-untyped-def]
+    """Second covariant derivatives 11, 12, 22 of the shape functions of the six vertices, in the frame.
+
+    The height of an extra vertex above the triangle has the derivatives b. The heights of the triangle's own vertices
+    are subtracted from it, by the barycentric coordinates of the extra vertex.
+    """
+    x0 = point(q, 0)
+    own0 = own1 = own2 = (0.0, 0.0, 0.0)
+    for i in range(3):
+        b = _in_frame(p[8 + 3 * i], p[9 + 3 * i], p[10 + 3 * i], r)
+        away = sub(point(q, 3 + i), x0)
+        y1, y2 = dot(e1, away), dot(e2, away)
+        l1, l2 = t1[0] * y1 + t1[1] * y2, t2[0] * y1 + t2[1] * y2
+        own0, own1, own2 = combine(1.0, own0, l1 + l2 - 1.0, b), combine(1.0, own1, -l1, b), combine(1.0, own2, -l2, b)
+    return own0, own1, own2
+
+
+@formula
 def plate_energy(q, p):  # type: ignore[no-untyped-def]
-    """Energy of a patch in N mm; p = (c, nu, first derivatives (3 x 2), second derivatives 11, 12, 22 (6 x 3))."""
-    _, _, n, a, b, d = _frame(q, p)
-    x11, x12, x22 = _position_second_derivatives(q, p, a, b, d)
-    k11, k12, k22 = dot(n, x11), dot(n, x12), dot(n, x22)
-    m11, m12, m22 = _moment(p, k11, k12, k22)
-    return 0.5 * (m11 * k11 + 2.0 * m12 * k12 + m22 * k22)
+    """Energy of a patch in N mm.
+
+    p = A (D11, D12, D22, D66), gradients of the second and third shape function (2 x 2), and second derivatives 11,
+    12, 22 for the heights of the three extra vertices (3 x 3).
+    """
+    _, _, n, r = _frame(q, p)
+    k = _curvature(q, p, n, r)
+    return 0.5 * dot(_moment(p, k), k)
 
 
 @formula
 def plate_gradient(q, p, g):  # type: ignore[no-untyped-def]
-    """`(m : B) n - 2 (m k) t` for every vertex."""
-    e1, e2, n, a, b, d = _frame(q, p)
-    x11, x12, x22 = _position_second_derivatives(q, p, a, b, d)
-    k11, k12, k22 = dot(n, x11), dot(n, x12), dot(n, x22)
-    g1, g2 = (dot(e1, x11), dot(e1, x12), dot(e1, x22)), (dot(e2, x11), dot(e2, x12), dot(e2, x22))
-    m11, m12, m22 = _moment(p, k11, k12, k22)
-    p11, p12, p22 = m11 * k11 + m12 * k12, m11 * k12 + m12 * k22, m12 * k12 + m22 * k22
-    for i in range(6):
-        t1, t2, b11, b12, b22 = _covariant(p, i, a, b, d, g1, g2)
-        lift = m11 * b11 + 2.0 * m12 * b12 + m22 * b22
-        u1, u2 = -2.0 * (p11 * t1 + p12 * t2), -2.0 * (p12 * t1 + p22 * t2)
-        for r in range(3):
-            g[3 * i + r] = lift * n[r] + u1 * e1[r] + u2 * e2[r]
+    """`(m . B) n - s t` for every vertex."""
+    e1, e2, n, r = _frame(q, p)
+    k = _curvature(q, p, n, r)
+    m = _moment(p, k)
+    s11, s12, s22 = _stress(m, k)
+    t0, t1, t2 = _gradients(p, r)
+    b0, b1, b2 = _second_derivatives(q, p, e1, e2, r, t1, t2)
+    for i, t, b in ((0, t0, b0), (1, t1, b1), (2, t2, b2)):
+        lift, along1, along2 = dot(m, b), -(s11 * t[0] + s12 * t[1]), -(s12 * t[0] + s22 * t[1])
+        for c in range(3):
+            g[3 * i + c] = lift * n[c] + along1 * e1[c] + along2 * e2[c]
+    for i in range(3):
+        lift = dot(m, _in_frame(p[8 + 3 * i], p[9 + 3 * i], p[10 + 3 * i], r))
+        for c in range(3):
+            g[9 + 3 * i + c] = lift * n[c]
 
 
 @formula
 def plate_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
-    """The quadratic form of eta, plus (1 - blend) times the rest of the second variation.
+    """The quadratic form `dm . dk`, plus (1 - blend) times `m . d2k`.
 
-    The rest is `m : d2b - 4 tr(m eps db) + 8 tr(m k eps^2) - tr(m k d2C) - 4 c (1 - nu) spin^2` with
-    `d2b = -2 (t . n)(B . u) - (t . t) k` (products of two displacements) and `d2C = 2 t u . u t`.
+    Motion a n of vertex i and motion v in the surface of vertex j have the mixed second variation a w . v with
+    `w = Y_i t_j - (m . B_j) t_i`. The tensor -Y_i is the stress of the moments of B_i with the curvatures k, plus the
+    stress of the moments m with the curvatures B_i. The second terms of w and of -Y_i belong to `m . d2k`.
     """
-    e1, e2, n, a, b, d = _frame(q, p)
-    x11, x12, x22 = _position_second_derivatives(q, p, a, b, d)
-    k11, k12, k22 = dot(n, x11), dot(n, x12), dot(n, x22)
-    g1, g2 = (dot(e1, x11), dot(e1, x12), dot(e1, x22)), (dot(e2, x11), dot(e2, x12), dot(e2, x22))
-    m11, m12, m22 = _moment(p, k11, k12, k22)
-    p11, p12, p22 = m11 * k11 + m12 * k12, m11 * k12 + m12 * k22, m12 * k12 + m22 * k22
-    work = m11 * k11 + 2.0 * m12 * k12 + m22 * k22
-    rest = 1.0 - blend
-    turning = -4.0 * rest * p[0] * (1.0 - p[1])
-    for i in range(6):
-        ti1, ti2, bi11, bi12, bi22 = _covariant(p, i, a, b, d, g1, g2)
-        si11, si12, si22, wi = _strain_times_curvature(ti1, ti2, k11, k12, k22, e1, e2)
-        lift_i = m11 * bi11 + 2.0 * m12 * bi12 + m22 * bi22
-        # symmetric part of B m
-        qi11, qi22 = bi11 * m11 + bi12 * m12, bi12 * m12 + bi22 * m22
-        qi12 = 0.5 * (bi11 * m12 + bi12 * m22 + bi12 * m11 + bi22 * m12)
+    e1, e2, n, r = _frame(q, p)
+    k = _curvature(q, p, n, r)
+    m = multiply(1.0 - blend, _moment(p, k))
+    s11, s12, s22 = _stress(m, k)
+    work = dot(m, k)
+    # dk by L11, by L12 or L21, and by L22, and their moments
+    k11, k12, k22 = k
+    k_a, k_b, k_c = (-2.0 * k11, -k12, 0.0 * k11), (0.0 * k11, -k11, -2.0 * k12), (0.0 * k11, -k12, -2.0 * k22)
+    m_a, m_b, m_c = _moment(p, k_a), _moment(p, k_b), _moment(p, k_c)
+    # second derivatives of W by L: dm . dk, and m . d2k
+    m11, m12, m22 = m
+    l11_l11 = dot(m_a, k_a) + 6.0 * m11 * k11 + 2.0 * m12 * k12
+    l11_l12 = dot(m_a, k_b) + 2.0 * (m12 * k11 + m22 * k12)
+    l11_l21 = dot(m_a, k_b) + 3.0 * m12 * k11 + 4.0 * m22 * k12
+    l11_l22 = dot(m_a, k_c) + m12 * k12
+    l12_l12 = dot(m_b, k_b) + 2.0 * m22 * k11
+    l12_l21 = dot(m_b, k_b) + 2.0 * m22 * (k11 + k22) + m12 * k12
+    l12_l22 = dot(m_b, k_c) + m12 * k11 + 4.0 * m22 * k12
+    l21_l21 = dot(m_b, k_b) + 2.0 * m22 * (k11 + k22) - 2.0 * m11 * k11
+    l21_l22 = dot(m_b, k_c) + 2.0 * m22 * k12
+    l22_l22 = dot(m_c, k_c) + 6.0 * m22 * k22 + 2.0 * m12 * k12
+    # t, m . B, B and Y of the triangle's vertices, above the diagonal of h, where nobody reads
+    t0, t1, t2 = _gradients(p, r)
+    b0, b1, b2 = _second_derivatives(q, p, e1, e2, r, t1, t2)
+    for i, t, b in ((0, t0, b0), (1, t1, b1), (2, t2, b2)):
+        h[i, 9], h[i, 10] = t
+        h[i, 11] = dot(m, b)
+        h[i, 12], h[i, 13], h[i, 14] = b
+        h[i, 15], h[i, 16], h[i, 17] = combine(-1.0, _stress(_moment(p, b), k), -1.0, _stress(m, b))
+    for i in range(3):
+        ti1, ti2, lift_i, yi11, yi12, yi22 = h[i, 9], h[i, 10], h[i, 11], h[i, 15], h[i, 16], h[i, 17]
+        moment = _moment(p, (h[i, 12], h[i, 13], h[i, 14]))
         for j in range(i + 1):
-            tj1, tj2, bj11, bj12, bj22 = _covariant(p, j, a, b, d, g1, g2)
-            sj11, sj12, sj22, wj = _strain_times_curvature(tj1, tj2, k11, k12, k22, e1, e2)
-            mj11, mj12, mj22 = _moment(p, bj11, bj12, bj22)
-            lift_j = m11 * bj11 + 2.0 * m12 * bj12 + m22 * bj22
-            qj11, qj22 = bj11 * m11 + bj12 * m12, bj12 * m12 + bj22 * m22
-            qj12 = 0.5 * (bj11 * m12 + bj12 * m22 + bj12 * m11 + bj22 * m12)
-            # n n^T: the quadratic form of db, and the rotation of the normal
-            normal = bi11 * mj11 + 2.0 * bi12 * mj12 + bi22 * mj22 - rest * work * (ti1 * tj1 + ti2 * tj2)
-            # in-plane vectors times n^T, and n times in-plane vectors, from the rest
-            left = combine(
-                -rest * (lift_j * ti1 + 2.0 * (qi11 * tj1 + qi12 * tj2)),
-                e1,
-                -rest * (lift_j * ti2 + 2.0 * (qi12 * tj1 + qi22 * tj2)),
-                e2,
-            )
-            right = combine(
-                -rest * (lift_i * tj1 + 2.0 * (qj11 * ti1 + qj12 * ti2)),
-                e1,
-                -rest * (lift_i * tj2 + 2.0 * (qj12 * ti1 + qj22 * ti2)),
-                e2,
-            )
-            # from the quadratic form: db of one vertex, eps k + k eps of the other
-            mi11, mi12, mi22 = _moment(p, bi11, bi12, bi22)
-            left = combine(1.0, left, -1.0, _contract(mi11, mi12, mi22, sj11, sj12, sj22))
-            right = combine(1.0, right, -1.0, _contract(mj11, mj12, mj22, si11, si12, si22))
-            for r in range(3):
+            tj1, tj2, lift_j, yj11, yj12, yj22 = h[j, 9], h[j, 10], h[j, 11], h[j, 15], h[j, 16], h[j, 17]
+            t11, t12, t21, t22 = ti1 * tj1, ti1 * tj2, ti2 * tj1, ti2 * tj2
+            both = t12 + t21
+            # block in the frame, first by motion of vertex i
+            b11 = l11_l11 * t11 + l11_l12 * both + l12_l12 * t22
+            b12 = l11_l21 * t11 + l11_l22 * t12 + l12_l21 * t21 + l12_l22 * t22
+            b21 = l11_l21 * t11 + l11_l22 * t21 + l12_l21 * t12 + l12_l22 * t22
+            b22 = l21_l21 * t11 + l21_l22 * both + l22_l22 * t22
+            b1n, b2n = yj11 * ti1 + yj12 * ti2 - lift_i * tj1, yj12 * ti1 + yj22 * ti2 - lift_i * tj2
+            bn1, bn2 = yi11 * tj1 + yi12 * tj2 - lift_j * ti1, yi12 * tj1 + yi22 * tj2 - lift_j * ti2
+            bnn = dot(moment, (h[j, 12], h[j, 13], h[j, 14])) - s11 * t11 - s12 * both - s22 * t22 - work * (t11 + t22)
+            row1 = combine(1.0, combine(b11, e1, b12, e2), b1n, n)
+            row2 = combine(1.0, combine(b21, e1, b22, e2), b2n, n)
+            rown = combine(1.0, combine(bn1, e1, bn2, e2), bnn, n)
+            for a in range(3):
                 for c in range(3):
-                    h[3 * i + r, 3 * j + c] = normal * n[r] * n[c] + n[r] * left[c] + right[r] * n[c]
-            if i < 3:
-                # only the vertices of the triangle strain it
-                metric = -2.0 * rest * (p11 * ti1 * tj1 + p12 * (ti1 * tj2 + ti2 * tj1) + p22 * ti2 * tj2)
-                hi, hj = combine(0.5 * ti2, e1, 0.5 * ti1, e2), combine(0.5 * tj2, e1, 0.5 * tj1, e2)
-                # rows of m k eps of vertex i, contracted with eps of vertex j
-                a11 = combine(p11 * ti1, e1, p12, hi)
-                a12 = combine(p11, hi, p12 * ti2, e2)
-                a21 = combine(p12 * ti1, e1, p22, hi)
-                a22 = combine(p12, hi, p22 * ti2, e2)
-                across = combine(1.0, a12, 1.0, a21)
-                for r in range(3):
-                    m_j = _moment(p, sj11[0], sj12[0], sj22[0]), _moment(p, sj11[1], sj12[1], sj22[1])
-                    m_j2 = _moment(p, sj11[2], sj12[2], sj22[2])
-                    columns = (m_j[0], m_j[1], m_j2)
-                    for c in range(3):
-                        square = si11[r] * columns[c][0] + 2.0 * si12[r] * columns[c][1] + si22[r] * columns[c][2]
-                        strain = a11[r] * tj1 * e1[c] + across[r] * hj[c] + a22[r] * tj2 * e2[c]
-                        h[3 * i + r, 3 * j + c] += square + 8.0 * rest * strain + turning * wi[r] * wj[c]
-                    h[3 * i + r, 3 * j + r] += metric
-
-
-@formula
-def _contract(m11, m12, m22, s11, s12, s22):  # type: ignore[no-untyped-def]
-    """`m : s` for a symmetric tensor s of vectors."""
-    return combine(1.0, combine(m11, s11, 2.0 * m12, s12), m22, s22)
+                    h[3 * i + a, 3 * j + c] = e1[a] * row1[c] + e2[a] * row2[c] + n[a] * rown[c]
+    for i in range(3, 6):
+        b = _in_frame(p[3 * i - 1], p[3 * i], p[3 * i + 1], r)
+        moment, lift = _moment(p, b), dot(m, b)
+        y11, y12, y22 = combine(-1.0, _stress(moment, k), -1.0, _stress(m, b))
+        for j in range(3):
+            t1, t2 = h[j, 9], h[j, 10]
+            column = combine(-lift * t1, e1, -lift * t2, e2)
+            row = combine(y11 * t1 + y12 * t2, e1, y12 * t1 + y22 * t2, e2)
+            row = combine(1.0, row, dot(moment, (h[j, 12], h[j, 13], h[j, 14])), n)
+            for a in range(3):
+                for c in range(3):
+                    h[3 * i + a, 3 * j + c] = column[a] * n[c] + n[a] * row[c]
+        for j in range(3, i + 1):
+            row = multiply(dot(moment, _in_frame(p[3 * j - 1], p[3 * j], p[3 * j + 1], r)), n)
+            for a in range(3):
+                for c in range(3):
+                    h[3 * i + a, 3 * j + c] = n[a] * row[c]
 
 
 class Plate(Elements):
@@ -212,8 +226,8 @@ class Plate(Elements):
     Parameters
     ----------
     triangles : (T, 3) vertices, counterclockwise.
-    printed : (V, 2) mm; any affine image of the rest shape gives the same curvatures.
-    thickness, modulus, poisson : mm, MPa, 1.
+    printed : (V, 2) mm; any image of the rest shape with other scales of x and y gives the same curvatures.
+    stiffness : along x (11) and y (22) of the print.
     area_ratio : rest area over printed area.
     surrounding : (R, 3) triangles next to these, whose vertices belong to patches; they have no energy.
 
@@ -229,7 +243,7 @@ class Plate(Elements):
     >>> h = 3.0**0.5
     >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
     >>> triangles = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
-    >>> plate = Plate(triangles[:1], points, 1.0, 96.0, 0.0, surrounding=triangles[1:])
+    >>> plate = Plate(triangles[:1], points, BendingStiffness.isotropic(8.0, 0.0), surrounding=triangles[1:])
     >>> sheet = np.column_stack([points, 0.0005 * (points**2).sum(axis=1)])
     >>> round(float(plate.energies(sheet.ravel())[0] / (8.0 * h * 0.001**2)), 3)
     1.0
@@ -242,23 +256,19 @@ class Plate(Elements):
         self,
         triangles: Array,
         printed: Array,
-        thickness: float,
-        modulus: float,
-        poisson: float,
+        stiffness: BendingStiffness,
         area_ratio: float = 1.0,
         surrounding: Array | None = None,
     ) -> None:
         patch = patches(triangles, printed, surrounding)
-        stiffness = modulus * thickness**3 / (24.0 * (1.0 - poisson**2))
-        self._printed = stiffness * patch.area
         count = len(triangles)
-        params = np.column_stack(
-            [self._printed, np.full(count, poisson), patch.first.reshape(count, 6), patch.second.reshape(count, 18)]
-        )
+        self._printed = np.outer(patch.area, stiffness)
+        gradients, second = patch.first[:, 1:].reshape(count, 4), patch.second.reshape(count, 9)
+        params = np.column_stack([self._printed, gradients, second])
         dofs = (3 * patch.vertices[:, :, None] + np.arange(3)).reshape(count, 18)
         super().__init__(dofs, dofs, params)
         self.set_rest_area(area_ratio)
 
     def set_rest_area(self, area_ratio: float) -> None:
         """Set the rest area over the printed area, the same for all patches."""
-        self.params[:, 0] = area_ratio * self._printed
+        self.params[:, :4] = area_ratio * self._printed

@@ -35,7 +35,8 @@ class Patches:
     ----------
     vertices : (T, 6) the three vertices of the triangle, then the three extra ones.
     first : (T, 3, 2) 1/mm, gradients of the barycentric coordinates.
-    second : (T, 6, 3) 1/mm^2, second derivatives 11, 12, 22 of the quadratic for the height of each vertex.
+    second : (T, 3, 3) 1/mm^2, second derivatives 11, 12, 22 of the quadratic by the heights of the extra vertices
+        above the triangle.
     area : (T,) mm^2.
     """
 
@@ -61,8 +62,8 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
 
     Examples
     --------
-    On an equilateral triangle in the middle of a larger one the extra vertices are the three corners. The second
-    derivatives of `z = x^2` are 2, 0 and 0:
+    On an equilateral triangle in the middle of a larger one the extra vertices are the three corners. The quadratic
+    `x^2 - 2 x + y/h` is 0 at the corners of the small one, and its second derivatives are 2, 0 and 0:
 
     >>> h = 3.0**0.5
     >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
@@ -70,7 +71,8 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
     >>> patch = patches(triangles[:1], points, triangles[1:])
     >>> patch.vertices[0].tolist()
     [0, 1, 2, 3, 4, 5]
-    >>> (points[patch.vertices[0], 0] ** 2 @ patch.second[0]).round(6) + 0.0
+    >>> x, y = points[patch.vertices[0, 3:]].T
+    >>> ((x**2 - 2.0 * x + y / h) @ patch.second[0]).round(6) + 0.0
     array([2., 0., 0.])
     """
     all_triangles = triangles if surrounding is None else np.concatenate([triangles, surrounding])
@@ -91,10 +93,8 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
                 extra[t], second[t] = candidates[best], choices[best]
                 break
         else:
-            raise MeshError("consistent bending needs six vertices around every triangle: mesh.edge_mm must be smaller")
-    # heights are measured from the plane of the triangle, so its own vertices enter by their barycentric coordinates
-    at_triangle = -np.einsum("tqa,tqj->tja", second, _barycentric(points, triangles, first, extra))
-    return Patches(np.column_stack([triangles, extra]), first, np.concatenate([at_triangle, second], axis=1), area)
+            raise MeshError("the plate needs six vertices around every triangle: mesh.edge_mm must be smaller")
+    return Patches(np.column_stack([triangles, extra]), first, second, area)
 
 
 def _products(first: Array) -> Array:

@@ -1,16 +1,16 @@
-"""On equilateral triangles the paper's hinges are a plate of three times the stiffness, with Poisson's ratio -1/3."""
+"""On equilateral triangles the paper's hinges bend like the energy `plate`: three plates, Poisson's ratio -1/3."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from asterism.discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
-from asterism.discrete.energies.bending.registry import FABRIC_BENDING
+from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
+from asterism.pattern.design.materials import Fabric
 
 EDGE, ROWS = 1.0, 8
-FABRIC = FabricPlate(0.8, 7.0, 0.3)
-STIFFNESS = FABRIC.modulus * FABRIC.thickness**3 / (12.0 * (1.0 - FABRIC.poisson**2))
+FABRIC = Fabric(thickness_mm=0.8, modulus_mpa=7.0, poisson=0.3)
+STIFFNESS = 7.0 * 0.8**3 / (12.0 * (1.0 - 0.3**2))
 # small enough that fourth powers of the angles do not count
 CURVATURE = 1e-5
 
@@ -25,20 +25,24 @@ def grid() -> tuple[np.ndarray, np.ndarray]:
     return points, np.concatenate([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
 
 
-def density(curvatures: tuple[float, float], turn: float) -> float:
-    """Energy of the hinges for each mm^2 of a surface with these principal curvatures."""
+def densities(curvatures: tuple[float, float], turn: float) -> tuple[float, float]:
+    """Energies of hinges and plate for each mm^2 of a surface with these principal curvatures."""
     points, triangles = grid()
     cos, sin = np.cos(turn), np.sin(turn)
     along, across = points @ [cos, sin], points @ [-sin, cos]
     height = 0.5 * (curvatures[0] * along**2 + curvatures[1] * across**2)
     mesh = BendingMesh(triangles, points)
-    hinges = FABRIC_BENDING["paper"].build(mesh, FABRIC)["hinges"]
-    energy = hinges.energies(np.column_stack([points, height]).ravel())
+    positions = np.column_stack([points, height]).ravel()
+    hinges, plate = (
+        FABRIC_BENDING[name].build(mesh, FABRIC.model_copy(update={"bending": name}).bending_tensor)[part]
+        for name, part in (("paper", "hinges"), ("plate", "plate"))
+    )
+    energy = hinges.energies(positions)
     edges = np.subtract(*points[mesh.hinges[:, :2]].transpose(1, 0, 2))
     direction = np.round(np.arctan2(edges[:, 1], edges[:, 0]) % np.pi * 3.0 / np.pi).astype(int) % 3
     # a vertex has one hinge of each direction
     one_each = sum(float(energy[direction == k].mean()) for k in range(3))
-    return one_each / (0.5 * np.sqrt(3.0) * EDGE**2)
+    return one_each / (0.5 * np.sqrt(3.0) * EDGE**2), plate.energies(positions).mean() / (0.25 * np.sqrt(3.0) * EDGE**2)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.2, np.pi / 6])
@@ -48,5 +52,6 @@ def density(curvatures: tuple[float, float], turn: float) -> float:
     [((1.0, 0.0), 0.5), ((1.0, 1.0), 1.0 - 1.0 / 3.0), ((1.0, -1.0), 1.0 + 1.0 / 3.0)],
 )
 def test_stiffness(curvatures: tuple[float, float], plates: float, turn: float) -> None:
-    energy = density((CURVATURE * curvatures[0], CURVATURE * curvatures[1]), turn)
-    assert energy == pytest.approx(3.0 * STIFFNESS * plates * CURVATURE**2, rel=1e-4)
+    hinges, plate = densities((CURVATURE * curvatures[0], CURVATURE * curvatures[1]), turn)
+    assert hinges == pytest.approx(3.0 * STIFFNESS * plates * CURVATURE**2, rel=1e-4)
+    assert plate == pytest.approx(hinges, rel=1e-4)
