@@ -11,6 +11,7 @@ nearby: the choice with the least sum of squared second derivatives for unit hei
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -25,6 +26,7 @@ from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 MAX_CURVATURE_GAIN = 4.0
 # 1: determinant of the products at the three vertices; below it the six vertices lie on a conic
 MIN_DETERMINANT = 1e-9
+_NONE = np.empty((0, 3), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -82,18 +84,22 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
     second, gain = _second_derivatives(points, triangles, first, products, area, np.where(extra < 0, 0, extra))
     gain[(extra < 0).any(axis=1)] = np.inf
     neighbours = _vertex_neighbours(all_triangles)
-    for t in np.flatnonzero(~(gain < MAX_CURVATURE_GAIN)):
-        for candidates in _candidates(triangles[t], extra[t], neighbours):
-            repeated = np.full(len(candidates), t)
-            choices, gains = _second_derivatives(
-                points, triangles[repeated], first[repeated], products[repeated], area[repeated], candidates
-            )
-            if len(candidates) and np.isfinite(gains).any():
-                best = int(np.argmin(gains))
-                extra[t], second[t] = candidates[best], choices[best]
-                break
-        else:
+    pending = {t: _candidates(triangles[t], extra[t], neighbours) for t in np.flatnonzero(~(gain < MAX_CURVATURE_GAIN))}
+    while pending:
+        tried = [next(choices, _NONE) for choices in pending.values()]
+        if any(choices is _NONE for choices in tried):
             raise MeshError("the plate needs six vertices around every triangle: mesh.edge_mm must be smaller")
+        owner, candidates = np.repeat(list(pending), [len(each) for each in tried]), np.concatenate(tried)
+        derivatives, gains = _second_derivatives(
+            points, triangles[owner], first[owner], products[owner], area[owner], candidates
+        )
+        # the best of each triangle; where all are on conics, it tries its next candidates
+        order = np.lexsort((gains.round(9), owner))  # rounding does not decide between mirror images
+        best = order[np.unique(owner[order], return_index=True)[1]]
+        best = best[np.isfinite(gains[best])]
+        extra[owner[best]], second[owner[best]] = candidates[best], derivatives[best]
+        settled = set(owner[best].tolist())
+        pending = {t: choices for t, choices in pending.items() if t not in settled}
     return Patches(np.column_stack([triangles, extra]), first, second, area)
 
 
@@ -122,9 +128,11 @@ def _second_derivatives(
     """Second derivatives (T, 3, 3) for unit heights of the extra vertices, and gain (T,); infinite on a conic."""
     weight = _barycentric(points, triangles, first, extra)
     value = np.roll(weight, -1, axis=2) * np.roll(weight, -2, axis=2)
-    regular = np.abs(np.linalg.det(value)) > MIN_DETERMINANT
-    value[~regular] = np.eye(3)
-    second = np.einsum("tpq,tpa->tqa", np.linalg.inv(value), products)
+    # the inverse by cofactors, which for many small matrices is faster than a library's
+    cofactors = np.cross(np.roll(value, -1, axis=1), np.roll(value, -2, axis=1))
+    determinant = (value[:, 0] * cofactors[:, 0]).sum(axis=1)
+    regular = np.abs(determinant) > MIN_DETERMINANT
+    second = cofactors @ products / np.where(regular, determinant, 1.0)[:, None, None]
     gain = (second**2 @ np.array([1.0, 2.0, 1.0])).sum(axis=1) * area**2
     gain[~regular] = np.inf
     return second, gain
@@ -159,7 +167,7 @@ def _vertex_neighbours(triangles: Array) -> list[set[int]]:
     return neighbours
 
 
-def _candidates(triangle: Array, apexes: Array, neighbours: list[set[int]]) -> list[Array]:
+def _candidates(triangle: Array, apexes: Array, neighbours: list[set[int]]) -> Iterator[Array]:
     """Candidates (n, 3) for the three extra vertices, in the order in which they are tried.
 
     At the border the existing apexes are kept if possible. Near a conic all three vertices are chosen anew.
@@ -171,8 +179,6 @@ def _candidates(triangle: Array, apexes: Array, neighbours: list[set[int]]) -> l
         nearby |= set().union(*(neighbours[v] for v in nearby)) - own
     existing = {int(v) for v in apexes if v >= 0}
     choices = [existing, set()] if len(existing) < 3 else [set()]
-    out = []
     for kept in choices:
         more = combinations(sorted(nearby - kept), 3 - len(kept))
-        out.append(np.array([[*sorted(kept), *some] for some in more], dtype=np.int64).reshape(-1, 3))
-    return out
+        yield np.array([[*sorted(kept), *some] for some in more], dtype=np.int64).reshape(-1, 3)
