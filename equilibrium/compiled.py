@@ -20,7 +20,10 @@ uncached: list[str] = []
 
 
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Mark a function of one element: plain Python calls it unchanged, and compiled loops call it as well."""
+    """Mark a function of one element: plain Python calls it unchanged, and compiled loops contain it.
+
+    A call would pass every component of its vectors through memory.
+    """
     return register_jitable(forceinline=True)(function)
 
 
