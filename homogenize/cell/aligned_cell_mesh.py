@@ -18,7 +18,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, ImageNumbering, PeriodicMesh, new_triangles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
-from asterism.pattern.mesh.grading import Grading
+from asterism.pattern.mesh.grading import MIN_SPRING_WEIGHT, Grading, half_cotangents
 
 
 def aligned_cell_mesh(
@@ -52,12 +52,14 @@ def aligned_cell_mesh(
     n, m = repeat[0] * k, repeat[1] * k
     grading = _cell_grading(lattice_vectors, directions, lengths, repeat) if graded and len(directions) else None
     links = _link_stations(directions, _link_reach(lattice_vectors, directions, lengths), k, segments)
+    shift = _grid_displacement(repeat, k, lattice_vectors, links)
     if grading is not None:
         links = _graded_stations(links, GRID_DIRECTIONS[directions] @ lattice_vectors, directions, lengths, grading)
+        shift = _grid_displacement(repeat, k, lattice_vectors, links, grading, shift)
     numbering = _Numbering(n, m)
     i, j = (index.ravel() for index in np.indices((n, m)))
     step = lattice_vectors / k
-    moved = np.column_stack([i, j]) @ step + _grid_displacement(repeat, k, lattice_vectors, links, grading)
+    moved = np.column_stack([i, j]) @ step + shift
 
     def at(di: int, dj: int) -> Ints:
         return numbering(i + di, j + dj)
@@ -221,11 +223,20 @@ def _graded_stations(
 
 
 def _grid_displacement(
-    repeat: tuple[int, int], k: int, lattice_vectors: Floats, links: LinkStations, grading: Grading | None
+    repeat: tuple[int, int],
+    k: int,
+    lattice_vectors: Floats,
+    links: LinkStations,
+    grading: Grading | None = None,
+    even: Floats | None = None,
 ) -> Floats:
     """(n m, 2) mm: points on links follow the arms, and every other point is the mean of its neighbours.
 
-    Without a grading all neighbours count alike, else as `pattern.mesh.grading` states.
+    All neighbours count alike, or with a grading as in `pattern.mesh.graded_mesh`.
+
+    Parameters
+    ----------
+    even : (n m, 2) mm, displacements of the even mesh; with a grading.
     """
     n, m = repeat[0] * k, repeat[1] * k
     size, number = n * m, np.arange(n * m).reshape(n, m)
@@ -262,14 +273,20 @@ def _grid_displacement(
         moved[free] = np.reshape(spsolve(laplacian[free][:, free].tocsc(), right), (-1, 2))
         return moved
 
-    even = means(np.ones(3 * size))
-    if grading is None:
-        return even
+    if grading is None or even is None:
+        return means(np.ones(3 * size))
+    # the neighbours around each point, from that before the first direction to that behind the third
+    steps = GRID_DIRECTIONS[[5, 0, 1, 2, 3]]
+    off = [(di, dj) @ lattice_vectors / k + even[number[(i + di) % n, (j + dj) % m]] - even for di, dj in steps]
+    pairs = [sum(half_cotangents(off[q] - b, -b) for b in (off[q - 1], off[q + 1])) for q in (1, 2, 3)]
+    weight = np.maximum(np.concatenate(pairs), MIN_SPRING_WEIGHT)
 
-    def middles(points: Floats) -> Floats:
-        """The middles (3 n m, 2) of the edges."""
+    def ends(points: Floats) -> tuple[Floats, Floats]:
+        """Both ends (3 n m, 2) of the edges, the second ones beside the first."""
         off = points - grid
-        return points[start] + 0.5 * (step + off[end] - off[start])
+        return points[start], points[start] + step + off[end] - off[start]
 
-    points = grading.settled(grid + even, middles, lambda stiff: grid + means(stiff), float(np.linalg.norm(step[0])))
+    points = grading.settled(
+        grid + means(weight), ends, lambda stiff: grid + means(weight * stiff), float(np.linalg.norm(step[0]))
+    )
     return np.asarray(points - grid)

@@ -13,14 +13,17 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.geometry.planar import cross_2d
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.aligned.lattice_grid import GridPatch
 
 GRADED_EDGE_FACTOR = 0.15  # edge at an arm or a tip over the edge far from both
-REACH_SPACINGS = 1 / 6  # distance from the arms, in spacings, at which edges have their full length
+REACH_SPACINGS = 0.1  # distance from the arms, in spacings, at which edges have their full length
 ARM_SAMPLES_A_SPACING = 200  # sample points of an arm on one spacing
+# least weight of a spring: diagonals of squares have none of their own
+MIN_SPRING_WEIGHT = 0.05
 MAX_ROUNDS = 30
 STEP_EDGES = 0.01  # points that move by less have reached their places
+PLACES = np.linspace(0.0, 1.0, 1001)  # at which the sizes of edges along a line are known
 
 
 @dataclass(frozen=True)
@@ -32,51 +35,47 @@ class Grading:
 
     @classmethod
     def of(cls, layout: Layout) -> Grading:
-        """For all arms of a layout."""
-        return cls.of_arms(layout.centres[layout.arm_star], layout.arm_tip, layout.spacing_mm)
+        """For all rods of a layout."""
+        samples = [rod.at(rod.points, _even_parts(rod.length, layout.spacing_mm)) for rod in layout.graph.rods]
+        return cls(cKDTree(np.concatenate([np.empty((0, 2)), *samples])), REACH_SPACINGS * layout.spacing_mm)
 
     @classmethod
     def of_arms(cls, centre: Floats, tip: Floats, spacing: float) -> Grading:
         """For arms from their stars' centres (A, 2) to their tips (A, 2); all lengths in mm."""
         step = tip - centre
-        longest = float(np.linalg.norm(step, axis=1).max(initial=0.0))
-        along = np.linspace(0.0, 1.0, max(int(np.ceil(ARM_SAMPLES_A_SPACING * longest / spacing)), 1) + 1)
+        along = _even_parts(float(np.linalg.norm(step, axis=1).max(initial=0.0)), spacing)
         return cls(cKDTree((centre[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), REACH_SPACINGS * spacing)
 
-    def size(self, points: Floats) -> Floats:
-        """(n,) of edges at points (n, 2)."""
-        return self._ramp(self.arms.query(points)[0])
+    def distance(self, points: Floats) -> Floats:
+        """(n,) mm, of points (n, 2) from the nearest arm."""
+        return np.asarray(self.arms.query(points)[0])
+
+    def between(self, one: Floats, other: Floats) -> Floats:
+        """(n,) of edges between points at these distances (n,) from the arms: the harmonic mean along the edge."""
+        passed = [self._passed(distance) for distance in (one, other)]
+        step = other - one
+        even = np.abs(step) < 1e-6 * self.reach
+        mean = np.where(even, 1.0, step) / np.where(even, 1.0, passed[1] - passed[0])
+        return np.where(even, self.ramp(0.5 * (one + other)), mean)
+
+    def _passed(self, distance: Floats) -> Floats:
+        """(n,) mm, the integral of 1/size over the distance from an arm."""
+        slope = (1.0 - GRADED_EDGE_FACTOR) / self.reach
+        within = np.log1p(slope * np.minimum(distance, self.reach) / GRADED_EDGE_FACTOR) / slope
+        return within + np.maximum(distance - self.reach, 0.0)
 
     def along(self, length: float, count: int) -> Floats:
         """(count + 1,) parts of an arm of this length (mm) at which its vertices are; they crowd at the tip, 1."""
-        place = np.linspace(0.0, 1.0, 1001)
-        density = 1.0 / self._ramp((1.0 - place) * length)
-        passed = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))])
-        return np.interp(np.linspace(0.0, passed[-1], count + 1), passed, place)
+        return graded_parts(np.linspace(0.0, 1.0, count + 1), self.ramp((1.0 - PLACES) * length))
 
-    def _ramp(self, distance: Floats) -> Floats:
+    def ramp(self, distance: Floats) -> Floats:
+        """(n,) of edges at distances (n,) in mm from the arms."""
         return GRADED_EDGE_FACTOR + (1.0 - GRADED_EDGE_FACTOR) * np.minimum(distance / self.reach, 1.0)
-
-    def spread(self, patch: GridPatch, known: np.ndarray, places: Floats) -> Floats:
-        """Places (n, 2) of all points of a patch, given for those `known` (n,): springs stiffer where edges are short.
-
-        Winslow's variable diffusion: each free point is the mean of its neighbours, weighted with 1/size between them.
-        """
-        ends = patch.edges().T
-        points = patch.grid.place(patch.ij)
-        points = points + patch.harmonic(known, places - points)
-        points = self.settled(
-            points,
-            lambda points: 0.5 * (points[ends[0]] + points[ends[1]]),
-            lambda stiff: patch.harmonic(known, places, stiff),
-            patch.grid.edge_mm,
-        )
-        return np.where(known[:, None], places, points)
 
     def settled(
         self,
         points: Floats,
-        middles: Callable[[Floats], Floats],
+        ends: Callable[[Floats], tuple[Floats, Floats]],
         means: Callable[[Floats], Floats],
         edge_mm: float,
     ) -> Floats:
@@ -85,15 +84,32 @@ class Grading:
         Parameters
         ----------
         points : (n, 2) mm, where they start.
-        middles : the middles (E, 2) of all edges, from the points.
+        ends : both ends (E, 2) of all edges, from the points.
         means : the points, each the mean of its neighbours, from the weights (E,) of the edges.
         edge_mm : of the grid.
         """
         for round_ in range(MAX_ROUNDS):
-            target = means(1.0 / self.size(middles(points)))
+            one, other = (self.distance(end) for end in ends(points))
+            target = means(1.0 / self.between(one, other))
             step = target - points
             # sizes follow the points: half steps avoid oscillation
             points = target if round_ == 0 else points + 0.5 * step
             if np.abs(step).max(initial=0.0) < STEP_EDGES * edge_mm:
                 break
         return points
+
+
+def half_cotangents(one: Floats, other: Floats) -> Floats:
+    """(n,) of the angles between vectors (n, 2): the sum over both angles opposite to an edge is its weight."""
+    return np.asarray(0.5 * (one * other).sum(axis=1) / np.abs(cross_2d(one, other)))
+
+
+def graded_parts(parts: Floats, size: Floats) -> Floats:
+    """Parts (n,) of a line, from 0 to 1, moved so that its edges follow the sizes (m,) at `PLACES`."""
+    passed = np.concatenate([[0.0], np.cumsum(1.0 / size[1:] + 1.0 / size[:-1])])
+    return np.interp(parts * passed[-1], passed, PLACES)
+
+
+def _even_parts(length: float, spacing: float) -> Floats:
+    """(n,) parts of a rod from 0 to 1, close enough for distances to it."""
+    return np.linspace(0.0, 1.0, max(int(np.ceil(ARM_SAMPLES_A_SPACING * length / spacing)), 1) + 1)

@@ -8,6 +8,7 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned.aligned_mesh import aligned_mesh
 from asterism.pattern.mesh.free.delaunay_mesh import MAX_SPLITS, delaunay_mesh
+from asterism.pattern.mesh.graded_mesh import graded_mesh
 from asterism.pattern.mesh.mesh import Mesh
 
 MeshKind = Literal["auto", "aligned", "delaunay"]
@@ -18,7 +19,7 @@ def mesh_layout(
 ) -> Mesh:
     """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
 
-    `graded`: finer at the arms and their tips; an aligned mesh has as many triangles as without, a Delaunay mesh more.
+    `graded`: finer at the arms and their tips, with as many triangles.
     `draft`: good enough to look at, and faster; triangles may be flatter where features or the outline are close.
     """
     if kind not in ("auto", "aligned", "delaunay"):
@@ -27,10 +28,15 @@ def mesh_layout(
         raise MeshError("mesh.kind = 'aligned': drawn rods have no aligned mesh; delaunay and auto mesh every sheet")
     if kind == "aligned" and layout.holes:
         raise MeshError("mesh.kind = 'aligned': sheets with holes have none; delaunay and auto mesh every sheet")
+    mesh = _even_mesh(layout, edge_mm, kind, seed, draft)
+    return graded_mesh(mesh, layout, edge_mm) if graded else mesh
+
+
+def _even_mesh(layout: Layout, edge_mm: float, kind: MeshKind, seed: int, draft: bool) -> Mesh:
     if kind != "delaunay" and layout.drawn is None and not layout.holes:
         try:
-            return aligned_mesh(layout, edge_mm, graded, draft)
+            return aligned_mesh(layout, edge_mm, draft)
         except MeshError as error:
             if kind == "aligned":
                 raise MeshError(f"mesh.kind = 'aligned': {error}; delaunay and auto mesh every sheet") from None
-    return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else MAX_SPLITS)
+    return delaunay_mesh(layout, edge_mm, seed, 0 if draft else MAX_SPLITS)

@@ -11,7 +11,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, LatticeGrid
-from asterism.pattern.mesh.grading import Grading
 
 # shortest edge along arms and gaps, over the edge of the grid
 MIN_STATION_EDGE_FACTOR = 0.25
@@ -48,10 +47,8 @@ class _ArmLinks:
 BorderStations = Callable[[Ints, Ints], tuple[Ints, Floats]]
 
 
-def arm_stations(layout: Layout, grid: LatticeGrid, border: BorderStations, grading: Grading | None = None) -> Stations:
+def arm_stations(layout: Layout, grid: LatticeGrid, border: BorderStations) -> Stations:
     """Spread every arm evenly over grid edges, and the gap behind its tip over those left on its link.
-
-    A grading decides where vertices lie on an arm; then the gaps stay free.
 
     Parameters
     ----------
@@ -80,17 +77,12 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: BorderStations, grad
         raise MeshError(f"arm {one} leaves too little room for a mesh edge at its tip")
     arm, number = _numbered(links.taken)
     on_arms = links.start[arm] + number[:, None] * links.step[arm]
-    if grading is None:
-        gap = np.flatnonzero(left > 0)
-        which, ahead = _numbered(left[gap])
-        first = links.start + links.taken[:, None] * links.step
-        in_gaps = first[gap][which] + ahead[:, None] * links.step[gap][which]
-        ij = [in_gaps, centres, on_arms]
-        places = [_even(tip[gap], end[gap], left[gap]), layout.centres, _even(centre, tip, links.taken)]
-    else:
-        part = np.concatenate([grading.along(*one) for one in zip(length, links.taken, strict=True)])
-        ij = [centres, on_arms]
-        places = [layout.centres, centre[arm] + part[:, None] * (tip - centre)[arm]]
+    gap = np.flatnonzero(left > 0)
+    which, ahead = _numbered(left[gap])
+    first = links.start + links.taken[:, None] * links.step
+    in_gaps = first[gap][which] + ahead[:, None] * links.step[gap][which]
+    ij = [in_gaps, centres, on_arms]
+    places = [_even(tip[gap], end[gap], left[gap]), layout.centres, _even(centre, tip, links.taken)]
     arms = tuple(np.split(on_arms, np.cumsum(links.taken + 1)[:-1])) if len(length) else ()
     return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
 

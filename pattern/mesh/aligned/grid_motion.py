@@ -10,7 +10,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.aligned.arm_stations import Stations
 from asterism.pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch
-from asterism.pattern.mesh.grading import Grading
 from asterism.pattern.mesh.outline_points import PIN_VERTEX_TOLERANCE_MM
 
 # shift of grid points by which diagonals of squares are chosen, in grid edges: far above rounding, and invisible
@@ -53,13 +52,12 @@ def moved(
     known: NDArray[np.bool_],
     places: Floats,
     pins: Floats,
-    grading: Grading | None = None,
 ) -> Floats:
     """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between.
 
     Pins (P, 2) get the nearest points that are not taken.
     """
-    points = _spread(patch, known, places, grading)
+    points = _spread(patch, known, places)
     missing = pins[cKDTree(points[taken]).query(pins)[0] > PIN_VERTEX_TOLERANCE_MM] if len(pins) else pins
     if not len(missing):
         return points
@@ -70,13 +68,11 @@ def moved(
         if away[nearest] > patch.grid.edge_mm:
             raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
         taken[nearest], known[nearest], places[nearest] = True, True, pin
-    return _spread(patch, known, places, grading)
+    return _spread(patch, known, places)
 
 
-def _spread(patch: GridPatch, known: NDArray[np.bool_], places: Floats, grading: Grading | None) -> Floats:
-    """All points: evenly between the known ones, or graded."""
-    if grading is not None:
-        return grading.spread(patch, known, places)
+def _spread(patch: GridPatch, known: NDArray[np.bool_], places: Floats) -> Floats:
+    """All points, evenly between the known ones."""
     natural = patch.grid.place(patch.ij)
     points = natural + patch.harmonic(known, places - natural)
     return points + _off_squares(patch, known) if patch.grid.right_angled else points

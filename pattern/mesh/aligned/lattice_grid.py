@@ -152,13 +152,10 @@ class GridPatch:
         own = np.tile(np.arange(len(self.ij)), len(self._ahead))
         return np.asarray(np.column_stack([own, ends])[ends >= 0])
 
-    def harmonic(self, known: NDArray[np.bool_], values: Floats, stiff: Floats | None = None) -> Floats:
-        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean.
-
-        The mean is weighted with `stiff` (E,), one for every edge, if that is given.
-        """
+    def harmonic(self, known: NDArray[np.bool_], values: Floats) -> Floats:
+        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean."""
         edges = self.edges()
-        return means_of_neighbours(edges, np.ones(len(edges)) if stiff is None else stiff, known, values)
+        return means_of_neighbours(edges, np.ones(len(edges)), known, values)
 
 
 def means_of_neighbours(edges: Ints, stiff: Floats, known: NDArray[np.bool_], values: Floats) -> Floats:

@@ -36,8 +36,6 @@ MAX_DRAWN_SPLITS = 6
 MIN_DRAWN_ANGLE_DEG = 20.0
 # in units of the edge squared: refinement leaves a mean area of 0.6 of it, that of an equilateral triangle
 MAX_AREA_EDGES_SQUARED = 0.7
-# edges along arms of a graded mesh, over those far from them; quality makes all sizes between
-ARM_EDGE_FACTOR = 0.2
 # points closer than this part of the lattice distance are one vertex
 MERGE_DISTANCE_SPACINGS = 1e-6
 
@@ -54,9 +52,7 @@ class _Frame:
     hole_step: Floats
 
 
-def delaunay_mesh(
-    layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False, splits: int = MAX_SPLITS
-) -> Mesh:
+def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = MAX_SPLITS) -> Mesh:
     """Triangles of about 30 degrees or more, with even segments along every rod and the outline.
 
     Parameters
@@ -64,7 +60,6 @@ def delaunay_mesh(
     edge_mm : wished length of an edge. Rods get at least two segments, more where they curve, and shorter ones where
         ends come close to other rods or to the outline.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
-    graded : arms get edges of a fifth of the length, so that the triangles beside them are small.
     splits : how often segments beside flat triangles are halved at most.
     """
     check_edge(layout, edge_mm)
@@ -75,7 +70,7 @@ def delaunay_mesh(
     least = np.array([least_pieces(rod) for rod in layout.graph.rods])
     if layout.drawn is not None:  # a short piece between two nodes is one edge
         least[length < 0.5 * edge_mm] = 1.0
-    step = length / np.maximum(np.rint(length / (ARM_EDGE_FACTOR * edge_mm if graded else edge_mm)), least)
+    step = length / np.maximum(np.rint(length / edge_mm), least)
     ends = np.concatenate([layout.arm_tip, layout.centres, pins])
     on_outline = outline_points(layout.outline, edge_mm, ends, tolerance, np.zeros((0, 2)))
     frame = _Frame(on_outline, step, np.full(len(layout.holes), edge_mm))

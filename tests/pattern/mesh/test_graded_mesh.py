@@ -1,0 +1,147 @@
+"""Meshes that are finer at arms and tips, of every kind of sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from asterism.discrete.energies.bending.plate_patches import patches
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import MeshError
+from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.mesh.graded_mesh import MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE
+from asterism.pattern.mesh.grading import GRADED_EDGE_FACTOR, Grading
+from asterism.pattern.mesh.meshing import mesh_layout
+from tests.pattern.layouts import L_SHAPE, RECTANGLE, ROUND, SIX, SLANTED, THREE, D, layout, pin, rings, stars_on, unit
+from tests.pattern.mesh_rules import obey, same_after, smallest_angle
+
+TRIANGLE = np.array([[-60, -40], [60, -35], [5, 60]], dtype=float)
+T_SHAPE = np.array([[-60, 10], [-20, 10], [-20, -50], [20, -50], [20, 10], [60, 10], [60, 45], [-60, 45]], dtype=float)
+
+
+def heights(mesh):
+    """(n,) mm, of triangles over their sides on rods."""
+    n, t = len(mesh.points), mesh.triangles
+    sides = np.concatenate([np.column_stack([rod[:-1], rod[1:]]) for rod in mesh.rods])
+    corner = np.concatenate([np.roll(t, k, axis=1) for k in range(3)])
+    on = np.isin(np.sort(corner[:, 1:], axis=1) @ [n, 1], np.sort(sides, axis=1) @ [n, 1])
+    length = np.linalg.norm(mesh.points[corner[on, 2]] - mesh.points[corner[on, 1]], axis=1)
+    return 2.0 * triangle_areas(mesh.points, corner[on]) / length
+
+
+def sound(sheet, even, mesh):
+    """A mesh of the sheet with the even one's triangles, of which none is flat."""
+    obey(sheet, mesh)
+    assert np.array_equal(mesh.triangles, even.triangles)
+    before, after = (triangle_angles(each.points, each.triangles).min(axis=1) for each in (even, mesh))
+    assert (after >= np.minimum(MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE * before)).all()
+
+
+def finer_at_arms(even, mesh):
+    """Whether the lowest quarter of the triangles on rods is at most 0.7 times as high as that of the even mesh."""
+    return np.quantile(heights(mesh), 0.25) < 0.7 * np.quantile(heights(even), 0.25)
+
+
+@pytest.mark.parametrize("k", [7, 10, 14])
+@pytest.mark.parametrize("length", [7.0, 10.0, 13.0])
+@pytest.mark.parametrize("kind", ["aligned", "delaunay"])
+def test_the_same_triangles_but_finer_at_the_arms(k, length, kind):
+    sheet = rings(1, length)
+    even, mesh = (mesh_layout(sheet, D / k, kind, graded=graded) for graded in (False, True))
+    sound(sheet, even, mesh)
+    assert mesh.kind == kind and finer_at_arms(even, mesh)
+
+
+@pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, TRIANGLE, T_SHAPE])
+@pytest.mark.parametrize("length", [6.0, 10.0, 13.0])
+@pytest.mark.parametrize("edge", [1.7, 2.4, 5.0])
+def test_any_outline_stays_aligned(border, length, edge):
+    sheet = stars_on(border, length, margin=0.5)
+    even, mesh = (mesh_layout(sheet, edge, graded=graded) for graded in (False, True))
+    sound(sheet, even, mesh)
+    assert mesh.kind == even.kind and (edge == 5.0 or mesh.kind == "aligned")
+    assert edge == 5.0 or finer_at_arms(even, mesh)
+    patches(mesh.triangles, mesh.points)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.1, 0.5, 1.0])
+def test_arms_that_end_at_the_outline_or_just_inside(gap):
+    sheet = rings(1, 15.0 - gap)
+    for kind in ("auto", "delaunay"):
+        sound(sheet, *(mesh_layout(sheet, 2.4, kind, graded=graded) for graded in (False, True)))
+
+
+@pytest.mark.parametrize("directions", [(0.0, 90.0, 180.0, 270.0), SIX])
+def test_squares_and_other_stars(directions):
+    vectors = D * np.eye(2) if len(directions) == 4 else D * unit([30.0, 90.0])
+    sheet = layout(RECTANGLE, [[0.0, 0.0], vectors[0]], 7.0, directions, vectors=vectors)
+    sound(sheet, *(mesh_layout(sheet, 2.4, "aligned", graded=graded) for graded in (False, True)))
+
+
+def test_pins_stay():
+    pins = (pin([[3.3, 6.1], [40, 32], [40, 3.1], [-12, 14]]), pin(edges=(1, 2)))
+    sheet = stars_on(RECTANGLE, 8.0, pins=pins)
+    sound(sheet, *(mesh_layout(sheet, 2.4, "aligned", graded=graded) for graded in (False, True)))
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"border": {"rectangle_mm": (70.0, 50.0), "holes": [{"circle_mm": {"radius": 8.0}}]}},
+        {"lattice": {"orientation_deg": 17.0}, "border": {"rectangle_mm": (70.0, 50.0)}},
+    ],
+)
+def test_holes_and_turned_stars(more):
+    sheet = print_layout(Design.from_dict({"stars": {"length_mm": 8.0}, **more}))
+    even, mesh = (mesh_layout(sheet, 2.4, graded=graded) for graded in (False, True))
+    assert mesh.kind == "delaunay" and finer_at_arms(even, mesh)
+    assert smallest_angle(mesh) >= min(MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE * smallest_angle(even))
+    for hole in mesh.hole_vertices:
+        assert np.array_equal(mesh.points[hole], even.points[hole])
+
+
+def test_drawn_rods_crowd_at_free_ends_only():
+    lines = [{"line_mm": [[-20.0, 0.0], [20.0, 0.0]]}, {"line_mm": [[0.0, 0.0], [0.0, 20.0]]}]
+    sheet = print_layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (60.0, 60.0)}}))
+    even, mesh = (mesh_layout(sheet, 2.5, graded=graded) for graded in (False, True))
+    assert finer_at_arms(even, mesh)
+    assert smallest_angle(mesh) >= MIN_GRADED_ANGLE_DEG
+    for rod in mesh.rods:
+        steps = np.linalg.norm(np.diff(mesh.points[rod], axis=0), axis=1)
+        free = 0 if np.linalg.norm(mesh.points[rod[0]]) > 10.0 else -1  # the other end is the joint
+        assert steps[free] < 0.7 * steps[-1 - free]
+
+
+def test_symmetric():
+    mesh = mesh_layout(rings(2, 10.0), 2.0, graded=True)
+    turn = np.array([unit(120.0), unit(210.0)])
+    assert same_after(mesh, mesh.points @ turn)
+    assert same_after(mesh, mesh.points * [-1, 1])
+
+
+def test_vertices_crowd_at_the_tip():
+    grading = Grading.of(rings(1, 10.0))
+    steps = np.diff(grading.along(10.0, 40)) * 10.0
+    assert (np.diff(steps) <= 1e-9).all()
+    assert steps[-1] / steps[0] == pytest.approx(GRADED_EDGE_FACTOR, rel=0.15)
+    assert steps.sum() == pytest.approx(10.0)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.data())
+def test_any_polygon(data):
+    """Wherever there is an even mesh, there is a graded one."""
+    radii = data.draw(st.lists(st.floats(20, 60), min_size=3, max_size=12))
+    border = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
+    directions = data.draw(st.sampled_from([THREE, SIX, (5.0, 95.0, 185.0, 275.0)]))
+    sheet = stars_on(border, data.draw(st.floats(0.5, 16)), directions)
+    assume(len(sheet.centres))
+    edge, kind = data.draw(st.floats(1.5, 8.0)), data.draw(st.sampled_from(["auto", "delaunay"]))
+    try:
+        even = mesh_layout(sheet, edge, kind)
+    except MeshError:
+        return
+    sound(sheet, even, mesh_layout(sheet, edge, kind, graded=True))
