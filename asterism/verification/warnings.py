@@ -46,7 +46,7 @@ def verification_warnings(
         *two_minima_warnings(verification.exact, verification.result, apart_percent),
         *_far(verification.comparison, preview.get("expected_rms_percent")),
         *_high(verification.comparison, preview.get("expected_height_percent")),
-        *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False), exact.get("mesh")),
+        *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False)),
         *_meshes(exact, mesh_error_percent, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
     ]
 
@@ -103,12 +103,8 @@ def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
         yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
 
 
-def _kinds_of_mesh(design: Design, of_law: bool, kind: str | None) -> Iterator[str]:
-    """A graded mesh of the law's cells beside an even one of the exact model, or the other way round.
-
-    Two graded meshes differ if that of the exact model is a Delaunay mesh: its edges along the arms are a fifth as
-    long as elsewhere, while those of the law's cells are shorter at the tips only.
-    """
+def _kinds_of_mesh(design: Design, of_law: bool) -> Iterator[str]:
+    """A graded mesh of the law's cells beside an even one of the exact model, or the other way round."""
     if design.mesh.graded != of_law:
         names = {False: "even", True: "graded"}
         made = f"the law has {names[of_law]} meshes, the exact model {names[design.mesh.graded]} ones"
@@ -116,11 +112,6 @@ def _kinds_of_mesh(design: Design, of_law: bool, kind: str | None) -> Iterator[s
         if not of_law and aligned_lines(design.lattice) is not None:
             advice = "; asterism calibrate makes a law of graded cells"
         yield f"{made}: part of the distance is this difference{advice}"
-    elif of_law and kind == "delaunay":
-        yield (
-            "the exact model has a graded Delaunay mesh, finer along the arms than the law's graded cells: part of the "
-            "distance is this difference; hexagons along the lattice have meshes like the cells'"
-        )
 
 
 def _meshes(exact: Mapping[str, Any], error: float | None, of_law: float | None, distance: float) -> Iterator[str]:

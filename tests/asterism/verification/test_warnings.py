@@ -176,23 +176,6 @@ def test_graded_and_even_meshes_are_told_apart() -> None:
     assert said(preview={"law": {"edge_mm": 1.15, "graded": False}}) == []
 
 
-def test_a_graded_delaunay_mesh_differs_from_graded_cells() -> None:
-    design = OF.model_copy(update={"mesh": OF.mesh.model_copy(update={"graded": True})})
-    found = bowls(0.01, 0.01)
-    for kind, differs in (("delaunay", True), ("aligned", False)):
-        lines = verification_warnings(
-            replace(
-                found,
-                design=design,
-                preview=replace(found.preview, summary={"law": {"edge_mm": 1.15, "graded": True}}),
-                exact={"release": replace(found.exact["release"], summary=EXACT | {"mesh": kind})},
-            ),
-            0.0,
-            None,
-        )
-        assert [line.startswith("the exact model has a graded Delaunay mesh, ") for line in lines] == [True] * differs
-
-
 def test_a_mesh_error_above_the_distance_is_told() -> None:
     distance = bowls(0.01, 0.0107).comparison.rms_percent
     lines = said((0.01, 0.0107), mesh_error_percent=1.1 * distance)
