@@ -36,8 +36,8 @@ from asterism.pattern.mesh.mesh import Mesh
 # smallest angle that a move leaves, unless the even mesh has flat triangles: these lose at most a quarter of theirs
 MIN_GRADED_ANGLE_DEG = 12.0
 MIN_KEPT_ANGLE = 0.75
-# edges near triangles that would be flatter keep this part of their even length, at the first try and at later ones
-EASED = (0.5, 1.0, 1.0, 1.0, 1.0)
+# edges near triangles that would be flatter keep this part of their even length at the next try; at 1, vertices stay
+EASED = (0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 # where edges are shorter than this part of the wished ones, the even mesh is already fine
 FINE_EDGE_FACTOR = 0.75
 # rounds at whose start the springs are factored; later, their stiffness changes little
@@ -119,20 +119,23 @@ class _EvenMesh:
         points = start.copy()
         for line in self.lines:
             first, last = points[line.vertices[0]], points[line.vertices[-1]]
-            to_tip = [PLACES if line.tips[0] else np.inf, 1.0 - PLACES if line.tips[1] else np.inf]
-            size = self.grading.ramp(np.minimum(*to_tip) * np.linalg.norm(last - first))
+            ends = zip((PLACES, 1.0 - PLACES), line.tips, strict=True)
+            to_tip = np.min([part for part, crowds in ends if crowds], axis=0)
+            size = self.grading.ramp(to_tip * np.linalg.norm(last - first))
             fine, least = (np.interp(PLACES, line.parts, v[line.vertices]) for v in (self.fineness, eased))
             parts = graded_parts(line.parts, _relative(size, fine, least))
             points[line.vertices[1:-1]] = first + parts[1:-1, None] * (last - first)
+        points[eased == 1.0] = self.points[eased == 1.0]
         return self._settled(points, eased)
 
     def _settled(self, points: Floats, eased: Floats) -> Floats:
-        """The points at rest between springs, those that are held in their places."""
-        inner = ~self.held[self.edges].all(axis=1)
+        """The points at rest between springs, those that are held or keep their places in these."""
+        held = self.held | (eased == 1.0)
+        inner = ~held[self.edges].all(axis=1)
         (one, other), weight = self.edges[inner].T, self.weight[inner]
         fine = 0.5 * (self.fineness[one] + self.fineness[other])
         least = np.maximum(eased[one], eased[other])
-        free, stiffness = np.flatnonzero(~self.held), weight
+        free, stiffness = np.flatnonzero(~held), weight
         if not len(free):
             return points
         number = np.full(len(points), -1)
