@@ -1,4 +1,4 @@
-"""`asterism law`: the content of a law, its cells of other mesh edges, and the unit cell of a motif."""
+"""`asterism law`: the content of a law, and the unit cell of a motif."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Annotated
 import typer
 
 from asterism.cli.common.errors import Mistake
-from asterism.cli.common.options import DaskAddress, Processes, check_law_name, check_workers, output_option
+from asterism.cli.common.options import output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 app = typer.Typer(
-    help="Show a law, add cells of other mesh edges, or solve the cell of a motif.",
+    help="Show a law, or solve the cell of a motif.",
     invoke_without_command=True,
 )
 
@@ -20,7 +20,7 @@ app = typer.Typer(
 @app.callback()
 def _needs_a_command(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
-        raise Mistake("law: needs a command: show, edges or cell")
+        raise Mistake("law: needs a command: show or cell")
 
 
 @command
@@ -37,44 +37,6 @@ def show(
     lines = show_law(path, output)
     run.table({}, doubts=law_doubts(path))
     run.lines(lines)
-
-
-@command
-def edges(
-    run: Run,
-    path: Annotated[
-        Path | None, typer.Argument(help="File of the law (.npz). Without a file: the law of the paper's material.")
-    ] = None,
-    output: Annotated[Path | None, output_option("File of the new law (default: LAW-edges.npz).")] = None,
-    edge: Annotated[
-        list[float] | None,
-        typer.Option(help="Edge of the cells' mesh, mm; repeat it for several (default: spacing over 9, 27 and 36)."),
-    ] = None,
-    stretch: Annotated[float | None, typer.Option(help="Only cells of this stretch (default: all of the law).")] = None,
-    length: Annotated[
-        tuple[float, float] | None, typer.Option(help="Only cells from LOW to HIGH arm length in mm (default: all).")
-    ] = None,
-    thickness: Annotated[
-        tuple[float, float] | None, typer.Option(help="Only cells from LOW to HIGH thickness in mm (default: all).")
-    ] = None,
-    jobs: Processes = None,
-    dask: DaskAddress = None,
-) -> None:
-    """Add cells with other mesh edges to a law: previews then go with any mesh, and state the limit of a fine one.
-
-    The command continues an interrupted run: finished cells stay beside the law, in LAW.samples.
-    """
-    from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.homogenize.law.law_file import load_law
-    from asterism.laws.calibrate import samples_folder
-    from asterism.laws.edge_tables import add_edges, edge_lines
-
-    new = output or (Path("paper-edges.npz") if path is None else path.with_name(f"{path.stem}-edges.npz"))
-    check_law_name(new)
-    check_workers(jobs, dask)
-    with run.resumable(samples_folder(new), "cells"):
-        law = add_edges(load_law(path), new, jobs or default_jobs(), dask, run.stream, edge, stretch, length, thickness)
-    run.lines(edge_lines(law, new))
 
 
 @command
@@ -101,5 +63,5 @@ def cell(
     return DONE if responses.comparison.has_law else NO_ANSWER
 
 
-for function in (show, edges, cell):
+for function in (show, cell):
     app.command()(function)

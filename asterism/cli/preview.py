@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option, results_folder
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
@@ -24,18 +23,9 @@ def preview(
         typer.Option(help="Side to which the edges bend; auto: the side follows from the stars."),
     ] = "auto",
     material: MaterialFile = None,
-    edge: Annotated[
-        str | None,
-        typer.Option(
-            help="Edge length in mm of the exact mesh that the preview goes with, or limit for an infinitely fine "
-            "mesh (default: that of the law)."
-        ),
-    ] = None,
 ) -> int:
     """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars, or with the rods of a
     motif.
-
-    With --edge the preview also states what an infinitely fine mesh would change.
 
     Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
@@ -43,26 +33,16 @@ def preview(
 
     chosen = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.homogenize.law.law import Law
     from asterism.laws.design_law import any_law_for_design
     from asterism.previews.run import preview as compute
     from asterism.print.bed_placement import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.words import doubts
-    from asterism.verification.mesh_limit import design_and_law, with_mesh_limit
 
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = any_law_for_design(chosen, law, design, material)
-    asked = None if edge is None else _edge_mm(edge)
-    on_mesh = chosen_law
-    if asked is not None:
-        if not isinstance(chosen_law, Law):
-            raise Mistake("--edge: is for laws of stars; mesh.edge_mm is that of the cells of a motif")
-        chosen, on_mesh = design_and_law(chosen, chosen_law, asked)
     with run.computing():
-        shape = compute(chosen, on_mesh, side, run.say)
-        if isinstance(chosen_law, Law) and asked is not None:
-            shape = with_mesh_limit(shape, chosen, chosen_law)
+        shape = compute(chosen, chosen_law, side, run.say)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
@@ -74,36 +54,16 @@ def preview(
             "asterism.simulate(design, near=shape)"
         )
     elif warnings:
-        run.warn(f"check with the exact model:  {_check_command(design, law, material, edge)}")
+        run.warn(f"check with the exact model:  {_check_command(design, law, material)}")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER
 
 
-def _check_command(design: Path, law: Path | None, material: Path | None, edge: str | None) -> str:
+def _check_command(design: Path, law: Path | None, material: Path | None) -> str:
     """The command that compares a preview of these options with the exact shape.
 
-    >>> _check_command(Path("dome.toml"), None, None, "0.7")
-    'asterism verify dome.toml --edge 0.7'
+    >>> _check_command(Path("dome.toml"), None, Path("knit.toml"))
+    'asterism verify dome.toml --material knit.toml'
     """
-    # no exact mesh is infinitely fine: the design's own is taken
-    options = {"--law": law, "--material": material, "--edge": None if edge == "limit" else edge}
+    options = {"--law": law, "--material": material}
     words = [str(word) for option, value in options.items() if value is not None for word in (option, value)]
     return join(["asterism", "verify", str(design), *words])
-
-
-def _edge_mm(text: str) -> float:
-    """The edge in mm that the option names; 0 for the limit of an infinitely fine mesh.
-
-    Raises
-    ------
-    Mistake
-        The text is neither a length nor `limit`.
-    """
-    if text == "limit":
-        return 0.0
-    try:
-        edge = float(text)
-    except ValueError:
-        edge = -1.0
-    if not 0.2 <= edge <= 100.0:
-        raise Mistake(f"--edge: {text!r} must be a length from 0.2 to 100 mm, or limit")
-    return edge

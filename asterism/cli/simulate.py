@@ -62,13 +62,11 @@ def simulate(
     from asterism.discrete.energies.contact import ipc_toolkit
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
-    from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.laws.design_law import any_law_for_design
     from asterism.reports.write_results import write_results
     from asterism.results.words import doubts
     from asterism.verification.both_starts import BOTH_STARTS
     from asterism.verification.both_starts import simulate as compute
-    from asterism.verification.mesh_limit import has_mesh_limit
 
     changed = with_overrides(
         read,
@@ -96,8 +94,4 @@ def simulate(
     run.warn(*shape.summary["warnings"])
     if given_law is not None and changed.rods is not None:
         run.warn("--law is not used: drawn rods start from the flat print alone; asterism verify takes the law")
-    # laws of motifs have cells of one mesh
-    is_unknown = shape.summary["mesh_error_percent"] is None and changed.rods is None
-    if is_unknown and not isinstance(given_law, MotifLaw) and has_mesh_limit(changed, given_law):
-        run.warn("the meshes show no mesh error: asterism verify estimates it from the law's cells of finer meshes")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER

@@ -42,7 +42,6 @@ def summary(
             "stretch": law.check(state.design).stretch,
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
-            "graded": law.material.plan.graded,
         },
         "law_in_range": not values.outside,
         "stars_outside_law": list(values.outside),

@@ -11,50 +11,23 @@ from asterism.discrete.release.shared_search import SharedSearch
 from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.any_law import AnyLaw
-from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.kinds import kind_of
-from asterism.previews.law_choice import law_of_exact_mesh
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.exact import ExactRecord
-from asterism.results.records.shape import MeshLimitRecord
-from asterism.results.records.verification import (
-    FROM_LAW,
-    FROM_MESHES,
-    FROM_TWO_MESHES,
-    VerificationRecord,
-    VerifiedStartRecord,
-)
+from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
-from asterism.verification.mesh_limit import is_on_exact_mesh, mesh_limit
 from asterism.verification.minima import same_minimum
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.progress import ExactProgress, StageReport
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import verification_warnings
-
-
-def verified_mesh_error(
-    exact: ExactRecord, limit: MeshLimitRecord | None, same_form: bool | None
-) -> tuple[float | None, str | None]:
-    """The mesh error in percent of the diameter, and where it is from (`mesh_error_from`).
-
-    Three meshes that show an order come first, then the previews, if they have the form of the exact shape, and last
-    two meshes with an assumed order, which may agree and be wrong.
-    """
-    own = exact.mesh_error_percent
-    if own is not None and exact.mesh_error_order is not None:
-        return own, FROM_MESHES
-    if limit is not None and same_form:
-        return limit.distance_percent, FROM_LAW
-    return own, None if own is None else FROM_TWO_MESHES
-
 
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")
@@ -78,8 +51,7 @@ def verify(
     Parameters
     ----------
     law : law of the preview; by default the one that the design names, or else that of the paper's material, or else
-        the universal law. If it has cells of several mesh edges, the preview is made on meshes of the design's edge
-        length, and `mesh_limit` holds one on an infinitely fine mesh.
+        the universal law.
     backend, report, say : as in `simulate`.
     released, near : exact shapes from the flat print and from the preview, if they are available already.
     shown : function that computes the shape to compare, instead of `preview`.
@@ -105,8 +77,7 @@ def verify(
         layout_s = clock() - begun
         if law is None and not (shown or ready):
             law = kind.default_law(design, plan, None, tell)
-        on_mesh = law_of_exact_mesh(law, design, plan) if isinstance(law, Law) else law
-        make = partial(shown or partial(preview, law=on_mesh, plan=plan), design)
+        make = partial(shown or partial(preview, law=law, plan=plan), design)
 
         shared = SharedSearch()
 
@@ -144,11 +115,8 @@ def verify(
     verification = Verification(design, quick, exact, comparisons)
     agree, between = same_minimum(released, near, plan, same, pull, by_release.mean)
     seconds = {"preview_s": preview_s, "exact_s": exact_s, "exact_from_preview_s": near_s}
-    limit = None
-    if isinstance(law, Law) and isinstance(on_mesh, Law) and not shown and is_on_exact_mesh(quick, on_mesh, design):
-        limit = mesh_limit(design, law, quick, plan)
     step(STAGES[3], 1, 1)
-    return replace(verification, summary=_summary(verification, between, agree, seconds, limit) | {"command": command})
+    return replace(verification, summary=_summary(verification, between, agree, seconds) | {"command": command})
 
 
 def _timed(
@@ -166,14 +134,12 @@ def _summary(
     between: Comparison,
     agree: bool,
     seconds: dict[str, float],
-    limit: MeshLimitRecord | None,
 ) -> VerificationRecord:
     result, other = verification.result, next(name for name in verification.exact if name != verification.result)
     exact = ExactRecord.from_json(verification.exact[result].summary)
     # a start that ends without a minimum has no form to compare with
     with_other = verification.comparisons[other] if verification.exact[other].summary["is_minimum"] else None
     form = same_branch(verification.comparison, with_other, between.rms_percent) if exact.is_minimum else None
-    mesh_error, mesh_error_from = verified_mesh_error(exact, limit, form)
     return VerificationRecord.from_json(
         {
             "model": VERIFICATION_MODEL,
@@ -181,9 +147,7 @@ def _summary(
             "same_branch": form,
             "speedup": seconds["exact_s"] / seconds["preview_s"],
             **seconds,
-            "mesh_error_percent": mesh_error,
-            "mesh_error_from": mesh_error_from,
-            "mesh_limit": limit,
+            "mesh_error_percent": exact.mesh_error_percent,
             "mesh_change_percent": exact.get("mesh_change_percent"),
             "expected_rms_percent": verification.preview.summary.get("expected_rms_percent"),
             "expected_height_percent": verification.preview.summary.get("expected_height_percent"),
@@ -199,7 +163,7 @@ def _summary(
                 )
                 for name, shape in verification.exact.items()
             },
-            "warnings": verification_warnings(verification, between.rms_percent, mesh_error),
+            "warnings": verification_warnings(verification, between.rms_percent),
             "version": __version__,
             "preview": verification.preview.summary,
             "exact": exact,

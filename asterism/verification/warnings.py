@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from asterism.exact.warnings import off_branch, passes_through
-from asterism.homogenize.cell.point_group import aligned_lines
-from asterism.pattern.design.design import Design
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
@@ -15,8 +13,6 @@ from asterism.verification.minima import MIN_CERTAIN_GAP, gap
 from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.verification import Verification
 
-# largest ratio of the edge lengths of law and exact model without a warning
-MAX_EDGE_RATIO = 1.3
 # largest ratio of an error and its estimate by the preview without a warning
 MAX_ERROR_RATIO = 2.0
 # largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
@@ -25,16 +21,13 @@ MAX_HEIGHT_ERROR_PERCENT = 10.0
 FLAT_HEIGHT_FACTOR = 1e-3
 
 
-def verification_warnings(
-    verification: Verification, apart_percent: float, mesh_error_percent: float | None
-) -> list[str]:
+def verification_warnings(verification: Verification, apart_percent: float) -> list[str]:
     """The warnings of the preview, of the exact shape and of their comparison, one line each.
 
     Parameters
     ----------
     verification : the verification.
     apart_percent : rms distance of the two exact shapes, in % of the diameter.
-    mesh_error_percent : of the exact shape that counts, in % of the diameter; None if not known.
     """
     preview, exact = verification.preview.summary, verification.exact[verification.result].summary
     lines = [*map(str, preview.get("warnings", []))]
@@ -46,8 +39,7 @@ def verification_warnings(
         *two_minima_warnings(verification.exact, verification.result, apart_percent),
         *_far(verification.comparison, preview.get("expected_rms_percent")),
         *_high(verification.comparison, preview.get("expected_height_percent")),
-        *_kinds_of_mesh(verification.design, preview.get("law", {}).get("graded", False)),
-        *_meshes(exact, mesh_error_percent, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
+        *_mesh_error(exact, verification.comparison.rms_percent),
     ]
 
 
@@ -103,29 +95,9 @@ def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
         yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
 
 
-def _kinds_of_mesh(design: Design, of_law: bool) -> Iterator[str]:
-    """A graded mesh of the law's cells beside an even one of the exact model, or the other way round."""
-    if design.mesh.graded != of_law:
-        names = {False: "even", True: "graded"}
-        made = f"the law has {names[of_law]} meshes, the exact model {names[design.mesh.graded]} ones"
-        advice = "; mesh.graded = true makes them equal" if of_law else ""
-        if not of_law and aligned_lines(design.lattice) is not None:
-            advice = "; asterism calibrate makes a law of graded cells"
-        yield f"{made}: part of the distance is this difference{advice}"
-
-
-def _meshes(exact: Mapping[str, Any], error: float | None, of_law: float | None, distance: float) -> Iterator[str]:
-    """Meshes of the law and the exact model that differ, and a mesh error above the distance."""
-    edge = exact["edge_mm"]
-    if of_law is not None and not 1.0 / MAX_EDGE_RATIO < of_law / edge < MAX_EDGE_RATIO:
-        # advice only for a coarser exact mesh: a finer one was chosen on purpose
-        advice = f"; mesh.edge_mm = {of_law:g} (--edge {of_law:g}) makes them equal" if edge > of_law else ""
-        coarser = "exact model's" if edge > of_law else "law's"
-        yield (
-            f"the law has edges of {of_law:g} mm, the exact model {edge:g} mm: part of the distance is "
-            f"the error of the {coarser} coarser mesh{advice}"
-        )
-    change = exact.get("mesh_change_percent")
+def _mesh_error(exact: Mapping[str, Any], distance: float) -> Iterator[str]:
+    """A mesh error of the exact shape above the distance."""
+    error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
     if error is not None and error > distance:
         yield f"the mesh error of the exact model ({error:.1f} %) is larger than the distance ({distance:.1f} %)"
     elif error is None and change is not None and change > distance:

@@ -7,7 +7,7 @@ stretch.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
 
@@ -20,7 +20,6 @@ from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.axes import AXES, coordinates
 from asterism.homogenize.law.law_table import QUANTITIES, LawTable, LawValues
 from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.mesh_edges import EdgeTables, table_at_edge, whole_edge
 from asterism.homogenize.law.same_material import (
     FREE_KEYS,
     LATTICE_TOLERANCE,
@@ -54,8 +53,6 @@ class Law:
     residuals : errors of the law, see `law_residuals`.
     made : versions, command, machine, seconds.
     statement : how accurate a law without cells of its own material is, in one sentence; None for other laws.
-    edges : tables from cells with other edge lengths of their mesh, see `at_edge`.
-    asked_edge_mm : edge length that `at_edge` made the tables for, 0 for the limit; None for those of the cells.
     """
 
     material: Material
@@ -64,58 +61,11 @@ class Law:
     residuals: dict[str, Any]
     made: dict[str, Any] = field(default_factory=dict)
     statement: str | None = None
-    edges: tuple[EdgeTables, ...] = ()
-    asked_edge_mm: float | None = None
 
     @property
     def edge_mm(self) -> float:
-        """Edge length of the mesh that the law is for; 0 for the limit of an infinitely fine one.
-
-        Exact models that the law is compared with need the same edge length.
-        """
-        return self.material.plan.edge_mm if self.asked_edge_mm is None else self.asked_edge_mm
-
-    def at_edge(self, edge_mm: float) -> Law:
-        """The law on meshes of another edge length, or its limit for an infinitely fine mesh.
-
-        Tables are those of the stretches at which cells of other edges were solved. Each is made once.
-
-        Parameters
-        ----------
-        edge_mm : 0 for the limit. Others are rounded so that a whole number of edges fits between two stars.
-
-        Raises
-        ------
-        LawError
-            The law has no cells of other edges, or the edge is outside of their range.
-
-        Examples
-        --------
-        >>> from asterism.homogenize.law.law_file import load_law
-        >>> law = load_law()
-        >>> for edge in (2.0, 1.15, 0.7, 0.0):  # mm; natural curvature of the gallery's tube, 1/mm
-        ...     print(edge, law.at_edge(edge).at(1.35)(10.0, 0.4, 1.2).value["kappa"].round(4))
-        2.0 [0.0502]
-        1.15 [0.0462]
-        0.7 [0.0432]
-        0.0 [0.0402]
-        """
-        if not self.edges:
-            raise LawError(f"the law has cells of one mesh edge, {self.edge_mm:.3g} mm", field="mesh.edge_mm")
-        spacing = self.material.lattice.spacing_mm
-        own, asked = (whole_edge(each, spacing) for each in (self.edge_mm, edge_mm))
-        if asked not in self._at_edges:
-            tables = []
-            for table in self.tables:
-                others = [(e.edge_mm, o) for e in self.edges for o in e.tables if same_values(o.stretch, table.stretch)]
-                if others:
-                    tables.append(table_at_edge(table, own, others, asked))
-            self._at_edges[asked] = replace(self, tables=tuple(tables), edges=(), asked_edge_mm=edge_mm)
-        return replace(self._at_edges[asked], asked_edge_mm=edge_mm)
-
-    @cached_property
-    def _at_edges(self) -> dict[float, Law]:
-        return {}
+        """Edge length of the cells' mesh."""
+        return self.material.plan.edge_mm
 
     @cached_property
     def waves(self) -> CorrugationWaves:

@@ -27,7 +27,6 @@ from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, to_stored
 from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.mesh_edges import EdgeTables
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import check_regular
 
@@ -38,8 +37,6 @@ _REMEDY = "make it again: asterism calibrate"
 _TEXTS = ("material", "residuals", "made")
 # an array that only the files of other laws have
 KIND = "kind"
-# begins the names of arrays from cells of other mesh edges
-_EDGES = "edge "
 # names of a table's arrays; the last one is left out for threefold symmetry
 _ARRAYS = ("stretch", "spacing_mm", *(axis.key for axis in AXES), "nodes", "reliefs", "good", "units")
 _OPTIONAL_ARRAY = "anisotropies"
@@ -124,10 +121,6 @@ def law_bytes(law: Law) -> bytes:
     arrays["samples"] = np.frombuffer(PackedRows.of(law.samples).packed, np.uint8)
     for number, table in enumerate(law.tables):
         arrays |= {f"{number}/{name}": array for name, array in _table_arrays(table).items()}
-    for number, each in enumerate(law.edges):
-        arrays[f"{_EDGES}{number}"] = np.array(each.edge_mm)
-        for which, table in enumerate(each.tables):
-            arrays |= {f"{_EDGES}{number}/{which}/{name}": array for name, array in _table_arrays(table).items()}
     stream = io.BytesIO()
     np.savez_compressed(stream, allow_pickle=False, **arrays)
     return stream.getvalue()
@@ -139,12 +132,10 @@ def law_digest(law: Law) -> str:
     Examples
     --------
     >>> law_digest(load_law())
-    '7abe528d0138b115'
+    '1a7ca71c37965386'
     """
     parts = [json.dumps([law.material.to_dict(), list(law.samples), law.residuals], sort_keys=True).encode()]
-    tables = [*law.tables, *(table for each in law.edges for table in each.tables)]
-    parts += [array.tobytes() for table in tables for array in _table_arrays(table).values()]
-    parts += [np.float64(each.edge_mm).tobytes() for each in law.edges]
+    parts += [array.tobytes() for table in law.tables for array in _table_arrays(table).values()]
     return hashlib.sha256(b"".join(parts)).hexdigest()[:16]
 
 
@@ -183,8 +174,8 @@ def load_law(path: str | Path | None = None) -> Law:
             material, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
             if not (isinstance(residuals, dict) and isinstance(made, dict)):
                 raise ValueError("residuals or origin are not tables")
-            tables, edges = _tables(archive), _edge_tables(archive)
-        law = Law(Material.from_dict(material), tables, samples, residuals, made, edges=edges)
+            tables = _tables(archive)
+        law = Law(Material.from_dict(material), tables, samples, residuals, made)
         _check_whole(law)
         columns = anisotropy_size(law.material.lattice)
         if any(table.anisotropies.shape[-1] != columns for table in law.tables):
@@ -206,20 +197,10 @@ def _check_whole(law: Law) -> None:
         raise ValueError("tables, residuals and material belong to different laws")
 
 
-def _tables(archive: Mapping[str, Any], begin: str = "") -> tuple[LawTable, ...]:
-    """The tables of a file whose arrays have names that begin so, with a number next."""
-    rest = [name.removeprefix(begin) for name in archive if name.startswith(begin)]
-    count = len({name.split("/")[0] for name in rest if "/" in name and name[0].isdigit()})
-    return tuple(_table(_arrays_of(archive, f"{begin}{number}/")) for number in range(count))
-
-
-def _edge_tables(archive: Mapping[str, Any]) -> tuple[EdgeTables, ...]:
-    """The tables from cells of other mesh edges."""
-    names = [name for name in archive if name.startswith(_EDGES) and "/" not in name]
-    edges = tuple(EdgeTables(float(archive[name]), _tables(archive, f"{name}/")) for name in sorted(names))
-    if not all(np.isfinite(each.edge_mm) and each.edge_mm > 0.0 and each.tables for each in edges):
-        raise ValueError("mesh edges must be positive and have tables")
-    return edges
+def _tables(archive: Mapping[str, Any]) -> tuple[LawTable, ...]:
+    """The tables of a file, whose arrays have names that begin with a number. Other arrays are ignored."""
+    count = len({name.split("/")[0] for name in archive if "/" in name and name[0].isdigit()})
+    return tuple(_table(_arrays_of(archive, f"{number}/")) for number in range(count))
 
 
 def _arrays_of(archive: Mapping[str, Any], begin: str) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ stretched fabric.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import Literal
@@ -239,42 +239,6 @@ class LawTable:
         if self.anisotropies.shape[-1] == 0:
             return np.empty((len(rows), 0))
         return self._anisotropy_grid(self._places(rows)[1])[0]
-
-    def stored_rows(self, sizes: Floats) -> Floats:
-        """(N, C) interpolated forms of quantities, corrugations and differences between directions, at sizes (N, A).
-
-        Outside of the nodes they are those of the nearest sizes.
-        """
-        places = self._places(sizes)[1]
-        grids = [self._quantity_grid, self._corrugation_grid]
-        grids += [self._anisotropy_grid] if self.anisotropies.shape[-1] else []
-        return np.hstack([grid(places)[0] for grid in grids])
-
-    def with_stored_rows(self, rows: Floats, solved: Bools) -> LawTable:
-        """The table with other values at its nodes.
-
-        Parameters
-        ----------
-        rows : (n1 ... nA, C) as of `stored_rows` at all nodes, in the order of the axes.
-        solved : (n1, ..., nA).
-        """
-        count, waves = len(QUANTITY_NAMES), int(np.prod(self.corrugations.shape[-2:]))
-        quantities, corrugations, anisotropies = np.split(rows, [count, count + waves], axis=1)
-        return replace(
-            self,
-            node_values=from_stored(quantities, self.units).reshape(self.node_values.shape),
-            corrugations=corrugations.reshape(self.corrugations.shape),
-            anisotropies=anisotropies.reshape(self.anisotropies.shape),
-            solved=solved,
-        )
-
-    def covers(self, sizes: Floats) -> Bools:
-        """(N,) whether sizes (N, A) lie in a solved box, where an axis with a single node covers all sizes."""
-        low, high = ([nodes[end] for nodes in self.axis_nodes] for end in (0, -1))
-        single = np.array([len(nodes) == 1 for nodes in self.axis_nodes])
-        rounding = NODE_TOLERANCE * (np.array(high) + 1)
-        within = (single | ((sizes >= low - rounding) & (sizes <= high + rounding))).all(axis=1)
-        return np.asarray(within & self._is_solved(self._places(sizes)[1]))
 
     def _places(self, asked: Floats) -> tuple[Floats, Floats]:
         """Sizes (N, A) clipped to the nodes, and their coordinates (N, A) on the grid."""

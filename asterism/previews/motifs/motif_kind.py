@@ -163,7 +163,6 @@ class MotifKind(PatternKind):
                 "stretch": float(state.design.fabric.stretch_xy[0]),
                 "edge_mm": law.edge_mm,
                 "made_by": law.made.get("command"),
-                "graded": False,
             },
             "law_in_range": not values.outside,
             "stars_outside_law": [],

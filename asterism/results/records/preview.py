@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from asterism.results.record import ABSENT, Record, key
-from asterism.results.records.shape import MeshLimitRecord, ShapeRecord, limit_in_words
+from asterism.results.records.shape import ShapeRecord
 from asterism.results.words import distance_error
 
 # other forms that are the lower one with a smaller probability have no row in the table
@@ -49,9 +49,8 @@ class LawOriginRecord(Record):
 
     material: str = key("Name of the material.")
     stretch: float = key("Stretch at which the law was computed.")
-    edge_mm: float = key("Edge length of the meshes that it is for; 0 for an infinitely fine one.", unit="mm")
+    edge_mm: float = key("Edge length of the meshes of its unit cells.", unit="mm")
     made_by: str | None = key("Command that made the law; null if the law's file does not name it.")
-    graded: bool = key("Whether the meshes of its unit cells are finer at arms and tips.", default=False)
 
 
 class HeightDoubtsRecord(Record):
@@ -71,8 +70,7 @@ def _likely_forms(record: PreviewRecord) -> dict[str, str] | None:
 
 def _law(record: PreviewRecord) -> str:
     law = record.law
-    edges = f"edges of {law.edge_mm:g} mm" if law.edge_mm else "limit of an infinitely fine mesh"
-    return f"{law.material}, stretch {law.stretch:g}, {edges}"
+    return f"{law.material}, stretch {law.stretch:g}, edges of {law.edge_mm:g} mm"
 
 
 def _stars(record: PreviewRecord) -> str | None:
@@ -106,7 +104,6 @@ class PreviewRecord(ShapeRecord):
         "expected_rms_percent",
         "other_forms",
         "law",
-        "mesh_limit",
         "shell_triangles",
         "iterations",
     )
@@ -152,13 +149,6 @@ class PreviewRecord(ShapeRecord):
         "Other minima that the search met, the lowest first.", label="other form", show=_likely_forms
     )
     law: LawOriginRecord = key("The law that was used.", label="law", show=_law)
-    mesh_limit: MeshLimitRecord | None = key(
-        "The shape on an infinitely fine mesh, if it was asked for (`--edge`); null if the law has no limit for the "
-        "stars.",
-        label="infinitely fine mesh",
-        show=limit_in_words,
-        default=ABSENT,
-    )
     expected_rms_percent: float | None = key(
         "Estimated error: rms distance from the exact shape in percent of the diameter, measured as a verification "
         "does; null if no estimate is available. Fitted so that nine of ten designs are nearer.",

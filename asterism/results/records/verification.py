@@ -7,13 +7,7 @@ from typing import Any
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
 from asterism.results.records.preview import PreviewRecord
-from asterism.results.records.shape import MeshLimitRecord, limit_in_words
 from asterism.results.words import distance_error, height_error, times
-
-# values of `mesh_error_from`
-FROM_MESHES = "meshes"
-FROM_LAW = "law"
-FROM_TWO_MESHES = "two meshes"
 
 
 def _same_form(record: VerificationRecord) -> str:
@@ -26,12 +20,6 @@ def _expected(record: VerificationRecord) -> str:
     rms, height = record.expected_rms_percent, record.expected_height_percent
     distance = "not known" if rms is None else distance_error(rms, record.get("diameter_mm"))
     return f"{distance}, height {'not known' if height is None else height_error(height, record.heights_mm[1])}"
-
-
-def _mesh_error(record: VerificationRecord) -> str:
-    if record.get("mesh_error_from") == FROM_LAW:
-        return f"about {record.mesh_error_percent:.1f} % of the diameter, by previews on this mesh and in the limit"
-    return mesh_error_in_words(record.exact)
 
 
 def _exact_model(record: VerificationRecord) -> str:
@@ -170,7 +158,6 @@ class VerificationRecord(DifferenceRecord):
         "rises_mm",
         "roll_radii_mm",
         "mesh_error_percent",
-        "mesh_limit",
         "starts_agree",
         "preview_s",
         "speedup",
@@ -201,19 +188,7 @@ class VerificationRecord(DifferenceRecord):
         "Estimated mesh error of the exact shape, in percent of the diameter; null if not known.",
         unit="%",
         label="exact mesh error",
-        show=_mesh_error,
-    )
-    mesh_error_from: str | None = key(
-        "Where the estimate is from: `meshes` of the exact shape that show an order, `law` for two previews, on this "
-        "mesh and in the limit (`mesh_limit`), or `two meshes` with an assumed order; null without an estimate.",
-        default=ABSENT,
-    )
-    mesh_limit: MeshLimitRecord | None = key(
-        "The preview on an infinitely fine mesh; null if the law has no limit for the stars, or if the preview was "
-        "made on other meshes than the exact shape.",
-        label="infinitely fine mesh",
-        show=limit_in_words,
-        default=ABSENT,
+        show=lambda record: mesh_error_in_words(record.exact),
     )
     mesh_change_percent: float | None = key(
         "Rms distance of the exact shape to that on the next coarser mesh; null if one mesh was solved.", unit="%"

@@ -46,7 +46,6 @@ def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | N
     return verification_warnings(
         replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}),
         0.0,
-        one.summary["mesh_error_percent"],
     )
 
 
@@ -114,7 +113,7 @@ def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list
         for name, own in (("release", one), ("preview", other))
     }
     both = replace(found, exact=shapes, comparisons=dict.fromkeys(shapes, found.comparison))
-    return verification_warnings(both, apart, None)
+    return verification_warnings(both, apart)
 
 
 @pytest.mark.parametrize(
@@ -152,28 +151,6 @@ def test_what_the_exact_model_said_is_passed_on_once() -> None:
         "1 of 7 stars of the exact shape bump down: star 3",
         f"the exact model: {roll}",
     ]
-
-
-@pytest.mark.parametrize(
-    ("edge", "line"),
-    [
-        (1.0, None),
-        (2.5, "part of the distance is the error of the exact model's coarser mesh; "
-              "mesh.edge_mm = 1.15 (--edge 1.15) makes them equal"),
-        (0.8, "part of the distance is the error of the law's coarser mesh"),
-    ],
-)  # fmt: skip
-def test_the_coarser_of_two_meshes_is_told(edge: float, line: str | None) -> None:
-    """Nobody who asked for a fine mesh is sent back to the law's."""
-    lines = said(preview={"law": {"edge_mm": 1.15}}, edge_mm=edge)
-    made = f"the law has edges of 1.15 mm, the exact model {edge:g} mm: "
-    assert lines == ([] if line is None else [made + line])
-
-
-def test_graded_and_even_meshes_are_told_apart() -> None:
-    made = "the law has graded meshes, the exact model even ones: part of the distance is this difference"
-    assert said(preview={"law": {"edge_mm": 1.15, "graded": True}}) == [f"{made}; mesh.graded = true makes them equal"]
-    assert said(preview={"law": {"edge_mm": 1.15, "graded": False}}) == []
 
 
 def test_a_mesh_error_above_the_distance_is_told() -> None:

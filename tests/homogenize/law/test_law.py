@@ -319,6 +319,15 @@ def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
     assert found == known
 
 
+def test_other_arrays_of_a_file_are_ignored(tmp_path: Path) -> None:
+    path = tmp_path / "law.npz"
+    path.write_bytes(law_bytes(LAW))
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    np.savez(path, **arrays, **{"edge 0": np.array(0.6), "edge 0/0/stretch": np.array(1.35)})
+    assert law_bytes(load_law(path)) == law_bytes(LAW)
+
+
 def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "law.npz"
     for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (law_bytes(LAW)[:900], "damaged")):
