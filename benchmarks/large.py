@@ -46,7 +46,7 @@ def tube(divisions: int) -> Design:
 def built(design: Design) -> DiscreteModel:
     """Its exact model."""
     plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed))
+    return DiscreteModel(design, plan, mesh_layout(plan, design.usual_edge_mm, design.mesh.kind, design.mesh.seed))
 
 
 def memory_mb(field: str, reset: bool = False) -> float:

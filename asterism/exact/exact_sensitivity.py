@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
+from asterism.discrete.release.ladder import model_on
 from asterism.discrete.release.prolongation import plastic_normals
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Floats, Ints
@@ -31,7 +32,6 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.shape.shape import Shape
 
 # lattice steps between stars that are changed together
@@ -71,11 +71,10 @@ class ExactSensitivity:
     @one_blas_thread()
     def __init__(self, design: Design, shape: Shape, points: Floats) -> None:
         self._design, self._plan = design, layout(design)
-        section = design.mesh
-        mesh = mesh_layout(self._plan, section.edge_mm, section.kind, section.seed, section.graded)
+        self._model = model = model_on(design, self._plan, shape.summary["edge_mm"])
+        mesh = model.mesh
         if mesh.points.shape != shape.printed.shape:
             raise ValueError("shape: has the mesh of another design")
-        self._model = model = DiscreteModel(design, self._plan, mesh)
         start = State(shape.positions, plastic_normals(model, shape.positions))
         equilibrium = solve_on_mesh(model, model.with_fitted_frames(start))
         off = float(np.abs(equilibrium.state.positions - shape.positions).max())

@@ -10,13 +10,14 @@ import numpy as np
 
 from asterism.discrete.energies.contact import ipc_toolkit
 from asterism.discrete.energies.rods.network import rod_curvatures
-from asterism.discrete.evidence.creases import measure_creases
 from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.contact_model import ContactModel
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report
 from asterism.discrete.release.forms import find_minima, stars_off_branch
+from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.mesh_error import mesh_error
 from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread
@@ -27,12 +28,10 @@ from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.measures import contraction, needle_clearance, roll_radius
-from asterism.shape.mesh_error import mesh_error
 from asterism.shape.self_intersections import self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
@@ -47,7 +46,7 @@ def exact_shape(
     starts: int = 1,
     near: Shape | None = None,
     plan: Layout | None = None,
-    coarser: bool = True,
+    edge_mm: float | None = None,
     shared: SharedSearch | None = None,
 ) -> Shape:
     """Compute an equilibrium of the exact model, from the design's start, from a given shape, or from many starts.
@@ -63,10 +62,10 @@ def exact_shape(
     near : shape of the same design, such as its preview, that replaces the design's start. Each star bumps to the side
         that the design asks for. Requires `starts` = 1.
     plan : layout of the design; computed by default.
-    coarser : search on coarser meshes first, which finds low minima from afar. Without them, the shape follows `near`
-        to the next minimum, and has no estimate of its mesh error. With one start only.
-    shared : meshes and states of an earlier search for the same design and plan, where this one ends as soon as it
-        reaches the same state on a coarse mesh; a new object keeps those of this search. With one start only.
+    edge_mm : of a single mesh. The shape then follows `near` to the next minimum, and has no estimate of its mesh
+        error; coarser meshes first find low minima from afar. With one start only.
+    shared : from `shared_search`: the meshes of this design and plan, and the states of an earlier search, where this
+        one ends as soon as it reaches the same state on a coarse mesh. With one start only.
 
     Returns
     -------
@@ -93,51 +92,69 @@ def exact_shape(
     if design.solver.contact:
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
-    known = shared.models[-1] if shared and shared.models else None
-    section = design.mesh
-    mesh = known.mesh if known else mesh_layout(plan, section.edge_mm, section.kind, section.seed, section.graded)
+    search = shared or SharedSearch(Ladder(design, plan, edge_mm))
+    ladder = search.ladder
     stars, rods = f"{len(plan.centres)} stars", f"{len(plan.drawn_rods)} rods"
     printed = " and ".join([*([stars] if plan.has_stars else []), *([rods] if plan.drawn_rods else [])])
-    announce(f"{printed} on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
-    meshed = time.perf_counter()
-    model = known or (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
-    built = time.perf_counter()
-    announce(f"minimising the energy over {len(model.free)} degrees of freedom")
+    announce(f"{printed} on {_meshes(ladder)}")
     solver = design.solver
-    before = {"mesh": meshed - start, "model": built - meshed}
+    before = {"mesh and model": time.perf_counter() - start}
     if starts == 1:
         equilibrium, levels = solve_on_meshes(
-            model,
+            search,
             solver.start,
             seed=solver.seed,
             backend=backend,
             report=report,
             near=near.at if near else None,
-            coarser=coarser,
-            shared=shared,
         )
-        minima = one_minimum(model, equilibrium, near is not None)
-        if shared and shared.joined_at:
-            minima["joined_at_vertices"] = shared.joined_at
-        return _shape(model, equilibrium, levels, before | equilibrium.seconds, time.perf_counter() - start, minima)
-    all_minima = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
+        number = len(levels) - 1
+        minima = one_minimum(ladder.models[number], equilibrium, near is not None)
+        if search.joined_at:
+            minima["joined_at_vertices"] = search.joined_at
+        spent = time.perf_counter() - start
+        return _shape(ladder, number, equilibrium, levels, before | equilibrium.seconds, spent, minima)
+    all_minima = find_minima(ladder, starts, seed=solver.seed, backend=backend, report=report)
     minima = many_minima(all_minima, starts)
     spent = time.perf_counter() - start
     best, *others = (
-        _shape(model, branch.equilibrium, list(branch.levels), before | branch.equilibrium.seconds, spent, minima)
+        _shape(
+            ladder,
+            len(branch.levels) - 1,
+            branch.equilibrium,
+            list(branch.levels),
+            before | branch.equilibrium.seconds,
+            spent,
+            minima,
+        )
         for branch in all_minima.fine
     )
     return replace(best, others=tuple(others))
 
 
+def shared_search(design: Design, plan: Layout) -> SharedSearch:
+    """A search of several starts on the same meshes, for `exact_shape`."""
+    return SharedSearch(Ladder(design, plan))
+
+
+def _meshes(ladder: Ladder) -> str:
+    """The meshes of a search in words."""
+    if ladder.tolerance_percent is not None:
+        return f"meshes refined until the error is within {ladder.tolerance_percent:g} %"
+    mesh = ladder.models[-1].mesh
+    return f"{len(mesh.triangles)} triangles ({mesh.kind} mesh)"
+
+
 def _shape(
-    model: DiscreteModel,
+    ladder: Ladder,
+    number: int,
     equilibrium: Equilibrium,
     levels: list[MeshLevel],
     seconds: dict[str, float],
     wall: float,
     minima: dict[str, Any],
 ) -> Shape:
+    model = ladder.models[number]
     mesh, positions = model.mesh, _grounded(model, equilibrium.state.positions)
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = model.layout.star_number
@@ -157,7 +174,7 @@ def _shape(
     stretch = model.design.fabric.stretch_xy
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
-    summary = _record(model, equilibrium, shape, levels, seconds, wall, minima)
+    summary = _record(model, ladder.edges[number], equilibrium, shape, levels, seconds, wall, minima)
     summary = summary.changed(warnings=exact_warnings(summary, model.design, model.layout))
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
@@ -195,6 +212,7 @@ def _star_of_rods(layout: Layout) -> np.ndarray:
 
 def _record(
     model: DiscreteModel,
+    edge_mm: float,
     equilibrium: Equilibrium,
     shape: Shape,
     levels: list[MeshLevel],
@@ -203,10 +221,8 @@ def _record(
     minima: dict[str, Any],
 ) -> ExactRecord:
     number, axis = model.layout.star_number, roll_axis_deg(model, equilibrium.state)
-    folds = measure_creases(model, equilibrium.state)
-    coarser = [(level.printed, level.positions) for level in levels[:-1]]
-    gravity = model.design.gravity.pull
-    error = mesh_error(shape, coarser, folds.resolved, layout=model.layout, gravity=gravity)
+    error = mesh_error([level.vertices for level in levels], [level.change_percent for level in levels])
+    follows_mesh = model.design.fabric.bending_follows_mesh
     clearance = needle_clearance(model.layout, shape)
     record = ExactRecord(
         model=ExactRecord.model_name,
@@ -230,7 +246,7 @@ def _record(
         triangles=len(model.mesh.triangles),
         dofs=len(model.free),
         mesh=model.mesh.kind,
-        edge_mm=model.design.mesh.edge_mm,
+        edge_mm=edge_mm,
         self_intersections=self_intersections(shape.positions, shape.triangles),
         self_contact=_contact(model, equilibrium),
         fabric_bending=model.design.fabric.bending,
@@ -250,13 +266,11 @@ def _record(
         backend=equilibrium.backend,
         version=__version__,
         design=model.design.to_dict(),
-        mesh_error_percent=error.percent,
-        mesh_error_order=error.order,
-        mesh_change_percent=error.change,
-        crease_mm=folds.width,
-        edge_at_arms_mm=folds.edge,
-        creases_resolved=folds.resolved,
-        levels=[LevelRecord(**level.cost) for level in levels],
+        mesh_error_percent=None if follows_mesh else error.percent,
+        mesh_change_percent=error.change_percent,
+        mesh_forms_differ=error.forms_differ,
+        mesh_tolerance_percent=None if model.design.mesh_edge_mm else model.design.mesh.tolerance_percent,
+        levels=[LevelRecord(**vars(level)) for level in levels],
         path=[PathStepRecord(**vars(step)) for step in equilibrium.path],
         **minima,
     )

@@ -11,7 +11,7 @@ from asterism.results.words import star_numbers
 from asterism.shape.design_warnings import pin_warnings, site_warnings, sizing_warnings
 from asterism.shape.self_intersections import passing
 
-# edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh
+# edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh of hinges
 MAX_ROLL_EDGE_FACTOR = 0.03
 
 
@@ -25,14 +25,26 @@ def exact_warnings(summary: Mapping[str, Any], design: Design, layout: Layout) -
         eigenvalue = summary["smallest_eigenvalue"]
         lines.append(f"not a minimum: smallest eigenvalue {eigenvalue:.1e} N/mm is not positive")
     lines += passes_through(summary)
+    lines += _mesh(summary)
     rolls = not layout.is_supported_in_plane and summary["roll_axis_deg"] is not None
-    if rolls and summary["edge_mm"] > MAX_ROLL_EDGE_FACTOR * layout.spacing_mm:
+    if rolls and design.fabric.bending_follows_mesh and summary["edge_mm"] > MAX_ROLL_EDGE_FACTOR * layout.spacing_mm:
         depends = "the radius of a free roll depends on the mesh"
         lines.append(
             f"{depends}: for the gallery's tube it differs by a quarter between edges of 2 mm and 0.5 mm (docs: mesh)"
         )
     of_design = [*site_warnings(layout), *sizing_warnings(design, layout), *pin_warnings(layout, design.gravity.on)]
     return [*lines, *off_branch(summary), *of_design]
+
+
+def _mesh(summary: Mapping[str, Any]) -> Iterator[str]:
+    """A search that ended at its largest mesh, above its tolerance."""
+    error, tolerance = summary["mesh_error_percent"], summary["mesh_tolerance_percent"]
+    ended = f"the search ended at {summary['vertices']} vertices"
+    if tolerance is not None and error is not None and error > tolerance:
+        yield f"the mesh error, about {error:.1f} %, is above the tolerance of {tolerance:g} %: {ended}"
+    elif tolerance is not None and summary["mesh_forms_differ"]:
+        change = summary["mesh_change_percent"]
+        yield f"the last two meshes have different forms, {change:.1f} % of the diameter apart: {ended}"
 
 
 def passes_through(summary: Mapping[str, Any], sheet: str = "the sheet") -> Iterator[str]:

@@ -148,7 +148,7 @@ class ExactCorrection:
             if not exact.summary["is_minimum"]:
                 exact = exact_shape(design, near=preview(design, self.search.law), report=self.report)
         else:
-            exact = exact_shape(design, near=near, report=self.report, coarser=False)
+            exact = exact_shape(design, near=near, report=self.report, edge_mm=near.summary["edge_mm"])
         distance = self._distance_of(exact)
         before = np.inf if self.distance is None else self.distance.weighted_percent
         kept = bool(exact.summary["is_minimum"]) and distance.weighted_percent < before

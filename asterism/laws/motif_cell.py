@@ -34,7 +34,7 @@ def motif_cell(file: Path, edge_mm: float | None, say: Callable[[str], None]) ->
     if design.rods is None:
         raise DesignError("rods", "is missing: the cell of stars has a law, by asterism calibrate")
     try:
-        return motif_responses(design, edge_mm or design.mesh.edge_mm, say=say)
+        return motif_responses(design, edge_mm or design.usual_edge_mm, say=say)
     except DesignError:
         raise
     except ValueError as error:  # gravity

@@ -138,7 +138,7 @@ class PatternKind(ABC):
         if state.shown is not None:
             return state
         design = state.design
-        edge = max(design.mesh.edge_mm, self.shown_edge * design.lattice.spacing_mm)
+        edge = max(design.usual_edge_mm, self.shown_edge * design.lattice.spacing_mm)
         with clock("shown"):
             mesh = mesh_layout(state.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
             lens = self.lens(state, mesh.points)

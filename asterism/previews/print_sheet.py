@@ -102,7 +102,7 @@ class PrintSheet(ABC):
     @property
     def pin_softness(self) -> Floats | None:
         """(T, Q) softness around supported points; None if the sheet has none."""
-        pins, edge = self.layout.in_plane_pin_points, self.design.mesh.edge_mm
+        pins, edge = self.layout.in_plane_pin_points, self.design.usual_edge_mm
         if edge not in self.softnesses:
             pulls = self.layout.is_supported_in_plane and len(pins) > 0
             self.softnesses[edge] = softness(self.mesh, pins, self.table.points, edge, self.model) if pulls else None

@@ -6,10 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.discrete.release.continuation import Report, prefixed_report
-from asterism.discrete.release.shared_search import SharedSearch
 from asterism.equilibrium.errors import Error
 from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
-from asterism.exact.simulation import exact_shape
+from asterism.exact.simulation import exact_shape, shared_search
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
@@ -81,7 +80,7 @@ def simulate(
         return exact_shape(design, backend, report, say, 1 if starts is None else starts, near)
     tell = say or ignore_line
     plan = print_layout(design)
-    shared = SharedSearch()
+    shared = shared_search(design, plan)
     released = exact_shape(design, backend, report, say, plan=plan, shared=shared)
     if plan.drawn is not None:  # the flat print is the only start of drawn rods
         return released

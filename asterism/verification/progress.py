@@ -12,6 +12,8 @@ StageReport = Callable[[str, int, int], None]
 WHOLE = 100
 # share of the release on the coarsest mesh in the computing time of an exact shape; the finer meshes take the rest
 RELEASE_SHARE = 0.5
+# share of the finer meshes that are left after each mesh; how many there will be is not known
+MESH_REST = 0.6
 
 
 class ExactProgress:
@@ -25,23 +27,18 @@ class ExactProgress:
 
     def __init__(self, stage: str, tell: StageReport) -> None:
         self._stage, self._tell = stage, tell
-        self._final_vertices = 0
+        self._meshes: set[str] = set()
         self._done = 0
         tell(stage, 0, WHOLE)
-
-    def say(self, text: str) -> None:
-        """Read the size of the final mesh from a line of text about it."""
-        if match := re.search(r"on (\d+) triangles", text):
-            self._final_vertices = int(match[1]) // 2
 
     def report(self, text: str, iteration: Iteration) -> None:
         """Read the mesh and the share of the release from the name of a stage of `exact_shape`."""
         mesh, percent = re.match(r"(\d+) vertices", text), re.search(r"(\d+) %", text)
         if percent:
             share = RELEASE_SHARE * int(percent[1]) / 100.0
-        else:
-            size = int(mesh[1]) / max(self._final_vertices, 1) if mesh else 1.0
-            share = RELEASE_SHARE + (1.0 - RELEASE_SHARE) * min(size, 1.0)
+        else:  # each mesh takes a part of what the meshes before have left
+            self._meshes.add(mesh[1] if mesh else "")
+            share = RELEASE_SHARE + (1.0 - RELEASE_SHARE) * (1.0 - MESH_REST ** len(self._meshes))
         # an unfinished stage stays below 100 %, and a repeated stage does not decrease the count
         self._done = max(self._done, min(int(WHOLE * share), WHOLE - 1))
         self._tell(self._stage, self._done, WHOLE)

@@ -7,9 +7,8 @@ from dataclasses import replace
 from functools import partial
 
 from asterism.discrete.release.continuation import Report
-from asterism.discrete.release.shared_search import SharedSearch
 from asterism.equilibrium.newton.minimise import Iteration
-from asterism.exact.simulation import exact_shape
+from asterism.exact.simulation import exact_shape, shared_search
 from asterism.homogenize.law.any_law import AnyLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
@@ -79,7 +78,7 @@ def verify(
             law = kind.default_law(design, plan, None, tell)
         make = partial(shown or partial(preview, law=law, plan=plan), design)
 
-        shared = SharedSearch()
+        shared = shared_search(design, plan)
 
         def solve(stage: str, near: Shape | None = None) -> Shape:
             counted = ExactProgress(stage, step)
@@ -89,11 +88,7 @@ def verify(
                 if report:
                     report(name, iteration)
 
-            def said(text: str) -> None:
-                counted.say(text)
-                tell(text)
-
-            shape = exact_shape(design, backend, reported, said, near=near, plan=plan, shared=shared)
+            shape = exact_shape(design, backend, reported, tell, near=near, plan=plan, shared=shared)
             counted.finish()
             return shape
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report, prefixed_report
-from asterism.discrete.release.levels import coarser_models, solve_through_levels
+from asterism.discrete.release.ladder import Ladder
+from asterism.discrete.release.levels import solve_through_levels
+from asterism.discrete.release.mesh_error import motions_left_free, places
 from asterism.discrete.release.release_start import release_starts
-from asterism.discrete.release.shared_search import MeshLevel
+from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.geometry.point_location import locate
-from asterism.pattern.layout.free_motions import FreeMotions, free_motions
+from asterism.pattern.layout.free_motions import FreeMotions
 from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
 
@@ -51,19 +51,12 @@ class ExactForm:
 
     def places(self, printed: Array) -> Array:
         """(n, 3) mm, places of printed points (n, 2), linear in each triangle."""
-        mesh = self.model.mesh
-        # on the chords of a curved outline
-        triangle, weights = locate(mesh.points, mesh.triangles, printed, self.model.spacing)
-        return np.asarray(np.einsum("nk,nki->ni", weights, self.equilibrium.state.positions[mesh.triangles[triangle]]))
+        return places(self.model, self.equilibrium.state.positions, printed)
 
     @property
     def free_motions(self) -> FreeMotions:
         """The rigid motions that the supports leave free."""
-        supports = self.model.layout.support_samples
-        if len(supports.printed) == 0:
-            return FreeMotions()
-        _, vertex = cKDTree(self.model.mesh.points).query(supports.printed)
-        return free_motions(supports, self.equilibrium.state.positions[vertex], self.model.design.gravity.pull)
+        return motions_left_free(self.model, self.equilibrium.state.positions)
 
     @property
     def roll_axis_deg(self) -> float | None:
@@ -102,7 +95,7 @@ class Minima:
 
 
 def find_minima(
-    model: DiscreteModel,
+    ladder: Ladder,
     starts: int,
     seed: int = 0,
     backend: str = "auto",
@@ -115,7 +108,7 @@ def find_minima(
 
     Parameters
     ----------
-    model : model on the fine mesh.
+    ladder : the models of the sheet.
     starts : number of starts, see `release_starts`.
     seed, backend, report : as in `solve_on_mesh`.
 
@@ -126,14 +119,15 @@ def find_minima(
     """
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")
-    models, start = [*coarser_models(model), model], model.design.solver.start
+    model = ladder.models[0]
+    search, start = SharedSearch(ladder), model.design.solver.start
     design_symmetries = symmetries(model.design, model.layout)
     forms: list[ExactForm] = []
     lost = 0
     for number, release_start in enumerate(release_starts(len(model.layout.centres), starts, start == "bump", seed)):
         start_report = prefixed_report(report, f"start {number + 1} of {starts}")
         try:
-            end = solve_on_mesh(models[0], release_start, seed, backend, start_report)
+            end = solve_on_mesh(model, release_start, seed, backend, start_report)
         except (DesignError, FloatingPointError):
             # an error of the design's start is an error of the design; other starts may fail
             if number == 0:
@@ -141,7 +135,7 @@ def find_minima(
             lost += 1
             continue
         if end.is_minimum or number == 0:
-            forms.append(ExactForm(end, models[0], (release_start.name,), number == 0))
+            forms.append(ExactForm(end, model, (release_start.name,), number == 0))
         else:
             lost += 1
     coarse = _best_first(distinct_forms(forms, design_symmetries))
@@ -150,8 +144,8 @@ def find_minima(
     fine = []
     for number, form in enumerate(form for form, chosen in zip(coarse, refined, strict=True) if chosen):
         form_report = prefixed_report(report, f"minimum {number + 1}")
-        end, levels = solve_through_levels(models, form.equilibrium, start, seed, backend, form_report)
-        fine.append(replace(form, equilibrium=end, model=model, levels=tuple(levels)))
+        end, levels = solve_through_levels(search, form.equilibrium, start, seed, backend, form_report)
+        fine.append(replace(form, equilibrium=end, model=ladder.models[len(levels) - 1], levels=tuple(levels)))
     certified = [form for form in fine if form.equilibrium.is_minimum] or fine
     return Minima(_best_first(distinct_forms(certified, design_symmetries)), coarse, refined, lost, design_symmetries)
 

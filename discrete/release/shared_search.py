@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from asterism.discrete.evidence.equilibrium import Equilibrium, PathStep
-from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.equilibrium.arrays import Array
+from asterism.discrete.release.ladder import Ladder
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # 1: difference of two energies over the elastic energy, below which two states of one mesh may be one
@@ -27,47 +25,35 @@ class MeshLevel:
     ----------
     vertices, iterations, factorisations : their numbers.
     seconds : wall time by stage.
-    printed, positions : (V, 2) and (V, 3) mm, the shape.
+    change_percent : rms distance to the shape on the level before, in % of the diameter; None for the first level.
     """
 
     vertices: int
     iterations: int
     factorisations: int
     seconds: dict[str, float]
-    printed: Array = field(repr=False)
-    positions: Array = field(repr=False)
-
-    @property
-    def cost(self) -> dict[str, Any]:
-        """All attributes but the shape, for the summary."""
-        names = ("vertices", "iterations", "factorisations", "seconds")
-        return {name: getattr(self, name) for name in names}
+    change_percent: float | None = None
 
 
 @dataclass
 class SharedSearch:
-    """The models of a sheet from coarse to fine, and the states that the first search has reached on them.
+    """The states that a first search has reached on the models of a sheet.
 
     Two searches that reach one state on a mesh would repeat each other on all finer meshes. A second search with the
     same object therefore ends there, and its result is that of the first, if the first has found a minimum.
 
     Attributes
     ----------
-    models : from coarse to fine; empty before the first search.
-    ends : the equilibria of the first search on these models.
+    ladder : the models.
+    ends : the equilibria of the first search; empty before its end.
     levels : their efforts.
     joined_at : number of vertices of the mesh on which the second search reached a state of the first; None before.
     """
 
-    models: list[DiscreteModel] = field(default_factory=list)
+    ladder: Ladder
     ends: list[Equilibrium] = field(default_factory=list)
     levels: list[MeshLevel] = field(default_factory=list)
     joined_at: int | None = None
-
-    @property
-    def is_complete(self) -> bool:
-        """The first search has ended."""
-        return 0 < len(self.models) == len(self.ends)
 
     def reaches(self, number: int, end: Equilibrium) -> bool:
         """Whether a second search need not go on from its end on the model of this number, counted from 0."""

@@ -60,7 +60,7 @@ def plan_for_motif(design: Design) -> MotifPlan:
         raise DesignError("rods.motif", "is missing: the law of stars is another one")
     if (refused := without_motif_law(design)) is not None:
         raise DesignError(*refused)
-    edge = design.mesh.edge_mm
+    edge = design.usual_edge_mm
     if edge < MIN_CELL_EDGE_MM:
         raise DesignError("mesh.edge_mm", f"must be at least {MIN_CELL_EDGE_MM:g} for the cells of a law", edge)
     groups = _groups(design.rods)

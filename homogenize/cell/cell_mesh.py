@@ -40,9 +40,9 @@ def cell_mesh(
         directions = on_lines if length else on_lines[:0]
         lengths = np.full(len(directions), length)
         return aligned_cell_mesh(
-            vectors, directions, lengths, edge_mm, repeat, segments, surrounded, design.mesh.graded
+            vectors, directions, lengths, edge_mm, repeat, segments, surrounded, design.has_graded_mesh
         )
-    if design.mesh.graded:
+    if design.has_graded_mesh:
         raise MeshError(GRADED_OFF_LINES)
     free = arm_directions(lattice) if length else np.empty((0, 2))
     if length > lattice.spacing_mm * (1.0 + TOUCHING_TOLERANCE):

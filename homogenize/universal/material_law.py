@@ -168,7 +168,7 @@ def law_edge(design: Design) -> float:
     spacing, (finest, coarsest) = design.lattice.spacing_mm, GROUPS[GROUP_KEYS.index("edge")].limits
     resolved = design.fabric.thickness_mm / MIN_FABRIC_TO_EDGE
     longest = max(min(coarsest * spacing, resolved), finest * spacing)
-    return float(np.clip(design.mesh.edge_mm, finest * spacing, longest))
+    return float(np.clip(design.usual_edge_mm, finest * spacing, longest))
 
 
 def _material(design: Design, nodes: Sequence[Sequence[float]], edge_mm: float) -> Material:

@@ -32,6 +32,9 @@ MEANT_KEYS = {
 _FIELD = re.compile(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )")
 # least and largest weight of a place; places without one have the weight 1
 WEIGHT_RANGE = (0.01, 100.0)
+# edges of the paper's meshes
+HINGE_EDGE_MM = 2.0
+USUAL_EDGES_PER_SPACING = 9
 MAX_WEIGHTED_SITES = 20_000
 
 
@@ -92,16 +95,19 @@ class MeshChoice(Section):
 
     Attributes
     ----------
-    edge_mm : length of the edges.
+    tolerance_percent : meshes are refined until the estimated error of the shape is within this part of the diameter.
+    edge_mm : length of the edges, of one mesh in place of a tolerance. The paper's hinges, whose stiffness follows the
+        mesh, always have one: 2 mm by default.
     kind : aligned with the lattice, Delaunay, or aligned where possible (`auto`).
     seed : of the Delaunay mesh.
-    graded : finer at the arms and their tips.
+    graded : finer at the arms and their tips; by default all meshes but those of the paper's hinges are.
     """
 
-    edge_mm: Number = Field(2.0, ge=0.2, le=500)
+    tolerance_percent: Number = Field(1.0, ge=0.02, le=20)
+    edge_mm: Number | None = Field(None, ge=0.2, le=500)
     kind: Literal["auto", "aligned", "delaunay"] = "auto"
     seed: Whole = Field(0, ge=0, lt=2**32)
-    graded: Flag = False
+    graded: Flag | None = None
 
 
 class Solver(Section):
@@ -202,6 +208,30 @@ class Design(Section):
         if self.rods is None:
             raise DesignError("rods", "must be there: this needs drawn rods")
         return self.rods
+
+    @property
+    def mesh_edge_mm(self) -> float | None:
+        """Length of the mesh's edges; None if the tolerance decides.
+
+        >>> stars = {"stars": {"length_mm": 10}, "border": {"rings": 1}}
+        >>> hinges = Design.from_dict(stars | {"fabric": {"bending": "paper"}})
+        >>> plate = Design.from_dict(stars | {"fabric": {"bending": "consistent"}})
+        >>> hinges.mesh_edge_mm, plate.mesh_edge_mm, round(plate.usual_edge_mm, 3)
+        (2.0, None, 1.925)
+        """
+        if self.mesh.edge_mm is None and self.fabric.bending_follows_mesh:
+            return HINGE_EDGE_MM
+        return self.mesh.edge_mm
+
+    @property
+    def usual_edge_mm(self) -> float:
+        """Length of the mesh's edges, for what needs one mesh also where the tolerance decides."""
+        return self.mesh_edge_mm or self.lattice.spacing_mm / USUAL_EDGES_PER_SPACING
+
+    @property
+    def has_graded_mesh(self) -> bool:
+        """Whether the mesh is finer at the arms and their tips."""
+        return not self.fabric.bending_follows_mesh if self.mesh.graded is None else self.mesh.graded
 
     @property
     def law_file(self) -> str | None:

@@ -64,7 +64,7 @@ def layout(design: Design) -> Layout:
     holes = tuple(hole.copy() for hole in _kept_holes(design.border, lattice))
     # first the stars: a sheet with too many of them also has too many vertices
     cells = _kept_cells(design.border, lattice).copy()
-    _check_mesh(design.mesh.edge_mm, design.border, lattice)
+    _check_mesh(design.usual_edge_mm, design.border, lattice)
     if len(cells) == 0:
         margin = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
         raise BlankSheetError("border", f"must have room for at least one star, {margin}")

@@ -52,7 +52,7 @@ def print_layout(design: Design) -> Layout:
         return _with_stars(design, drawn)
     scale = float(abs(polygon_area(outline)) / graph.total_length)
     vectors = design.lattice.vectors if design.rods.motif else scale * np.eye(2)
-    check_mesh_size(design.mesh.edge_mm, outline)
+    check_mesh_size(design.usual_edge_mm, outline)
     pins = _pins(design, outline, graph, drawn.holes)
     no_arms = np.empty((0, 2))
     return Layout(

@@ -27,6 +27,9 @@ class LevelRecord(Record):
     iterations: int = key("Newton iterations on this mesh.")
     factorisations: int = key("Factorisations of the Hessian on this mesh.")
     seconds: dict[str, float] = key("Wall time on this mesh by stage.", unit="s")
+    change_percent: float | None = key(
+        "Rms distance to the shape on the mesh before, in percent of the diameter; null for the first mesh.", unit="%"
+    )
 
 
 class PathStepRecord(Record):
@@ -80,8 +83,10 @@ def mesh_error_in_words(record: ExactRecord) -> str:
         return f"about {percent:.1f} % of the diameter"
     if change is None:
         return NO_MESH_ERROR
-    why = "the meshes agree too little" if record.creases_resolved else "the mesh does not resolve the creases"
-    return f"not known, {why}; {change:.1f} % of the diameter from the next coarser mesh"
+    apart = f"{change:.1f} % of the diameter from the next coarser mesh"
+    if record.get("mesh_forms_differ"):
+        return f"not known, the last two meshes have different forms; {apart}"
+    return f"not known, the stiffness of the hinges follows the mesh; {apart}"
 
 
 def _stars(record: ExactRecord) -> str | None:
@@ -146,7 +151,7 @@ class ExactRecord(ShapeRecord):
     stars_up: int = key("Stars that bump to the plastic side.", label="stars", show=_stars)
     stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
     stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
-    edge_mm: float = key("Edge length of the mesh that the design asks for.", unit="mm")
+    edge_mm: float = key("Edge length of the mesh.", unit="mm")
     self_contact: ContactRecord | None = key(
         "Contact of the sheet with itself; null if the model ran without contact, so that parts may pass through each "
         "other."
@@ -156,24 +161,20 @@ class ExactRecord(ShapeRecord):
     instabilities_passed: int = key("Times that the path to the shape lost its stability.")
     backend: str = key("Linear solver.")
     mesh_error_percent: float | None = key(
-        "Richardson's estimate of the rms distance to the shape on an infinitely fine mesh, in percent of the "
-        "diameter; null if no estimate is available.",
+        "Estimated rms distance to the shape on an infinitely fine mesh, in percent of the diameter; null with one "
+        "mesh, with two meshes of different forms, and for the paper's hinges, whose stiffness follows the mesh.",
         unit="%",
         label="mesh error",
         show=mesh_error_in_words,
     )
-    mesh_error_order: float | None = key(
-        "Order p of an error proportional to edge^p, observed on the last three meshes; null with fewer meshes, or if "
-        "their shapes do not converge."
-    )
     mesh_change_percent: float | None = key(
-        "Rms distance to the shape on the next coarser mesh, in percent of the diameter; null if one mesh was solved. "
-        "It is no bound of the error.",
+        "Rms distance to the shape on the next coarser mesh, in percent of the diameter; null if one mesh was solved.",
         unit="%",
     )
-    crease_mm: float = key("Width of the creases beside the arms.", unit="mm")
-    edge_at_arms_mm: float = key("Height of the triangles beside the arms.", unit="mm")
-    creases_resolved: bool = key("The triangles beside the arms are less than 0.7 times as high as creases are wide.")
+    mesh_forms_differ: bool = key("The shapes on the last two meshes have different forms.")
+    mesh_tolerance_percent: float | None = key(
+        "Mesh error at which the search ends, in percent of the diameter; null if the design gives an edge.", unit="%"
+    )
     levels: list[LevelRecord] = key("Cost of each mesh, the coarsest first.")
     joined_at_vertices: int = key(
         "Vertices of the coarse mesh on which this search reached the state of that from the flat print. It ended "

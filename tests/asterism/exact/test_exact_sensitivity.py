@@ -85,7 +85,7 @@ def test_the_shape_of_another_design_is_refused() -> None:
     design = Design.from_dict(star)
     shape = exact_shape(design)
     with pytest.raises(ValueError, match="has the mesh of another design"):
-        ExactSensitivity(Design.from_dict(star | {"mesh": {"edge_mm": 2.0}}), shape, np.zeros((1, 2)))
+        ExactSensitivity(Design.from_dict(star | {"border": {"rings": 1}}), shape, np.zeros((1, 2)))
     thicker = Design.from_dict(star | {"stars": SIZES | {"thickness_mm": 0.6}})
     with pytest.raises(ValueError, match="is no minimum of the exact model, which has one"):
         ExactSensitivity(thicker, shape, np.zeros((1, 2)))

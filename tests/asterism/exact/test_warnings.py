@@ -13,7 +13,7 @@ from asterism.pattern.layout.build import layout
 SUMMARY = {
     "converged": True, "is_minimum": True, "smallest_eigenvalue": 1e-3, "gradient_norm": 1e-9,
     "gradient_tolerance": 1e-8, "self_intersections": 0, "self_contact": None, "stars_total": 19,
-    "stars_off_branch": [],
+    "stars_off_branch": [], "mesh_error_percent": None, "mesh_tolerance_percent": None, "vertices": 900,
 }  # fmt: skip
 
 

@@ -12,7 +12,9 @@ from asterism.discrete.model.contact_model import ContactModel, ExtendedPattern
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
+from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.shared_search import SharedSearch
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.errors import BackendError
@@ -234,11 +236,9 @@ def test_a_second_run_gives_the_same_digits() -> None:
 
 @pytest.mark.slow
 def test_finer_meshes_have_no_intersections() -> None:
-    from asterism.discrete.release.levels import solve_on_meshes
-
     sheet = model(ContactModel, 2, edge=1.5)
     assert isinstance(sheet, ContactModel)
-    found, levels = solve_on_meshes(sheet)
+    found, levels = solve_on_meshes(SharedSearch(Ladder(sheet.design, sheet.layout)))
     assert len(levels) == 3 and found.is_minimum
     assert self_intersections(found.state.positions, sheet.mesh.triangles) == 0
 
@@ -314,7 +314,8 @@ def test_a_start_that_intersects_itself_is_not_used() -> None:
     flat = sheet.flat_state()
     with pytest.raises(ValueError, match="passes through itself"):
         solve_on_mesh(sheet, moved_state(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
-    near, alone = (solve_on_meshes(sheet, near=start)[0] for start in (crossed, None))
+    searches = [SharedSearch(Ladder(sheet.design, sheet.layout)) for _ in range(2)]
+    near, alone = (solve_on_meshes(each, near=start)[0] for each, start in zip(searches, (crossed, None), strict=True))
     assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
 
 

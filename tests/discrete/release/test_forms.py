@@ -13,6 +13,7 @@ from asterism.discrete.evidence.equilibrium import roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
+from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.release_start import ReleaseStart, release_starts
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern import gallery
@@ -33,6 +34,11 @@ def model(rings: int = 1, edge: float = 3.0, **changes: object) -> DiscreteModel
     design = Design.from_dict(data | changes)
     plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, edge))
+
+
+def ladder(m: DiscreteModel, edge: float = 3.0) -> Ladder:
+    """The mesh of a model alone."""
+    return Ladder(m.design, m.layout, edge)
 
 
 def image(m: DiscreteModel, state: State, symmetry: Symmetry) -> State:
@@ -132,12 +138,12 @@ def test_rolls_and_saddles_have_evenly_spread_axes() -> None:
 
 def test_at_least_one_start_is_needed() -> None:
     with pytest.raises(ValueError, match="at least 1"):
-        find_minima(model(rings=0), 0)
+        find_minima(ladder(model(rings=0)), 0)
 
 
 def test_many_starts_find_the_default_minimum_and_others() -> None:
     m = model(rings=0)
-    minima = find_minima(m, 9)
+    minima = find_minima(ladder(m), 9)
     assert minima.fine == sorted(minima.fine, key=lambda b: b.equilibrium.energy)
     assert all(b.equilibrium.is_minimum for b in minima.fine)
     assert sum(len(b.starts) for b in minima.fine) + minima.lost_starts == 9
@@ -159,7 +165,7 @@ def test_mirrored_minima_are_one_form() -> None:
 def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
     """Up has less energy, but a minimum with the prescribed star down is the result if there is one."""
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
-    minima = find_minima(m, 8)
+    minima = find_minima(ladder(m), 8)
     assert minima.fine[0].equilibrium.stars_up == 0
     assert minima.fine[0].equilibrium.energy > min(b.equilibrium.energy for b in minima.fine[1:])
 

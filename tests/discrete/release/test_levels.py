@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import solve_on_meshes
 from asterism.discrete.release.prolongation import prolong
+from asterism.discrete.release.shared_search import SharedSearch
 from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -25,6 +27,12 @@ def model(edge: float, **changes: object) -> DiscreteModel:
     return DiscreteModel(design, plan, mesh_layout(plan, edge))
 
 
+def search(edge: float, **changes: object) -> SharedSearch:
+    """All meshes of a search that ends on this edge."""
+    fine = model(edge, **changes)
+    return SharedSearch(Ladder(fine.design, fine.layout))
+
+
 # a saw cut
 SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [25, 25], [-25, 25]]}
 
@@ -33,7 +41,7 @@ SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [
 @pytest.mark.slow
 def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
     fine = model(1.0, border=border)
-    found, levels = solve_on_meshes(fine)
+    found, levels = solve_on_meshes(search(1.0, border=border))
     assert [level.vertices for level in levels][-1] == fine.n_vertices
     assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
     assert found.iterations == sum(level.iterations for level in levels)
@@ -54,7 +62,7 @@ def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
 
 
 def test_small_models_have_one_level() -> None:
-    _, levels = solve_on_meshes(model(3.0))
+    _, levels = solve_on_meshes(search(3.0))
     assert len(levels) == 1
 
 
@@ -77,5 +85,5 @@ def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
 
 @pytest.mark.slow
 def test_the_same_answer_on_the_second_run() -> None:
-    first, second = (solve_on_meshes(model(1.0))[0] for _ in range(2))
+    first, second = (solve_on_meshes(search(1.0))[0] for _ in range(2))
     np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-7)

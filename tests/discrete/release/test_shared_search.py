@@ -9,9 +9,9 @@ import pytest
 
 from asterism.discrete.model.state import State
 from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.shared_search import SharedSearch, is_same_state
+from asterism.discrete.release.shared_search import is_same_state
 from asterism.discrete.release.single_mesh import solve_on_mesh
-from tests.discrete.release.test_levels import model
+from tests.discrete.release.test_levels import model, search
 
 
 def turned(state: State, angle: float) -> State:
@@ -32,27 +32,27 @@ def test_one_state_up_to_rigid_motions_but_not_up_to_mirrors() -> None:
 
 @pytest.mark.slow
 def test_a_second_search_joins_the_first_and_costs_less() -> None:
-    shared, fine = SharedSearch(), model(1.0)
-    first, levels = solve_on_meshes(fine, shared=shared)
-    assert shared.is_complete and shared.joined_at is None and len(levels) == 2
+    shared = search(1.0)
+    first, levels = solve_on_meshes(shared)
+    assert len(shared.ends) == 2 and shared.joined_at is None and len(levels) == 2
 
-    start = shared.ends[0].state.positions + 0.02 * np.sin(shared.models[0].mesh.points[:, :1] + [0.0, 1.0, 2.0])
-    second, joined = solve_on_meshes(fine, near=lambda points: start, shared=shared)
-    assert shared.joined_at == shared.models[0].n_vertices == joined[0].vertices
+    start = shared.ends[0].state.positions + 0.02 * np.sin(shared.ladder.models[0].mesh.points[:, :1] + [0.0, 1.0, 2.0])
+    second, joined = solve_on_meshes(shared, near=lambda points: start)
+    assert shared.joined_at == shared.ladder.models[0].n_vertices == joined[0].vertices
     assert second.is_minimum and second.energy == first.energy
     assert [level.vertices for level in joined] == [level.vertices for level in levels]
     assert second.iterations == joined[0].iterations < first.iterations / 2 and joined[1].iterations == 0
     assert sum(step.iterations for step in second.path) == second.iterations
     # it ends where it would have ended alone
-    alone, _ = solve_on_meshes(fine, near=lambda points: start)
+    alone, _ = solve_on_meshes(search(1.0), near=lambda points: start)
     assert alone.energy == pytest.approx(second.energy, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_a_second_search_goes_on_alone_where_it_must() -> None:
-    shared, fine = SharedSearch(), model(1.0)
-    first, _ = solve_on_meshes(fine, shared=shared)
+    shared = search(1.0)
+    first, _ = solve_on_meshes(shared)
     shared.ends[-1] = replace(first, smallest_eigenvalue=-1.0)  # the first search has found no minimum
-    second, levels = solve_on_meshes(fine, shared=shared)
+    second, levels = solve_on_meshes(shared)
     assert shared.joined_at is None and second.is_minimum
     assert all(level.iterations > 0 for level in levels)
