@@ -23,15 +23,15 @@ def cell_mesh(
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
-    It is graded if the design's mesh is.
+    It is graded if the design's mesh is and all arms lie on lattice lines.
 
     Raises
     ------
     ValueError
         The stars of the design differ.
     DesignError, MeshError
-        Arms overlap, arms off the lattice lines would print as one, no mesh follows the arms, or the mesh is to be
-        graded and arms do not lie on lattice lines.
+        Arms overlap, arms off the lattice lines would print as one, no mesh follows the arms, or the design asks for
+        a graded mesh and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
@@ -42,7 +42,7 @@ def cell_mesh(
         return aligned_cell_mesh(
             vectors, directions, lengths, edge_mm, repeat, segments, surrounded, design.has_graded_mesh
         )
-    if design.has_graded_mesh:
+    if design.mesh.graded:
         raise MeshError(GRADED_OFF_LINES)
     free = arm_directions(lattice) if length else np.empty((0, 2))
     if length > lattice.spacing_mm * (1.0 + TOUCHING_TOLERANCE):

@@ -29,7 +29,7 @@ def design(**more: Any) -> Design:
 def test_the_cells_of_a_graded_design_have_its_mesh() -> None:
     plan = plan_for_sizes(design(), SIZES).plan
     assert plan.graded and plan.edge_mm == 1.5
-    even = plan_for_sizes(design(mesh={"edge_mm": 1.5}), SIZES).plan
+    even = plan_for_sizes(design(mesh={"graded": False, "edge_mm": 1.5}), SIZES).plan
     assert not even.graded and even.edge_mm == pytest.approx(17.3205 / 15, abs=1e-4)
     off = plan_for_sizes(design(lattice={"orientation_deg": 10.0}), SIZES).plan
     assert not off.graded and off.edge_mm == pytest.approx(17.3205 / 15, abs=1e-4)
