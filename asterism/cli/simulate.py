@@ -13,6 +13,7 @@ from asterism.cli.common.options import (
     DesignFile,
     LawFile,
     MaterialFile,
+    ToleranceOption,
     output_option,
     results_folder,
     with_overrides,
@@ -28,6 +29,7 @@ def simulate(
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the mesh in mm, instead of the value in the design.")
     ] = None,
+    tolerance: ToleranceOption = None,
     start: Annotated[str | None, typer.Option(help="bump or flat, instead of the value in the design.")] = None,
     seed: Annotated[
         int | None, typer.Option(help="Seed of the initial guess's noise, instead of the value in the design.")
@@ -72,6 +74,7 @@ def simulate(
         read,
         {
             "--edge": ("mesh.edge_mm", edge),
+            "--tolerance": ("mesh.tolerance_percent", tolerance),
             "--start": ("solver.start", start),
             "--seed": ("solver.seed", seed),
             "--fabric-bending": ("fabric.bending", fabric_bending),

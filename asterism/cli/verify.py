@@ -15,6 +15,7 @@ from asterism.cli.common.options import (
     DesignFile,
     LawFile,
     MaterialFile,
+    ToleranceOption,
     output_option,
     results_folder,
     with_overrides,
@@ -31,6 +32,7 @@ def verify(
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the exact mesh in mm, instead of the value in the design.")
     ] = None,
+    tolerance: ToleranceOption = None,
     contact: Contact = None,
     material: MaterialFile = None,
     backend: BackendOption = "auto",
@@ -53,7 +55,11 @@ def verify(
 
     chosen = with_overrides(
         read,
-        {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
+        {
+            "--edge": ("mesh.edge_mm", edge),
+            "--tolerance": ("mesh.tolerance_percent", tolerance),
+            "--contact": ("solver.contact", contact),
+        },
     )
     check_backend(backend)
     # a folder of its own: simulate and preview write to a folder with the design's name

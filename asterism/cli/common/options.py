@@ -39,6 +39,13 @@ Contact = Annotated[
     bool | None,
     typer.Option("--contact/--no-contact", help="Prevent the sheet from passing through itself (requires ipctk)."),
 ]
+ToleranceOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Refine the mesh until the error of the shape is within this part of the diameter, in percent, instead of "
+        "the value or the edge length in the design; not for the paper's hinges."
+    ),
+]
 BackendOption = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
 
 
@@ -127,6 +134,10 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
 
     data = design.to_dict()
     given = {option: entry for option, entry in options.items() if entry[1] is not None}
+    if "--tolerance" in given:
+        if "--edge" in given:
+            raise Mistake("--tolerance: goes without --edge: the mesh is refined until the error is within it")
+        data["mesh"].pop("edge_mm", None)
     for field, value in given.values():
         section, key = field.split(".")
         data.setdefault(section, {})[key] = value
@@ -134,6 +145,9 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
         return design
     try:
         new = Design.from_dict(data)
+        if "--tolerance" in given and new.mesh_edge_mm is not None:
+            hinges = "the stiffness of the paper's hinges follows the mesh; --edge sets it"
+            raise Mistake(f"--tolerance: not for fabric.bending = {new.fabric.bending!r}: {hinges}")
         print_layout(new)
     except DesignError as error:
         for option, (field, _) in given.items():
