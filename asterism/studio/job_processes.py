@@ -89,7 +89,7 @@ def _computed(job: int, design: Design, out: str, progress: ProgressSender) -> C
     from asterism.verification.progress import ExactProgress
 
     counted = ExactProgress("exact model", progress)
-    shape = exact_shape(design, report=counted.report, say=counted.say)
+    shape = exact_shape(design, report=counted.report)
     counted.finish()
     progress("files", 0, 1)
     files = write_results(shape, out)
