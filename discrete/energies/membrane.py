@@ -37,15 +37,21 @@ def volumetric_derivatives(p, log_j):  # type: ignore[no-untyped-def]
 
 
 @formula
-def membrane_energy(q, p):  # type: ignore[no-untyped-def]
-    """Energy of a triangle in N mm; p = (b0, b1, b2, mu V, alpha V, lam V, beta V), b_i shape gradients, V volume."""
-    _, _, c11, _, c22, log_j = invariants(q, p)
+def strain_energy(p, c11, c22, log_j):  # type: ignore[no-untyped-def]
+    """W times the rest volume V, in N mm; p[6:10] = (mu V, alpha V, lam V, beta V)."""
     return (
         0.5 * p[6] * (c11 + c22 - 2.0)
         - p[7] * log_j
         + 0.5 * p[8] * log_j * log_j
         + 0.5 * p[9] * (np.exp(-2.0 * log_j) - 1.0)
     )
+
+
+@formula
+def membrane_energy(q, p):  # type: ignore[no-untyped-def]
+    """Energy of a triangle in N mm; p = (b0, b1, b2, mu V, alpha V, lam V, beta V), b_i shape gradients, V volume."""
+    _, _, c11, _, c22, log_j = invariants(q, p)
+    return strain_energy(p, c11, c22, log_j)
 
 
 @formula
@@ -119,6 +125,11 @@ class Membrane(Elements):
     rest : (V, 2) mm, the unstretched fabric.
     thickness, modulus, poisson : mm, MPa, 1.
     incompressible : use the incompressible law instead of the neo-Hookean one.
+    share : (T,) part of its energy that each triangle keeps, see `discrete.energies.side_membrane`; all by default.
+
+    Attributes
+    ----------
+    whole : (T, 10) `membrane_params`, which are the parameters of triangles that keep all of their energy.
 
     Examples
     --------
@@ -143,10 +154,19 @@ class Membrane(Elements):
         modulus: float,
         poisson: float,
         incompressible: bool = False,
+        share: Array | None = None,
     ) -> None:
         dofs = (3 * triangles[:, :, None] + np.arange(3)).reshape(len(triangles), 9)
-        params = membrane_params(triangles, rest, thickness, modulus, poisson, incompressible)
-        super().__init__(dofs, dofs, params)
+        self._triangles, self._sheet, self._share = triangles, (thickness, modulus, poisson, incompressible), share
+        super().__init__(dofs, dofs, np.empty((len(triangles), 10)))
+        self.set_rest(rest)
+
+    def set_rest(self, rest: Array) -> None:
+        """Set the unstretched fabric (V, 2) mm."""
+        self.whole = membrane_params(self._triangles, rest, *self._sheet)
+        self.params[:] = self.whole
+        if self._share is not None:
+            self.params[:, 6:] *= self._share[:, None]
 
 
 def membrane_params(

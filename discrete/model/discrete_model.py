@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.membrane import Membrane, membrane_params
+from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
@@ -28,17 +28,21 @@ from asterism.discrete.energies.rods.network import (
 )
 from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.side_membrane import SideMembrane, flat_share
 from asterism.discrete.model.reconstruction import Reconstruction
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.materials import rest_curvature, rest_twist
+from asterism.pattern.design.materials import Fabric, rest_curvature, rest_twist
 from asterism.pattern.design.residual_curvature import residual_curvature
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.rods.graph import RodGraph
+
+# parts that have a rest shape in the plane
+MEMBRANES = {"membrane", "membrane_sides"}
 
 
 @dataclass(frozen=True)
@@ -94,8 +98,8 @@ class DiscreteModel(System):
     ----------
     bending : bending energy of the fabric.
     joints : joints of the rods, and their half edges.
-    parts : the energies by name: membrane, those of `bending`, rod_bending, rod_stretch, rod_twist, and rod_joints if
-        there are joints.
+    parts : the energies by name: membrane, membrane_sides with a plate, those of `bending`, rod_bending, rod_stretch,
+        rod_twist, and rod_joints if there are joints.
     release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
     pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
 
@@ -135,10 +139,7 @@ class DiscreteModel(System):
         self._reconstruction: Reconstruction | None = None
 
     def _fabric(self, bending_mesh: BendingMesh) -> dict[str, Elements]:
-        mesh, fabric = self.mesh, self.design.fabric
-        sheet = fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson
-        membrane = Membrane(mesh.triangles, mesh.points, *sheet, fabric.model == "incompressible")
-        return {"membrane": membrane} | self.bending.build(bending_mesh, fabric.bending_tensor)
+        return fabric_energies(self.design.fabric, bending_mesh)
 
     def _rods(self) -> dict[str, Elements]:
         net, points, plastic = self.network, self.mesh.points, self.design.plastic
@@ -189,14 +190,8 @@ class DiscreteModel(System):
         self.release = self.pin_progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
-        self.parts["membrane"].params[:] = membrane_params(
-            self.mesh.triangles,
-            self.mesh.points / (sx, sy),
-            fabric.thickness_mm,
-            fabric.modulus_mpa,
-            fabric.poisson,
-            fabric.model == "incompressible",
-        )
+        for name in MEMBRANES & self.parts.keys():
+            cast(Membrane | SideMembrane, self.parts[name]).set_rest(self.mesh.points / (sx, sy))
         # bending coefficients depend on the rest shape only up to its size
         rest_shape = self.mesh.points / (sx / sy, 1.0) if len(set(fabric.stretch_xy)) > 1 else None
         self.bending.set_rest(self.parts, fabric.bending_tensor, 1.0 / (sx * sy), rest_shape)
@@ -259,7 +254,7 @@ class DiscreteModel(System):
     def reconstruction(self) -> Reconstruction:
         """The least-squares reconstruction of positions from gradients, built at its first use."""
         if self._reconstruction is None:
-            membrane, (ea, length) = self.parts["membrane"].params, self.parts["rod_stretch"].params.T
+            membrane, (ea, length) = cast(Membrane, self.parts["membrane"]).whole, self.parts["rod_stretch"].params.T
             self._reconstruction = Reconstruction(
                 self.mesh.triangles,
                 self.network.edges,
@@ -276,6 +271,21 @@ class DiscreteModel(System):
         Triangles and rod edges rotate along it, which straight steps would stretch to second order.
         """
         return self.reconstruction.path(state, *self.displacements_and_twists(direction), self.spins(direction))
+
+
+def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
+    """The fabric's membrane and its bending energies on the print, by name.
+
+    With the paper's hinges the membrane is that of the paper, constant strain triangles.
+    """
+    bending, share = FABRIC_BENDING[fabric.bending], None
+    sheet = fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson, fabric.model == "incompressible"
+    sides: dict[str, Elements] = {}
+    if bending.needs_neighbours:
+        share = flat_share(mesh.triangles, mesh.closed_hinges is not None)
+        sides = {"membrane_sides": SideMembrane(mesh.hinges, mesh.printed, sheet)}
+    membrane = {"membrane": Membrane(mesh.triangles, mesh.printed, *sheet, share)}
+    return membrane | sides | bending.build(mesh, fabric.bending_tensor)
 
 
 def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:

@@ -16,6 +16,7 @@ from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import JointNetwork, RodNetwork, joint_inputs, stencil_inputs
 from asterism.discrete.energies.rods.stretch import RodStretch
 from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.side_membrane import SideMembrane
 from asterism.discrete.model.state import State, moved_state
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.materials import BendingStiffness
@@ -65,6 +66,25 @@ def membrane(rng: np.random.Generator, bent: bool, incompressible: bool = False)
 def incompressible_membrane(rng: np.random.Generator, bent: bool) -> Sample:
     """The other law of the membrane."""
     return membrane(rng, bent, incompressible=True)
+
+
+def sides(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
+    """Pairs of triangles strained at random; `bent`: turned by more than 90 degrees and squeezed to a third."""
+    corners = np.array([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1], [0.8, -0.9]])
+    rest = np.tile(corners, (COUNT, 1)) + 0.15 * rng.normal(size=(4 * COUNT, 2))
+    flat = np.column_stack([rest, np.zeros(len(rest))])
+    if bent:
+        turn = np.diag([1.0, -1.0, -1.0]) @ rotation(rng)
+        positions = flat * [0.4, 0.8, 1.0] @ turn.T + 0.05 * rng.normal(size=flat.shape)
+    else:
+        positions = 1.2 * flat + 0.15 * rng.normal(size=flat.shape)
+    elements = SideMembrane(np.arange(4 * COUNT).reshape(COUNT, 4), rest, (0.8, 7.0, 0.3, incompressible))
+    return Sample(elements, State(positions, np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
+
+
+def incompressible_sides(rng: np.random.Generator, bent: bool) -> Sample:
+    """The other law of the membrane."""
+    return sides(rng, bent, incompressible=True)
 
 
 def hinges(rng: np.random.Generator, bent: bool) -> Sample:
@@ -198,6 +218,8 @@ def rod_joint(rng: np.random.Generator, bent: bool) -> Sample:
 SAMPLES: dict[str, Callable[[np.random.Generator, bool], Sample]] = {
     "membrane": membrane,
     "incompressible membrane": incompressible_membrane,
+    "sides": sides,
+    "incompressible sides": incompressible_sides,
     "hinges": hinges,
     "folds": folds,
     "plate": plate,

@@ -1,0 +1,167 @@
+"""The membrane smoothed over sides: exactness, folds, stiffness in its plane, and where it is used."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.discrete.energies.bending.hinges import interior_edges
+from asterism.discrete.energies.elements import Elements
+from asterism.discrete.energies.membrane import Membrane
+from asterism.discrete.energies.side_membrane import FLAT_SHARE, SideMembrane, flat_share
+from asterism.discrete.evidence.creases import measure_creases
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.samples import rotation
+from tests.discrete.test_fabric import MESHES, SIDE, area
+
+SHEET = (0.8, 7.1875, 0.3, False)
+PLATE = {"bending": "consistent", "modulus_mpa": 7.1875}
+
+
+def smooth(triangles: Array, rest: Array, sheet: tuple[float, float, float, bool] = SHEET) -> list[Elements]:
+    """The membrane of a plate on an open mesh."""
+    return [
+        Membrane(triangles, rest, *sheet, flat_share(triangles, False)),
+        SideMembrane(interior_edges(triangles), rest, sheet),
+    ]
+
+
+def forces(parts: list[Elements], positions: Array) -> Array:
+    """(V, 3) N."""
+    total = np.zeros(positions.size)
+    for part in parts:
+        total += np.bincount(part.dofs.ravel(), part.gradients(positions.ravel()).ravel(), positions.size)
+    return total.reshape(-1, 3)
+
+
+def design(**fabric: object) -> Design:
+    star = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
+    return Design.from_dict(star | {"fabric": fabric})
+
+
+def model_of(sheet: Design) -> DiscreteModel:
+    plan = layout(sheet)
+    return DiscreteModel(sheet, plan, mesh_layout(plan, 4.0))
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+@pytest.mark.parametrize("incompressible", [False, True])
+def test_homogeneous_finite_strain_is_exact(mesh, incompressible):
+    """The energy and all forces are those of flat triangles, at the border too; the flat sheet is turned in space."""
+    points, triangles = MESHES[mesh](2.0)
+    sheet = (*SHEET[:3], incompressible)
+    strain = np.array([[1.2, 0.3], [-0.1, 0.8]])
+    flat = np.column_stack([points @ strain.T, np.zeros(len(points))]) @ rotation(np.random.default_rng(1)).T
+    paper, parts = Membrane(triangles, points, *sheet), smooth(triangles, points, sheet)
+    expected = paper.energies(flat.ravel()).sum()
+    assert sum(part.energies(flat.ravel()).sum() for part in parts) == pytest.approx(expected, rel=1e-12)
+    scale = np.abs(paper.gradients(flat.ravel())).max()
+    np.testing.assert_allclose(forces(parts, flat), forces([paper], flat), atol=1e-11 * scale)
+
+
+def test_folds_cost_no_energy():
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.4, 0.9], [0.5, -0.8]])
+    sides = SideMembrane(np.array([[0, 1, 2, 3]]), points, SHEET)
+    angle = 2.0
+    folded = np.column_stack([points, np.zeros(4)])
+    folded[3] = [0.5, -0.8 * np.cos(angle), 0.8 * np.sin(angle)]
+    assert abs(sides.energies(folded.ravel())[0]) < 1e-14
+
+
+def in_plane_bending_error(parts: list[Elements], points: Array, triangles: Array) -> float:
+    """Energy of a sheet with the strain `k y` along x, over the exact one, minus 1; no Poisson's ratio."""
+    k = 1e-4
+    x, y = (points - points.mean(axis=0)).T
+    bent = np.column_stack([x + k * x * y, y - 0.5 * k * x**2, 0.0 * x])
+    corner = y[triangles]
+    second_moment = area(points, triangles) / 12.0 * ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2)
+    energy = sum(float(part.energies(bent.ravel()).sum()) for part in parts)
+    return energy / float(3.5 * k**2 * second_moment.sum()) - 1.0
+
+
+def test_sheets_bend_in_their_plane_with_less_parasitic_strain():
+    points, triangles = MESHES["jittered"](2.0)
+    sheet = (1.0, 7.0, 0.0, False)
+    flat = in_plane_bending_error([Membrane(triangles, points, *sheet)], points, triangles)
+    sides = in_plane_bending_error(smooth(triangles, points, sheet), points, triangles)
+    assert flat > 0.01
+    assert abs(sides) < 0.4 * flat
+
+
+def test_flat_sheets_have_no_modes_without_energy():
+    """A stretched sheet that is held at its border is stiff against every motion, checkerboards and wrinkles too."""
+    points, triangles = MESHES["random"](4.0)
+    positions = np.column_stack([1.2 * points, np.zeros(len(points))]).ravel()
+    held = np.isclose(points, 0.0).any(axis=1) | np.isclose(points, SIDE).any(axis=1)
+    free, n = np.repeat(~held, 3), len(positions)
+    smallest = []
+    for parts in ([Membrane(triangles, points, *SHEET)], smooth(triangles, points)):
+        whole = np.zeros((n, n))
+        for part in parts:
+            i, j = np.tril_indices(part.dofs_per_element)
+            for dofs, packed in zip(part.dofs, part.hessians(positions), strict=True):
+                block = np.zeros((len(dofs), len(dofs)))
+                block[i, j] = block[j, i] = packed
+                whole[np.ix_(dofs, dofs)] += block
+        smallest.append(np.linalg.eigvalsh(whole[np.ix_(free, free)])[0])
+    assert smallest[1] > 0.7 * smallest[0] > 0.0
+
+
+def test_shares_of_all_elements_make_up_the_sheet():
+    """Also where triangles stand alone at the border, and on a closed mesh."""
+    points, triangles = MESHES["random"](4.0)
+    flat, sides = smooth(triangles, points)
+    assert isinstance(flat, Membrane)
+    assert flat.params[:, 6].sum() + sides.params[:, 6].sum() == pytest.approx(flat.whole[:, 6].sum(), rel=1e-12)
+    assert flat_share(triangles, False).min() == pytest.approx(FLAT_SHARE) == flat_share(triangles, True).max()
+
+
+def test_a_plate_has_smooth_strains_and_hinges_have_flat_triangles():
+    """Models and cells; the paper's membrane keeps all of its energy."""
+    for fabric, smoothed in ((PLATE, True), ({}, False)):
+        for parts in (model_of(design(**fabric)).parts, UnitCell(design(**fabric), 4.0).model.parts):
+            flat = parts["membrane"]
+            assert isinstance(flat, Membrane)
+            assert ("membrane_sides" in parts) is smoothed is not np.array_equal(flat.params, flat.whole)
+
+
+@pytest.mark.parametrize("release", [0.0, 0.4, 1.0])
+def test_the_release_sets_the_rest_shape(release):
+    """The parts of a model equal elements built on the released sheet."""
+    model = model_of(design(**PLATE, stretch=[1.4, 1.2]))
+    model.set_release(release)
+    rest = model.mesh.points / (1.0 + release * (np.array([1.4, 1.2]) - 1.0))
+    for part, name in zip(smooth(model.mesh.triangles, rest), ("membrane", "membrane_sides"), strict=True):
+        np.testing.assert_allclose(model.parts[name].params, part.params, rtol=1e-12)
+
+
+def test_tension_and_reconstruction_count_the_whole_fabric():
+    """What reads the flat triangles is the same for plates and hinges, up to the stiffness of the crease."""
+    plate, hinges = model_of(design(**PLATE)), model_of(design())
+    widths = [
+        measure_creases(model, model.printed_state()).width / model.bending.crease_factor**0.5
+        for model in (plate, hinges)
+    ]
+    assert widths[0] == pytest.approx(widths[1], rel=1e-12)
+    free = np.arange(len(plate.mesh.points))
+    for one, other in zip(
+        plate.reconstruction.laplacian(free)[1:], hinges.reconstruction.laplacian(free)[1:], strict=True
+    ):
+        np.testing.assert_allclose(one, other, rtol=1e-12)
+
+
+def test_homogeneous_strain_of_a_cell_leaves_no_force():
+    """On the points of a graded cell, across its borders too."""
+    graded = {"mesh": {"graded": True, "edge_mm": 2.4}, "fabric": PLATE}
+    cell = UnitCell(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}} | graded), 2.4)
+    packed = 1.1 * cell.printed_state().packed
+    force = np.zeros(cell.n_dofs)
+    for name, part in cell.parts.items():
+        if name.startswith("membrane"):
+            force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), cell.n_dofs)
+    assert np.abs(force[: 3 * cell.mesh.n_base]).max() < 1e-11 * np.abs(force).max()
