@@ -70,6 +70,6 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     vertices = mesh_vertices(design.usual_edge_mm, outline)
     seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
     seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)
-    seconds *= (GRADED_FACTOR if design.has_graded_mesh else 1.0) * (CONTACT_FACTOR if design.solver.contact else 1.0)
+    seconds *= (GRADED_FACTOR if design.graded_meshes else 1.0) * (CONTACT_FACTOR if design.solver.contact else 1.0)
     seconds *= (1.0 + FURTHER_START_FACTOR * (starts - 1)) * shapes
     return Cost(round(vertices), BASE_MB + MB_A_VERTEX * vertices, seconds)

@@ -43,7 +43,7 @@ def model_on(design: Design, layout: Layout, edge_mm: float) -> DiscreteModel:
     MeshError
         No mesh of this edge follows the rods.
     """
-    mesh = mesh_layout(layout, edge_mm, design.mesh.kind, design.mesh.seed, design.has_graded_mesh)
+    mesh = mesh_layout(layout, edge_mm, design.mesh.kind, design.mesh.seed, design.graded_meshes)
     return (ContactModel if design.solver.contact else DiscreteModel)(design, layout, mesh)
 
 

@@ -16,7 +16,7 @@ from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 
 # assumed order of convergence in the edge length: the stress is singular at the tips of the arms
-ORDER = 1.0
+ORDER = 2.0
 # smallest ratio of the edge lengths of two meshes that gives an estimate
 MIN_EDGE_RATIO = 1.15
 # two shapes further apart than this, in % of the diameter, count as different forms

@@ -49,7 +49,7 @@ def plan_for_sizes(design: Design, sizes: Floats, edge_mm: float | None = None) 
     if not math.isclose(sx, sy):
         raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y", [sx, sy])
     spacing = design.lattice.spacing_mm
-    graded = design.has_graded_mesh and aligned_lines(design.lattice) is not None
+    graded = design.graded_meshes and aligned_lines(design.lattice) is not None
     own = min(design.usual_edge_mm, spacing * MAX_GRADED_EDGE_SPACINGS) if graded else spacing / EDGES_PER_SPACING
     edge = edge_mm or max(round(own, 4), MIN_CELL_EDGE_MM)
     nodes = {axis.nodes_key: _nodes(axis, column, spacing) for axis, column in zip(AXES, sizes.T, strict=True)}

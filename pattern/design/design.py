@@ -100,7 +100,7 @@ class MeshChoice(Section):
         mesh, always have one: 2 mm by default.
     kind : aligned with the lattice, Delaunay, or aligned where possible (`auto`).
     seed : of the Delaunay mesh.
-    graded : finer at the arms and their tips; by default all meshes but those of the paper's hinges are.
+    graded : finer at the arms and their tips; by default aligned meshes are, but those of the paper's hinges.
     """
 
     tolerance_percent: Number = Field(1.0, ge=0.02, le=20)
@@ -229,9 +229,11 @@ class Design(Section):
         return self.mesh_edge_mm or self.lattice.spacing_mm / USUAL_EDGES_PER_SPACING
 
     @property
-    def has_graded_mesh(self) -> bool:
-        """Whether the mesh is finer at the arms and their tips."""
-        return not self.fabric.bending_follows_mesh if self.mesh.graded is None else self.mesh.graded
+    def graded_meshes(self) -> bool | Literal["aligned"]:
+        """Whether meshes are finer at the arms and their tips; by default those of a plate, where they are aligned."""
+        if self.mesh.graded is not None:
+            return self.mesh.graded
+        return False if self.fabric.bending_follows_mesh else "aligned"
 
     @property
     def law_file(self) -> str | None:

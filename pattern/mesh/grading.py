@@ -16,8 +16,8 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import cross_2d
 from asterism.pattern.layout.layout import Layout
 
-GRADED_EDGE_FACTOR = 0.15  # edge at an arm or a tip over the edge far from both
-REACH_SPACINGS = 0.1  # distance from the arms, in spacings, at which edges have their full length
+GRADED_EDGE_FACTOR = 0.3  # edge at an arm or a tip over the edge far from both
+REACH_SPACINGS = 0.25  # distance from the arms, in spacings, at which edges have their full length
 ARM_SAMPLES_A_SPACING = 200  # sample points of an arm on one spacing
 # least weight of a spring: diagonals of squares have none of their own
 MIN_SPRING_WEIGHT = 0.05

@@ -15,11 +15,16 @@ MeshKind = Literal["auto", "aligned", "delaunay"]
 
 
 def mesh_layout(
-    layout: Layout, edge_mm: float, kind: MeshKind = "auto", seed: int = 0, graded: bool = False, draft: bool = False
+    layout: Layout,
+    edge_mm: float,
+    kind: MeshKind = "auto",
+    seed: int = 0,
+    graded: bool | Literal["aligned"] = False,
+    draft: bool = False,
 ) -> Mesh:
     """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
 
-    `graded`: finer at the arms and their tips, with as many triangles.
+    `graded`: finer at the arms and their tips, with as many triangles; "aligned" only where the mesh is aligned.
     `draft`: good enough to look at, and faster; triangles may be flatter where features or the outline are close.
     """
     if kind not in ("auto", "aligned", "delaunay"):
@@ -29,7 +34,7 @@ def mesh_layout(
     if kind == "aligned" and layout.holes:
         raise MeshError("mesh.kind = 'aligned': sheets with holes have none; delaunay and auto mesh every sheet")
     mesh = _even_mesh(layout, edge_mm, kind, seed, draft)
-    return graded_mesh(mesh, layout, edge_mm) if graded else mesh
+    return graded_mesh(mesh, layout, edge_mm) if graded in (True, mesh.kind) else mesh
 
 
 def _even_mesh(layout: Layout, edge_mm: float, kind: MeshKind, seed: int, draft: bool) -> Mesh:

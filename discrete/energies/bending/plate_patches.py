@@ -22,8 +22,9 @@ from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 
-# 1: squared second derivatives for unit heights times squared area; equilateral triangles have 1
-MAX_CURVATURE_GAIN = 4.0
+# 1: squared second derivatives for unit heights times squared area, once an affine map has made the triangle
+# equilateral; affine images of equilateral meshes have 1, so that thin triangles beside arms keep their neighbours
+MAX_CURVATURE_GAIN = 10.0
 # 1: determinant of the products at the three vertices; below it the six vertices lie on a conic
 MIN_DETERMINANT = 1e-9
 _NONE = np.empty((0, 3), dtype=np.int64)
@@ -81,7 +82,7 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
     first, area = triangle_gradients(points, triangles), triangle_areas(points, triangles)
     products = _products(first)
     extra = _apexes(all_triangles)[: len(triangles)]
-    second, gain = _second_derivatives(points, triangles, first, products, area, np.where(extra < 0, 0, extra))
+    second, gain = _second_derivatives(points, triangles, first, products, np.where(extra < 0, 0, extra))
     gain[(extra < 0).any(axis=1)] = np.inf
     neighbours = _vertex_neighbours(all_triangles)
     pending = {t: _candidates(triangles[t], extra[t], neighbours) for t in np.flatnonzero(~(gain < MAX_CURVATURE_GAIN))}
@@ -90,9 +91,7 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
         if any(choices is _NONE for choices in tried):
             raise MeshError("the plate needs six vertices around every triangle: mesh.edge_mm must be smaller")
         owner, candidates = np.repeat(list(pending), [len(each) for each in tried]), np.concatenate(tried)
-        derivatives, gains = _second_derivatives(
-            points, triangles[owner], first[owner], products[owner], area[owner], candidates
-        )
+        derivatives, gains = _second_derivatives(points, triangles[owner], first[owner], products[owner], candidates)
         # the best of each triangle; where all are on conics, it tries its next candidates
         order = np.lexsort((gains.round(9), owner))  # rounding does not decide between mirror images
         best = order[np.unique(owner[order], return_index=True)[1]]
@@ -123,7 +122,7 @@ def _barycentric(points: Array, triangles: Array, first: Array, extra: Array) ->
 
 
 def _second_derivatives(
-    points: Array, triangles: Array, first: Array, products: Array, area: Array, extra: Array
+    points: Array, triangles: Array, first: Array, products: Array, extra: Array
 ) -> tuple[Array, Array]:
     """Second derivatives (T, 3, 3) for unit heights of the extra vertices, and gain (T,); infinite on a conic."""
     weight = _barycentric(points, triangles, first, extra)
@@ -133,7 +132,11 @@ def _second_derivatives(
     determinant = (value[:, 0] * cofactors[:, 0]).sum(axis=1)
     regular = np.abs(determinant) > MIN_DETERMINANT
     second = cofactors @ products / np.where(regular, determinant, 1.0)[:, None, None]
-    gain = (second**2 @ np.array([1.0, 2.0, 1.0])).sum(axis=1) * area**2
+    # second derivatives along the three sides
+    side = np.roll(points[triangles], -1, axis=1) - points[triangles]
+    square = np.stack([side[..., 0] ** 2, 2.0 * side[..., 0] * side[..., 1], side[..., 1] ** 2], axis=-1)
+    along = np.einsum("tqa,tja->tqj", second, square)
+    gain = ((along**2).sum(axis=2) / 4.0 - along.sum(axis=2) ** 2 / 24.0).sum(axis=1)
     gain[~regular] = np.inf
     return second, gain
 

@@ -42,6 +42,12 @@ def model(kind: type[DiscreteModel], *args: object, **more: object) -> DiscreteM
     return kind(plan, printed, mesh_layout(printed, plan.mesh.edge_mm, plan.mesh.kind, plan.mesh.seed))
 
 
+def contact_search(sheet: DiscreteModel) -> SharedSearch:
+    """All meshes of a sheet that does not pass through itself."""
+    design = Design.from_dict(sheet.design.to_dict() | {"solver": {"contact": True}})
+    return SharedSearch(Ladder(design, sheet.layout))
+
+
 def folded(sheet: DiscreteModel, gap: float, noise: float = 0.01) -> State:
     """The released sheet folded along x = 0 over a half circle of diameter `gap`, with noise."""
     x, y = sheet.mesh.points.T / sheet.design.fabric.stretch_xy[0]
@@ -238,7 +244,7 @@ def test_a_second_run_gives_the_same_digits() -> None:
 def test_finer_meshes_have_no_intersections() -> None:
     sheet = model(ContactModel, 2, edge=1.5)
     assert isinstance(sheet, ContactModel)
-    found, levels = solve_on_meshes(SharedSearch(Ladder(sheet.design, sheet.layout)))
+    found, levels = solve_on_meshes(contact_search(sheet))
     assert len(levels) == 3 and found.is_minimum
     assert self_intersections(found.state.positions, sheet.mesh.triangles) == 0
 
@@ -314,7 +320,7 @@ def test_a_start_that_intersects_itself_is_not_used() -> None:
     flat = sheet.flat_state()
     with pytest.raises(ValueError, match="passes through itself"):
         solve_on_mesh(sheet, moved_state(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
-    searches = [SharedSearch(Ladder(sheet.design, sheet.layout)) for _ in range(2)]
+    searches = [contact_search(sheet) for _ in range(2)]
     near, alone = (solve_on_meshes(each, near=start)[0] for each, start in zip(searches, (crossed, None), strict=True))
     assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
 

@@ -16,6 +16,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.records.exact import mesh_error_in_words
 from asterism.shape.comparison import compare_shapes
 
@@ -99,7 +100,7 @@ def test_the_search_ends_within_its_tolerance_and_the_error_is_as_stated() -> No
         assert mesh_error_in_words(s) == f"about {s['mesh_error_percent']:.1f} % of the diameter"
         assert s["levels"][0]["change_percent"] is None and s["levels"][-1]["change_percent"] > 0.0
     assert coarse.summary["vertices"] < fine.summary["vertices"]
-    distance = compare_shapes(fine, coarse, plan).rms_percent
+    distance = compare_shapes(fine, coarse, plan, symmetries(plate_sheet(), plan)).rms_percent
     assert distance < coarse.summary["mesh_error_percent"] + fine.summary["mesh_error_percent"]
 
 
