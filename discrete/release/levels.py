@@ -10,11 +10,14 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.contact_model import ContactModel, is_intersection_free
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import Report, prefixed_report
+from asterism.discrete.release.extrapolation import extrapolate
 from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.mesh_error import change_percent, mesh_error
 from asterism.discrete.release.prolongation import fit_to_surface, prolong, prolong_linearly
@@ -72,7 +75,8 @@ def solve_through_levels(
             break
         model, fine = ladder.models[len(ends) - 1 : len(ends) + 1]
         begun = time.perf_counter()
-        state = _prolonged(model, ends[-1].state, fine, start)
+        before = (ladder.models[len(ends) - 2], ends[-2].state) if len(ends) > 1 else None
+        state = _prolonged(model, ends[-1].state, fine, start, before)
         prepared = time.perf_counter() - begun
         last = ladder.tolerance_percent is None and not ladder.finer_than(len(ends))
         equilibrium = solve_on_mesh(fine, state, seed, backend, _named(report, fine), not last)
@@ -140,11 +144,26 @@ def _level(model: DiscreteModel, end: Equilibrium, seconds: dict[str, float], ch
     return MeshLevel(model.n_vertices, end.iterations, end.factorisations, seconds, change)
 
 
-def _prolonged(coarse: DiscreteModel, state: State, fine: DiscreteModel, start: StartKind) -> State | StartKind:
-    """The state on the fine mesh. With contact, one that would intersect itself there is replaced by the start."""
+def _prolonged(
+    coarse: DiscreteModel,
+    state: State,
+    fine: DiscreteModel,
+    start: StartKind,
+    before: tuple[DiscreteModel, State] | None,
+) -> State | StartKind:
+    """The state on the fine mesh; with the paper's hinges extrapolated from the meshes `before` and `coarse`.
+
+    With contact, a state that would intersect itself there is replaced by the start.
+    """
     if isinstance(fine, ContactModel):
         return _prolong_without_intersection(coarse, state, fine) or start
-    return prolong(coarse, state, fine)
+    state_on_fine = prolong(coarse, state, fine)
+    if before is None or not fine.design.fabric.bending_follows_mesh:
+        return state_on_fine
+    # the change is proportional to the edge length; extrapolate at most as far as the last change
+    edges = [1.0 / np.sqrt(m.n_vertices) for m in (before[0], coarse, fine)]
+    share = min((edges[1] - edges[2]) / (edges[0] - edges[1]), 1.0)
+    return extrapolate(fine, prolong(*before, fine), state_on_fine, share)
 
 
 def _prolong_without_intersection(coarse: DiscreteModel, state: State, fine: ContactModel) -> State | None:

@@ -1,0 +1,83 @@
+"""Extrapolation of the shape on a finer mesh from two coarser ones: rotations continue."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State, rotate_vectors
+from asterism.discrete.release.extrapolation import extrapolate, rotation_vectors
+from asterism.discrete.release.ladder import Ladder
+from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.prolongation import plastic_normals
+from asterism.discrete.release.shared_search import SharedSearch
+from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
+from tests.distances import rms_distance
+
+
+def model(edge: float = 2.5, **changes: object) -> DiscreteModel:
+    data = gallery.load("tube").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": edge}}
+    design = Design.from_dict(data | changes)
+    plan = layout(design)
+    return DiscreteModel(design, plan, mesh_layout(plan, edge))
+
+
+def rolled(m: DiscreteModel, radius: float) -> State:
+    x, y = m.mesh.points.T
+    positions = np.column_stack([x, radius * np.sin(y / radius), radius * np.cos(y / radius)])
+    return State(positions, plastic_normals(m, positions))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_a_tube_continues_to_close_at_the_same_rate(share: float) -> None:
+    """From curvature 1/40 to 1/25, and on by a share of the difference, for any rigid motion of the sheet."""
+    m = model()
+    before, state = rolled(m, 40.0), rolled(m, 25.0)
+    spin = np.array([[0.5, -1.2, 0.8]])
+    lies = State(rotate_vectors(spin, before.positions[None])[0] + 7.0, rotate_vectors(spin, before.directors[None])[0])
+    found = extrapolate(m, lies, state, share)
+    expected = rolled(m, 1.0 / (1.0 / 25.0 + share * (1.0 / 25.0 - 1.0 / 40.0)))
+    apart = found.positions - expected.positions
+    apart -= apart.mean(axis=0)
+    # flat triangles on a cylinder, each rotated as a whole
+    assert np.sqrt((apart**2).sum(axis=1).mean()) < 0.05
+
+
+def test_held_vertices_stay() -> None:
+    m = model(pins=[{"where": "border", "scale": 0.8}])
+    held = m.constraints.held
+    found = extrapolate(m, rolled(m, 40.0), rolled(m, 25.0), 0.7)
+    np.testing.assert_array_equal(found.positions[held], rolled(m, 25.0).positions[held])
+
+
+def test_rotation_vectors_invert_the_exponential() -> None:
+    rng = np.random.default_rng(0)
+    spin = rng.normal(size=(20, 3))
+    spin *= (np.linspace(0.0, 3.0, 20) / np.linalg.norm(spin, axis=1))[:, None]
+    before = np.eye(3) + 0.2 * rng.normal(size=(20, 3, 3))
+    after = rotate_vectors(spin, before.transpose(0, 2, 1)).transpose(0, 2, 1)
+    np.testing.assert_allclose(rotation_vectors(before, after), spin, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A soft sheet, which changes from mesh to mesh while its creases are not resolved."""
+    starts: list[tuple[DiscreteModel, State, State]] = []
+
+    def noted(m: DiscreteModel, before: State, state: State, share: float) -> State:
+        starts.append((m, state, extrapolate(m, before, state, share)))
+        return starts[-1][2]
+
+    monkeypatch.setattr("asterism.discrete.release.levels.extrapolate", noted)
+    monkeypatch.setattr("asterism.discrete.release.ladder.COARSE_VERTICES", 250)
+    fine = model(17.3205 / 16)
+    search = SharedSearch(Ladder(fine.design, fine.layout))
+    found, levels = solve_on_meshes(search)
+    assert found.is_minimum and len(levels) == 4 and len(starts) == 2
+    for (_, without, start), end in zip(starts, search.ends[2:], strict=True):
+        found_at = end.state.positions
+        assert rms_distance(start.positions, found_at) < 0.8 * rms_distance(without.positions, found_at)
