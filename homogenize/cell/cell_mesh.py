@@ -40,7 +40,7 @@ def cell_mesh(
         directions = on_lines if length else on_lines[:0]
         lengths = np.full(len(directions), length)
         return aligned_cell_mesh(
-            vectors, directions, lengths, edge_mm, repeat, segments, surrounded, design.graded_meshes
+            vectors, directions, lengths, edge_mm, repeat, segments, surrounded, bool(design.graded_meshes)
         )
     if design.mesh.graded:
         raise MeshError(GRADED_OFF_LINES)

@@ -10,7 +10,7 @@ import pytest
 from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.state import State
 from asterism.discrete.release.ladder import EDGE_RATIO, Ladder, model_on
-from asterism.discrete.release.mesh_error import change_percent, mesh_error
+from asterism.discrete.release.mesh_error import ORDER, change_percent, mesh_error
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -30,15 +30,17 @@ def plate_sheet(**mesh: object) -> Design:
 
 
 @pytest.mark.parametrize("ratio", [1.3, EDGE_RATIO, 2.0])
-def test_errors_proportional_to_the_edge_are_found(ratio: float) -> None:
+def test_errors_of_the_assumed_order_are_found(ratio: float) -> None:
     vertices = [round(500 * ratio ** (2 * n)) for n in range(3)]
-    errors = 100.0 / np.sqrt(vertices)
+    errors = 100.0 * np.array(vertices) ** (-0.5 * ORDER)
     found = mesh_error(vertices, [None, *-np.diff(errors)])
     assert found.percent == pytest.approx(errors[-1], rel=1e-2) and not found.forms_differ
 
 
 def test_an_accidental_agreement_of_two_meshes_is_not_taken_for_a_small_error() -> None:
-    steady, lucky = (mesh_error([500, 1000, 2000], [None, 2.0, last]).percent for last in (1.4, 0.01))
+    steady, lucky = (
+        mesh_error([500, 1000, 2000], [None, 2.0, last]).percent for last in (2.0 * EDGE_RATIO**-ORDER, 0.01)
+    )
     assert steady is not None and lucky == pytest.approx(steady, rel=0.05)
 
 
@@ -46,7 +48,7 @@ def test_forms_that_differ_have_no_error() -> None:
     found = mesh_error([500, 1000, 2000], [None, 0.5, 12.0])
     assert found.forms_differ and found.percent is None and found.change_percent == 12.0
     # once two meshes agree again, the change of form before them does not count
-    assert mesh_error([500, 1000, 2000], [None, 12.0, 0.4]).percent == pytest.approx(0.4 / (EDGE_RATIO - 1.0))
+    assert mesh_error([500, 1000, 2000], [None, 12.0, 0.4]).percent == pytest.approx(0.4 / (EDGE_RATIO**ORDER - 1.0))
 
 
 def test_one_mesh_has_no_error() -> None:
@@ -91,10 +93,10 @@ def test_the_ladder_makes_finer_meshes_when_they_are_needed() -> None:
 
 @pytest.mark.slow
 def test_the_search_ends_within_its_tolerance_and_the_error_is_as_stated() -> None:
-    fine = exact_shape(plate_sheet(tolerance_percent=0.5))
+    fine = exact_shape(plate_sheet(tolerance_percent=0.1))
     coarse = exact_shape(plate_sheet(tolerance_percent=3.0))
     plan = print_layout(plate_sheet())
-    for shape, tolerance in ((fine, 0.5), (coarse, 3.0)):
+    for shape, tolerance in ((fine, 0.1), (coarse, 3.0)):
         s = shape.summary
         assert s["is_minimum"] and s["mesh_error_percent"] <= s["mesh_tolerance_percent"] == tolerance
         assert mesh_error_in_words(s) == f"about {s['mesh_error_percent']:.1f} % of the diameter"
