@@ -97,10 +97,10 @@ class MeshChoice(Section):
     ----------
     tolerance_percent : meshes are refined until the estimated error of the shape is within this part of the diameter.
     edge_mm : length of the edges, of one mesh in place of a tolerance. The paper's hinges, whose stiffness follows the
-        mesh, always have one: 2 mm by default.
+        mesh, and a fabric without bending always have one: 2 mm by default.
     kind : aligned with the lattice, Delaunay, or aligned where possible (`auto`).
     seed : of the Delaunay mesh.
-    graded : finer at the arms and their tips; by default aligned meshes are, but those of the paper's hinges.
+    graded : finer at the arms and their tips; by default the aligned meshes of a plate are.
     """
 
     tolerance_percent: Number = Field(1.0, ge=0.02, le=20)
@@ -219,7 +219,7 @@ class Design(Section):
         >>> hinges.mesh_edge_mm, plate.mesh_edge_mm, round(plate.usual_edge_mm, 3)
         (2.0, None, 1.925)
         """
-        if self.mesh.edge_mm is None and self.fabric.bending_follows_mesh:
+        if self.mesh.edge_mm is None and not self.fabric.bends_as_plate:
             return HINGE_EDGE_MM
         return self.mesh.edge_mm
 
@@ -233,7 +233,7 @@ class Design(Section):
         """Whether meshes are finer at the arms and their tips; by default those of a plate, where they are aligned."""
         if self.mesh.graded is not None:
             return self.mesh.graded
-        return False if self.fabric.bending_follows_mesh else "aligned"
+        return "aligned" if self.fabric.bends_as_plate else False
 
     @property
     def law_file(self) -> str | None:

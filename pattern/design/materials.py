@@ -106,6 +106,11 @@ class Fabric(Section):
         return BendingStiffness.isotropic(3.0 * of_thickness, HINGES_POISSON)
 
     @property
+    def bends_as_plate(self) -> bool:
+        """The fabric bends like a plate, whose shape does not depend on the mesh."""
+        return self.has_bending and not self.bending_follows_mesh
+
+    @property
     def bending_follows_mesh(self) -> bool:
         """The bending stiffness depends on the mesh, so the mesh must be even."""
         return self.bending == "paper"

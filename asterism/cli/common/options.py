@@ -146,8 +146,8 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
     try:
         new = Design.from_dict(data)
         if "--tolerance" in given and new.mesh_edge_mm is not None:
-            hinges = "the stiffness of the paper's hinges follows the mesh; --edge sets it"
-            raise Mistake(f"--tolerance: not for fabric.bending = {new.fabric.bending!r}: {hinges}")
+            plates = "plate and consistent have one; --edge sets the mesh of others"
+            raise Mistake(f"--tolerance: not for fabric.bending = {new.fabric.bending!r}: {plates}")
         print_layout(new)
     except DesignError as error:
         for option, (field, _) in given.items():
