@@ -17,7 +17,7 @@ from asterism.discrete.release.continuation import Report
 from asterism.discrete.release.forms import find_minima, stars_off_branch
 from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.mesh_error import mesh_error
+from asterism.discrete.release.mesh_error import error_of_levels
 from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread
@@ -92,7 +92,7 @@ def exact_shape(
     if design.solver.contact:
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
-    search = shared or SharedSearch(Ladder(design, plan, edge_mm))
+    search = shared or shared_search(design, plan, edge_mm)
     ladder = search.ladder
     stars, rods = f"{len(plan.centres)} stars", f"{len(plan.drawn_rods)} rods"
     printed = " and ".join([*([stars] if plan.has_stars else []), *([rods] if plan.drawn_rods else [])])
@@ -108,19 +108,17 @@ def exact_shape(
             report=report,
             near=near.at if near else None,
         )
-        number = len(levels) - 1
-        minima = one_minimum(ladder.models[number], equilibrium, near is not None)
+        minima = one_minimum(ladder.models[len(levels) - 1], equilibrium, near is not None)
         if search.joined_at:
             minima["joined_at_vertices"] = search.joined_at
         spent = time.perf_counter() - start
-        return _shape(ladder, number, equilibrium, levels, before | equilibrium.seconds, spent, minima)
+        return _shape(ladder, equilibrium, levels, before | equilibrium.seconds, spent, minima)
     all_minima = find_minima(ladder, starts, seed=solver.seed, backend=backend, report=report)
     minima = many_minima(all_minima, starts)
     spent = time.perf_counter() - start
     best, *others = (
         _shape(
             ladder,
-            len(branch.levels) - 1,
             branch.equilibrium,
             list(branch.levels),
             before | branch.equilibrium.seconds,
@@ -132,9 +130,9 @@ def exact_shape(
     return replace(best, others=tuple(others))
 
 
-def shared_search(design: Design, plan: Layout) -> SharedSearch:
-    """A search of several starts on the same meshes, for `exact_shape`."""
-    return SharedSearch(Ladder(design, plan))
+def shared_search(design: Design, plan: Layout, edge_mm: float | None = None) -> SharedSearch:
+    """A search of one or several starts on the same meshes, for `exact_shape`; `edge_mm` as there."""
+    return SharedSearch(Ladder(design, plan, edge_mm))
 
 
 def _meshes(ladder: Ladder) -> str:
@@ -147,13 +145,13 @@ def _meshes(ladder: Ladder) -> str:
 
 def _shape(
     ladder: Ladder,
-    number: int,
     equilibrium: Equilibrium,
     levels: list[MeshLevel],
     seconds: dict[str, float],
     wall: float,
     minima: dict[str, Any],
 ) -> Shape:
+    number = len(levels) - 1
     model = ladder.models[number]
     mesh, positions = model.mesh, _grounded(model, equilibrium.state.positions)
     star = np.full(len(mesh.points), -1, dtype=np.int64)
@@ -221,7 +219,7 @@ def _record(
     minima: dict[str, Any],
 ) -> ExactRecord:
     number, axis = model.layout.star_number, roll_axis_deg(model, equilibrium.state)
-    error = mesh_error([level.vertices for level in levels], [level.change_percent for level in levels])
+    error = error_of_levels(levels)
     follows_mesh = model.design.fabric.bending_follows_mesh
     clearance = needle_clearance(model.layout, shape)
     record = ExactRecord(

@@ -37,6 +37,16 @@ def volumetric_derivatives(p, log_j):  # type: ignore[no-untyped-def]
 
 
 @formula
+def negative_stress(p, s11, s12, s22):  # type: ignore[no-untyped-def]
+    """Components 11, 12, 22 of the negative part of a stress: by its eigenvalues, a linear polynomial of the stress."""
+    mean, half = 0.5 * (s11 + s22), np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
+    low, high = np.minimum(mean - half, 0.0), np.minimum(mean + half, 0.0)
+    slope = (high - low) / (2.0 * half + 1e-30 * (p[6] + half))
+    shift = low - slope * (mean - half)
+    return slope * s11 + shift, slope * s12, slope * s22 + shift
+
+
+@formula
 def strain_energy(p, c11, c22, log_j):  # type: ignore[no-untyped-def]
     """W times the rest volume V, in N mm; p[6:10] = (mu V, alpha V, lam V, beta V)."""
     return (
@@ -83,13 +93,7 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     n = multiply(1.0 / j, cross(f1, f2))
     g1 = combine(c22 / det, f1, -c12 / det, f2)
     g2 = combine(c11 / det, f2, -c12 / det, f1)
-    # eigenvalues of the stress; its negative part is a linear polynomial of the stress
-    s11, s12, s22 = p[6] + a * c22 / det, -a * c12 / det, p[6] + a * c11 / det
-    mean, half = 0.5 * (s11 + s22), np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
-    low, high = np.minimum(mean - half, 0.0), np.minimum(mean + half, 0.0)
-    slope = (high - low) / (2.0 * half + 1e-30 * (p[6] + half))
-    shift = low - slope * (mean - half)
-    n11, n12, n22 = slope * s11 + shift, slope * s12, slope * s22 + shift
+    n11, n12, n22 = negative_stress(p, p[6] + a * c22 / det, -a * c12 / det, p[6] + a * c11 / det)
     # polar rotation F U^-1, U = (C + J I)/sqrt(tr C + 2 J), and the spin mode n x R b_i
     root = np.sqrt(c11 + c22 + 2.0 * j)
     u11, u12, u22 = (c11 + j) / root, c12 / root, (c22 + j) / root

@@ -22,7 +22,7 @@ import numpy as np
 
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, dot, formula, point, sweep
-from asterism.discrete.energies.membrane import membrane_params, strain_energy, volumetric_derivatives
+from asterism.discrete.energies.membrane import membrane_params, negative_stress, strain_energy, volumetric_derivatives
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.geometry.planar import triangle_areas
 
@@ -104,13 +104,8 @@ def side_membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     a, a_prime = volumetric_derivatives(p, log_j)
     i11, i12, i22 = c22 / det, -c12 / det, c11 / det
     s11, s12, s22 = p[6] + a * i11, a * i12, p[6] + a * i22
-    # the negative part of the stress is a linear polynomial of the stress
-    mean, half = 0.5 * (s11 + s22), np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
-    low, high = np.minimum(mean - half, 0.0), np.minimum(mean + half, 0.0)
-    slope = (high - low) / (2.0 * half + 1e-30 * (p[6] + half))
-    shift = low - slope * (mean - half)
-    s11, s22 = s11 - blend * (slope * s11 + shift), s22 - blend * (slope * s22 + shift)
-    s12 = s12 - blend * slope * s12
+    n11, n12, n22 = negative_stress(p, s11, s12, s22)
+    s11, s12, s22 = s11 - blend * n11, s12 - blend * n12, s22 - blend * n22
     # stiffness of the law by E11, 2 E12 and E22
     shear = a - blend * np.maximum(a, 0.0)
     both = a_prime - 2.0 * shear

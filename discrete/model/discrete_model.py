@@ -131,15 +131,12 @@ class DiscreteModel(System):
         edges = self.network.edges
         n_turns = len(edges) + 3 * len(self.joints.vertices)
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(n_turns, dtype=bool)])
-        parts = self._fabric(bending_mesh or BendingMesh(mesh.triangles, mesh.points)) | self._rods()
+        parts = fabric_energies(design.fabric, bending_mesh or BendingMesh(mesh.triangles, mesh.points)) | self._rods()
         super().__init__(parts, len(mesh.points), edges, held, joint_vertices=self.joints.vertices)
         self.load_datum = self.constraints.mean_support
         self._weight = self._dead_load()
         self.set_release(1.0)
         self._reconstruction: Reconstruction | None = None
-
-    def _fabric(self, bending_mesh: BendingMesh) -> dict[str, Elements]:
-        return fabric_energies(self.design.fabric, bending_mesh)
 
     def _rods(self) -> dict[str, Elements]:
         net, points, plastic = self.network, self.mesh.points, self.design.plastic

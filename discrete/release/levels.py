@@ -19,7 +19,7 @@ from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import Report, prefixed_report
 from asterism.discrete.release.extrapolation import extrapolate
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.mesh_error import change_percent, mesh_error
+from asterism.discrete.release.mesh_error import change_percent, error_of_levels
 from asterism.discrete.release.prolongation import fit_to_surface, prolong, prolong_linearly
 from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
 from asterism.discrete.release.single_mesh import StartKind, solve_on_mesh
@@ -91,15 +91,11 @@ def solve_through_levels(
         search.ends, search.levels = ends, levels
     elif len(ends) < len(search.ends):
         ends[-1], levels, path = search.joined(levels, path)
-    stages: dict[str, float] = {}
-    for level in levels:
-        for stage, spent in level.seconds.items():
-            stages[stage] = stages.get(stage, 0.0) + spent
     total = replace(
         ends[-1],
         iterations=sum(level.iterations for level in levels),
         factorisations=sum(level.factorisations for level in levels),
-        seconds=stages,
+        seconds=_added(*(level.seconds for level in levels)),
         path=path,
     )
     return total, levels
@@ -111,7 +107,7 @@ def _goes_on(search: SharedSearch, levels: list[MeshLevel]) -> bool:
     if search.ends:
         return len(levels) < len(search.ends)
     if ladder.tolerance_percent is not None:
-        error = mesh_error([level.vertices for level in levels], [level.change_percent for level in levels]).percent
+        error = error_of_levels(levels).percent
         if error is not None and error <= ladder.tolerance_percent:
             return False
     return ladder.finer_than(number)
@@ -124,16 +120,22 @@ def _certified(
     number, loose, level = len(ends) - 1, ends[-1], levels[-1]
     model = ladder.models[number]
     end = solve_on_mesh(model, loose.state, seed, backend, _named(report, model))
-    seconds = dict(level.seconds)
-    for stage, spent in end.seconds.items():
-        seconds[stage] = seconds.get(stage, 0.0) + spent
     return end, replace(
         level,
         iterations=level.iterations + end.iterations,
         factorisations=level.factorisations + end.factorisations,
-        seconds=seconds,
-        change_percent=change_percent(ladder.models[number - 1], ends[-2], model, end) if number else None,
+        seconds=_added(level.seconds, end.seconds),
+        change_percent=change_percent(ladder.models[number - 1], ends[-2], model, end),
     )
+
+
+def _added(*each: dict[str, float]) -> dict[str, float]:
+    """The sums of seconds by stage."""
+    total: dict[str, float] = {}
+    for seconds in each:
+        for stage, spent in seconds.items():
+            total[stage] = total.get(stage, 0.0) + spent
+    return total
 
 
 def _named(report: Report | None, model: DiscreteModel) -> Report | None:

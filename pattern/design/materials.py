@@ -70,7 +70,7 @@ class Fabric(Section):
     def _measured_bending(self) -> Self:
         if self.bending_stiffness_n_mm is None:
             return self
-        if self.bending not in ("plate", "consistent"):
+        if not self.bends_as_plate:
             message = 'needs fabric.bending = "plate": other bending energies have no stiffness of their own'
             raise DesignError("bending_stiffness_n_mm", message, self.bending_stiffness_n_mm)
         if "modulus_mpa" not in self.model_fields_set:

@@ -16,11 +16,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.geometry.planar import (
-    STRAIGHT_TURN_RAD,
-    triangle_angles,
-    triangle_areas,
-)
+from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, triangle_angles, triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.grading import (
     MAX_ROUNDS,
@@ -37,7 +33,7 @@ from asterism.pattern.mesh.mesh import Mesh
 MIN_GRADED_ANGLE_DEG = 12.0
 MIN_KEPT_ANGLE = 0.75
 # edges near triangles that would be flatter keep this part of their even length at the next try; at 1, vertices stay
-EASED = (0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+EASED = (0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 # where edges are shorter than this part of the wished ones, the even mesh is already fine
 FINE_EDGE_FACTOR = 0.75
 # rounds at whose start the springs are factored; later, their stiffness changes little
@@ -50,7 +46,7 @@ def graded_mesh(mesh: Mesh, layout: Layout, edge_mm: float) -> Mesh:
     angles = triangle_angles(mesh.points, mesh.triangles).min(axis=1)
     enough = np.minimum(MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE * angles)
     points, eased = mesh.points, np.zeros(len(mesh.points))
-    for rings, ease in enumerate((*EASED, 1.0), start=1):
+    for rings, ease in enumerate(EASED, start=1):
         points = even.graded(points, eased)
         angles = triangle_angles(points, mesh.triangles).min(axis=1)
         flat = (angles < enough) | (triangle_areas(points, mesh.triangles) <= 0.0)

@@ -49,18 +49,23 @@ def rotation(rng: np.random.Generator) -> Array:
     return q if np.linalg.det(q) > 0.0 else -q
 
 
-def membrane(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
-    """Triangles strained at random; `bent`: turned by more than 90 degrees and squeezed to a third."""
-    triangles = np.arange(3 * COUNT).reshape(COUNT, 3)
-    rest = np.tile([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1]], (COUNT, 1)) + 0.2 * rng.normal(size=(3 * COUNT, 2))
+def strained(rng: np.random.Generator, rest: Array, bent: bool) -> State:
+    """A rest shape (V, 2) strained at random; `bent`: turned by more than 90 degrees and squeezed to a third."""
     flat = np.column_stack([rest, np.zeros(len(rest))])
     if bent:
         turn = np.diag([1.0, -1.0, -1.0]) @ rotation(rng)
         positions = flat * [0.4, 0.8, 1.0] @ turn.T + 0.05 * rng.normal(size=flat.shape)
     else:
         positions = 1.2 * flat + 0.15 * rng.normal(size=flat.shape)
+    return State(positions, np.zeros((0, 3)))
+
+
+def membrane(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
+    """Triangles as `strained`."""
+    triangles = np.arange(3 * COUNT).reshape(COUNT, 3)
+    rest = np.tile([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1]], (COUNT, 1)) + 0.2 * rng.normal(size=(3 * COUNT, 2))
     elements = Membrane(triangles, rest, 0.8, 7.0, 0.3, incompressible)
-    return Sample(elements, State(positions, np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
+    return Sample(elements, strained(rng, rest, bent), np.zeros((0, 2), dtype=int))
 
 
 def incompressible_membrane(rng: np.random.Generator, bent: bool) -> Sample:
@@ -69,17 +74,11 @@ def incompressible_membrane(rng: np.random.Generator, bent: bool) -> Sample:
 
 
 def sides(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
-    """Pairs of triangles strained at random; `bent`: turned by more than 90 degrees and squeezed to a third."""
+    """Pairs of triangles as `strained`."""
     corners = np.array([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1], [0.8, -0.9]])
     rest = np.tile(corners, (COUNT, 1)) + 0.15 * rng.normal(size=(4 * COUNT, 2))
-    flat = np.column_stack([rest, np.zeros(len(rest))])
-    if bent:
-        turn = np.diag([1.0, -1.0, -1.0]) @ rotation(rng)
-        positions = flat * [0.4, 0.8, 1.0] @ turn.T + 0.05 * rng.normal(size=flat.shape)
-    else:
-        positions = 1.2 * flat + 0.15 * rng.normal(size=flat.shape)
     elements = SideMembrane(np.arange(4 * COUNT).reshape(COUNT, 4), rest, (0.8, 7.0, 0.3, incompressible))
-    return Sample(elements, State(positions, np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
+    return Sample(elements, strained(rng, rest, bent), np.zeros((0, 2), dtype=int))
 
 
 def incompressible_sides(rng: np.random.Generator, bent: bool) -> Sample:
