@@ -144,9 +144,10 @@ def test_triangle_is_called_in_its_guarded_file_only() -> None:
     assert users <= {"pattern/mesh/free/triangulate.py"}
 
 
-def test_the_web_server_is_used_in_the_studio_only() -> None:
+def test_the_web_server_is_used_by_studio_and_hops_only() -> None:
     users = {name(file) for file in SOURCES if {"starlette", "uvicorn", "websockets"} & packages(file)}
-    assert users and all(user.startswith("asterism/studio/") for user in users)
+    homes = ("asterism/studio/", "asterism/hops/", "asterism/process/local_server.py")
+    assert users and all(user.startswith(homes) for user in users)
 
 
 @pytest.mark.parametrize("package", ENGINES)

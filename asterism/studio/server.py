@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import hmac
-import ipaddress
 import mimetypes
 import secrets
-import signal
-import socket
 import tempfile
 import threading
 import webbrowser
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, MutableMapping
-from contextlib import asynccontextmanager, contextmanager, suppress
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
@@ -29,6 +25,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern.drawing.records import MM_OF_UNITS, NoUnitError
+from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_names, serve
 from asterism.studio.child import StartedProcess
 from asterism.studio.drawing import read_drawing
 from asterism.studio.engine_link import EngineLink
@@ -40,9 +37,6 @@ from asterism.studio.studio import Studio
 from asterism.studio.tab import MAX_TABS, Tab
 from asterism.studio.target import read_target
 from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
-
-LOOPBACK = "127.0.0.1"
-
 
 PAGE = Path(__file__).parent / "page"
 # Windows may have other types for these in its registry, and a module of another type is not run.
@@ -56,72 +50,27 @@ PAGE_POLICY = (
 FILE_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 TRY_AGAIN_LATER = 1013
 
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
-
-class Guard:
+class PageGuard(Guard):
     """Lets through what comes from a page of this server, and nothing else.
 
-    A stranger's page in the same browser can send requests to this machine. It does not know the token, it cannot hide
-    its origin, and a name of its own that it points to this machine arrives as the host.
-
-    Parameters
-    ----------
-    hosts : values that the header Host may have, with the port.
+    A stranger's page does not know the token, and cannot hide its origin.
     """
 
     def __init__(self, app: Any, token: str, hosts: frozenset[str]) -> None:
-        self._app, self._token, self._hosts = app, token.encode(), hosts
+        super().__init__(app, hosts, PAGE_POLICY)
+        self._token = token.encode()
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] not in ("http", "websocket"):
-            await self._app(scope, receive, send)
-            return
-        status = self._refusal(scope)
-        if status is None:
-            await self._app(scope, receive, self._with_headers(scope, send))
-        elif scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008})
-        else:
-            await PlainTextResponse("not allowed" if status == 403 else "not found", status)(scope, receive, send)
-
-    def _refusal(self, scope: Scope) -> int | None:
+    def refusal(self, scope: Scope, headers: Mapping[str, str]) -> int | None:
         """The status of a request that is refused; None if it is allowed."""
-        headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
-        if headers.get("host") not in self._hosts:
-            return 403
+        if status := super().refusal(scope, headers):
+            return status
         origin = headers.get("origin")
         needs_origin = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         if (origin is not None or needs_origin) and origin not in {f"http://{host}" for host in self._hosts}:
             return 403
         token = scope["path"].split("/")[1] if scope["path"].startswith("/") else ""
         return None if hmac.compare_digest(token.encode(), self._token) else 404
-
-    @staticmethod
-    def _with_headers(scope: Scope, send: Send) -> Send:
-        if scope["type"] != "http":
-            return send
-
-        async def send_with_headers(message: MutableMapping[str, Any]) -> None:
-            if message["type"] == "http.response.start":
-                given = {name for name, _ in message["headers"]}
-                message["headers"] += [
-                    (name, value)
-                    for name, value in (
-                        (b"content-security-policy", PAGE_POLICY.encode()),
-                        (b"x-content-type-options", b"nosniff"),
-                        (b"referrer-policy", b"no-referrer"),
-                        (b"cross-origin-resource-policy", b"same-origin"),
-                        (b"cache-control", b"no-store"),
-                    )
-                    if name not in given
-                ]
-            await send(message)
-
-        return send_with_headers
 
 
 def _plain_name(name: str) -> str:
@@ -130,8 +79,8 @@ def _plain_name(name: str) -> str:
     return "".join(c for c in last if c.isprintable())[-MAX_NAME_CHARACTERS:]
 
 
-def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
-    """The web application of a studio; `Guard` stands before it."""
+def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
+    """The web application of a studio; `PageGuard` stands before it."""
 
     async def index(request: Request) -> Response:
         return FileResponse(PAGE / "index.html")
@@ -239,27 +188,7 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
         )
     ]
     app = Starlette(routes=routes, lifespan=lifespan, exception_handlers={FileNameError: refused})
-    return Guard(app, token, hosts)
-
-
-class ListenError(Error, ValueError):
-    """An address or a port that the studio cannot use; the message is one line."""
-
-
-class _Server(uvicorn.Server):
-    """Ends on Ctrl-C without raising it again: that is how a studio ends."""
-
-    @contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        if threading.current_thread() is not threading.main_thread():
-            yield
-            return
-        before = {number: signal.signal(number, self.handle_exit) for number in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+    return PageGuard(app, token, hosts)
 
 
 def run_studio(
@@ -292,50 +221,20 @@ def run_studio(
     folder = Path.cwd() if path is None else path.absolute().parent
     studio = Studio(folder, path, partial(EngineLink, first=engine))
     token = secrets.token_urlsafe(24)
-    with _bound(listen, port) as listening:
+    with bound(listen, port) as listening:
         port = listening.getsockname()[1]
-        names = {listen, "localhost", LOOPBACK} if listen == LOOPBACK else {listen}
-        hosts = frozenset(f"[{name}]:{port}" if ":" in name else f"{name}:{port}" for name in names)
-        server = _Server(
-            uvicorn.Config(
-                application(studio, token, hosts),
-                log_level="warning",
-                access_log=False,
-                ws="websockets-sansio",
-                ws_max_size=MAX_REQUEST_BYTES,
-                ws_per_message_deflate=False,
-                # Seconds that open connections have to end after Ctrl-C.
-                timeout_graceful_shutdown=2,
-                lifespan="on",
-                server_header=False,
-            )
-        )
         host = f"[{listen}]" if ":" in listen else listen
         url = f"http://{host}:{port}/{token}/"
         say(f"studio: {url}")
         say("Ctrl-C ends it")
         if opens_browser:
             threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
-        server.run(sockets=[listening])
+        serve(
+            listening,
+            application(studio, token, host_names(listen, port)),
+            ws="websockets-sansio",
+            ws_max_size=MAX_REQUEST_BYTES,
+            ws_per_message_deflate=False,
+        )
     for file in studio.unsaved_work():
         say(f"unsaved work is kept in {file}")
-
-
-@contextmanager
-def _bound(address: str, port: int) -> Iterator[socket.socket]:
-    """A socket that listens at an address and a port."""
-    try:
-        given = ipaddress.ip_address(address)
-    except ValueError:
-        raise ListenError(f"--listen: {address!r} must be an address as {LOOPBACK}") from None
-    if given.is_unspecified:
-        raise ListenError(f"--listen: {address} means all addresses; name the one that the page is reached at")
-    family = socket.AF_INET6 if given.version == 6 else socket.AF_INET
-    with socket.socket(family, socket.SOCK_STREAM) as listening:
-        try:
-            listening.bind((address, port))
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise ListenError(f"cannot listen at {address}, port {port}: {reason}") from None
-        listening.listen()
-        yield listening
