@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error
     from asterism.fitting.fit import Fit, fit
     from asterism.fitting.load_target import load_target
+    from asterism.fitting.sensitivity import sensitivity
     from asterism.fitting.solve_for import solve_for
     from asterism.fitting.solve_needle import solve_for_point
     from asterism.fitting.target import TargetSurface
@@ -89,6 +90,7 @@ _HOMES = {
     "read_shape": ("asterism.shape.read_shape", "read_shape"),
     "report": ("asterism.reports.design_report", "report"),
     "save_design": ("asterism.pattern.design.design", "save_design"),
+    "sensitivity": ("asterism.fitting.sensitivity", "sensitivity"),
     "show": ("asterism.notebook.show", "show"),
     "show_law": ("asterism.laws.show_law", "show_law"),
     "simulate": ("asterism.verification.both_starts", "simulate"),
@@ -132,6 +134,7 @@ __all__ = [
     "read_shape",
     "report",
     "save_design",
+    "sensitivity",
     "show",
     "show_law",
     "simulate",

@@ -28,7 +28,7 @@ ORDER: dict[str, list[list[str]]] = {
         ["reports"],
         ["sweeps"],
         ["studio"],
-        ["notebook"],
+        ["notebook", "hops"],
         ["cli"],
     ],
 }

@@ -12,6 +12,7 @@ from asterism.cli.compare import compare
 from asterism.cli.compare_designs import compare_designs
 from asterism.cli.export import export
 from asterism.cli.fit import fit
+from asterism.cli.hops import hops
 from asterism.cli.materials import materials
 from asterism.cli.new import new
 from asterism.cli.picture import picture
@@ -27,7 +28,7 @@ from asterism.process.version import __version__
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 for function in (
     *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
-    *(compare_designs, materials, report, calibrate),
+    *(compare_designs, materials, report, calibrate, hops),
 ):
     app.command()(function)
 app.add_typer(strips.app, name="strips")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -39,6 +39,21 @@ def shape_record(data: Mapping[str, Any]) -> AnyShapeRecord:
         return data
     kind = PreviewRecord if data.get("model") == PreviewRecord.model_name else ExactRecord
     return kind.from_json(data)
+
+
+class ShapeMesh(NamedTuple):
+    """A sheet in space, in mm, as plain lists.
+
+    Attributes
+    ----------
+    vertices : three coordinates each.
+    faces : three numbers of vertices each, counterclockwise from the plastic side.
+    arms : a polyline for each arm or drawn rod: points from the centre of the star to the tip.
+    """
+
+    vertices: list[list[float]]
+    faces: list[list[int]]
+    arms: list[list[list[float]]]
 
 
 @dataclass(frozen=True)
@@ -123,6 +138,20 @@ class Shape:
         else:
             sizes = np.sort(np.ptp(self.positions @ self.upright().T, axis=0))[::-1]
         return float(sizes[0]), float(sizes[1]), float(sizes[2])
+
+    def mesh(self) -> ShapeMesh:
+        """The sheet as plain lists of numbers, for programs that draw meshes.
+
+        Examples
+        --------
+        >>> corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        >>> rods = (np.array([0, 1]),)
+        >>> shape = Shape(corners, np.eye(3), np.array([[0, 1, 2]]), np.full(3, -1), rods, np.array([0]))
+        >>> shape.mesh().faces, shape.mesh().arms
+        ([[0, 1, 2]], [[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+        """
+        arms = [self.positions[rod].tolist() for rod in self.rods]
+        return ShapeMesh(self.positions.tolist(), self.triangles.tolist(), arms)
 
     def at(self, printed_points: Floats, off_sheet_mm: float = 0.0) -> Floats:
         """Positions in space of printed points, interpolated linearly within each triangle.

@@ -142,9 +142,29 @@ def _lines(model: RhinoModel, curve: float, left_out: Counter[str]) -> Iterator[
         name = type(geometry).__name__
         if hidden or not isinstance(geometry, rhino3dm.Curve):
             left_out[hidden or f"{name}|s"] += 1
-        elif pieces := [checked(piece, layer, name) for piece in _pieces(geometry, curve)]:
-            points = np.concatenate(pieces)
-            yield FileLine(np.concatenate([points, points[:1]]) if geometry.IsClosed else points, layer, None, name)
+        else:
+            points = curve_points(geometry, curve, layer)
+            if len(points):
+                yield FileLine(points, layer, None, name)
+
+
+def curve_points(geometry: Any, tolerance: float, layer: str = "") -> Floats:
+    """Points (n, 2) along a curve of `rhino3dm`, seen from above; a closed one returns to its first point.
+
+    Parameters
+    ----------
+    tolerance : largest distance of the curve from the lines between them, in its unit.
+    layer : for the error.
+
+    Raises
+    ------
+    DrawingError
+        A point is not finite, or too far away.
+    """
+    pieces = [checked(piece, layer, type(geometry).__name__) for piece in _pieces(geometry, tolerance)]
+    if not pieces:
+        return np.empty((0, 2))
+    return np.concatenate([*pieces, pieces[0][:1]] if geometry.IsClosed else pieces)
 
 
 def _pieces(geometry: Any, tolerance: float) -> Iterator[Floats]:

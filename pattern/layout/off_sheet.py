@@ -9,11 +9,15 @@ from asterism.pattern.layout.layout import Layout
 # a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
 # at most 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
 OFF_SHEET_EDGES = 0.2
+# of the spacing: images of an outline under its symmetries are off it by less
+OFF_SYMMETRIC_SPACINGS = 2e-6
 
 
 def off_curves_mm(layout: Layout, vertices: int) -> float:
-    """`off_sheet_mm` if the sheet has a printed rim or holes, which may be curved; 0 for straight edges."""
-    return off_sheet_mm(layout, vertices) if layout.rim or layout.holes else 0.0
+    """`off_sheet_mm` if the sheet has a printed rim or holes, which may be curved; else that of symmetric images."""
+    if layout.rim or layout.holes:
+        return off_sheet_mm(layout, vertices)
+    return OFF_SYMMETRIC_SPACINGS * layout.spacing_mm
 
 
 def off_sheet_mm(layout: Layout, vertices: int) -> float:

@@ -1,0 +1,1 @@
+"""Components of Grasshopper, served to Hops: sheets, exact shapes, fits and prints inside Rhino."""
