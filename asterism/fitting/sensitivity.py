@@ -27,7 +27,8 @@ class Sensitivity:
     Attributes
     ----------
     value : (...) the quantity.
-    derivatives : (S, ...) its change per mm of the size of each star.
+    derivatives : (S, ...) its change per mm by which the size of each star grows. Where the quantity has a kink, as the
+        height of a symmetric sheet with several highest places, it may change differently when the size shrinks.
     stars : (S,) numbers of the stars.
     centres : (S, 2) mm, their places on the print.
     """

@@ -86,7 +86,7 @@ class Units:
     @classmethod
     def of(cls, request: Mapping[str, Any]) -> Units:
         """Those of a request."""
-        name = request.get("modelunits") or "Millimeters"
+        name = request.get("modelunits", "Millimeters")
         if not isinstance(name, str) or name not in RHINO_UNITS_MM:
             raise InputError(f"modelunits = {str(name)[:40]!r}: must be one of {', '.join(RHINO_UNITS_MM)}")
         return cls(RHINO_UNITS_MM[name], request.get("plain") is True)
@@ -221,13 +221,14 @@ def _curve(value: Any, mm: float) -> Floats:
 def _mesh(value: Any, mm: float) -> tuple[Floats, Ints]:
     """Vertices (V, 3) in mm and triangles (T, 3)."""
     if isinstance(value, dict) and "vertices" in value:
-        faces = _rows(value.get("faces"), 3, "a mesh of triangles")
-        if (faces != np.rint(faces)).any():
+        numbers = _rows(value.get("faces"), 3, "a mesh of triangles")
+        if (numbers != np.rint(numbers)).any():
             raise InputError("must be a mesh of triangles")
-        return mm * _rows(value["vertices"], 3, "a mesh of triangles"), faces.astype(np.int64)
+        return mm * _rows(value["vertices"], 3, "a mesh of triangles"), numbers.astype(np.int64)
     mesh = _decoded(value, "Mesh")
     vertices = np.array([[point.X, point.Y, point.Z] for point in mesh.Vertices], dtype=float).reshape(-1, 3)
-    corners = np.array([mesh.Faces[number] for number in range(len(mesh.Faces))], dtype=np.int64).reshape(-1, 4)
+    faces = mesh.Faces
+    corners = np.array([faces[number] for number in range(len(faces))], dtype=np.int64).reshape(-1, 4)
     quads = corners[corners[:, 2] != corners[:, 3]]  # a triangle repeats its third corner
     return mm * vertices, np.concatenate([corners[:, :3], quads[:, [0, 2, 3]]])
 
@@ -295,11 +296,12 @@ def _polyline(points: list[list[float]]) -> dict[str, Any]:
 
 def _rhino_mesh(vertices: list[list[float]], faces: list[list[int]]) -> dict[str, Any]:
     mesh = _rhino3dm().Mesh()
+    points, corners = mesh.Vertices, mesh.Faces  # each access makes another object
     for vertex in vertices:
-        mesh.Vertices.Add(*vertex)
+        points.Add(*vertex)
     for face in faces:
-        mesh.Faces.AddFace(*face)
+        corners.AddFace(*face)
     mesh.Normals.ComputeNormals()
-    # a second set of coordinates would take forty times as long to pack as all the rest
-    mesh.Vertices.UseDoublePrecisionVertices = False
+    # packing coordinates of double precision would take longer than all the rest
+    points.UseDoublePrecisionVertices = False
     return dict(mesh.Encode())
