@@ -19,7 +19,7 @@ from asterism.pattern.design.files import table_text
 from asterism.pattern.design.material_files import material_files
 from asterism.pattern.geometry.planar import dense_outline
 from asterism.pattern.layout.off_sheet import off_sheet_mm
-from asterism.pattern.layout.painted_stars import with_painted_stars
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.pattern.layout.star_cells import outline as outline_of
 from asterism.pattern.layout.star_cells import star_cells
 from asterism.previews.session import Preview
@@ -142,8 +142,17 @@ def _sites(work: Work, values: Values) -> Answer:
     return {"sites": _in_space(places), "numbers": list(range(len(places)))}, ()
 
 
+def _each(values: Values, name: str, count: int, what: str) -> list[float]:
+    """An input as one number for each of some things; empty if it is not given."""
+    given = values[name]
+    if len(given) not in (0, 1, count):
+        raise InputError(f"{name}: got {len(given)}, must be one, or one for each of the {count} {what}")
+    return count * given if len(given) == 1 else given
+
+
 def _sheet(work: Work, values: Values) -> Answer:
-    table = {**_base(values), "stars": {"length_mm": values["lengths"][0]}}
+    sizes = dict(zip(SIZE_KEYS, ("lengths", "thicknesses", "widths"), strict=True))
+    table = {**_base(values), "stars": {key: values[name][0] for key, name in sizes.items() if values[name]}}
     if values["material"]:
         name = values["material"][0]
         if name not in material_files():
@@ -158,16 +167,10 @@ def _sheet(work: Work, values: Values) -> Answer:
         points = [needle[:2].tolist() for needle in needles]
         table["pins"] = [{"points_mm": points, "target_mm": [target.tolist() for target in targets]}]
     design = Design.from_dict(table)
-    sites = _star_sites(design)
-    sizes = np.full((len(sites), 3), np.nan)
-    for column, name in enumerate(("lengths", "thicknesses", "widths")):
-        given = values[name]
-        if len(given) not in (0, 1, len(sites)):
-            raise InputError(f"{name}: got {len(given)}, must be one, or one for each of the {len(sites)} sites")
-        if given and (column or len(given) > 1):
-            sizes[:, column] = given
-    if not np.isnan(sizes).all():
-        design = with_painted_stars(design, sites, sizes)
+    if any(len(values[name]) > 1 for name in sizes.values()):
+        sites = _star_sites(design)
+        lists = [_each(values, name, len(sites), "sites") or np.full(len(sites), np.nan) for name in sizes.values()]
+        design = with_painted_stars(design, sites, np.column_stack(lists))
     shape = work.preview(design, anew=values["search"] == [True])
     percent = shape.summary["expected_rms_percent"]
     error = None if percent is None else 0.01 * percent * shape.summary["diameter_mm"]
@@ -176,16 +179,15 @@ def _sheet(work: Work, values: Values) -> Answer:
 
 def _rods(work: Work, values: Values) -> Answer:
     curves, rods = values["curves"], []
+    sections = {
+        key: _each(values, name, len(curves), "curves")
+        for key, name in (("thickness_mm", "thicknesses"), ("width_mm", "widths"))
+    }
     for number, curve in enumerate(curves):
         is_closed = len(curve) > 3 and np.allclose(curve[0], curve[-1], atol=1e-6)
-        rod = {"name": f"curve {number}", "line_mm": curve[: len(curve) - is_closed].tolist(), "closed": is_closed}
-        for name, key in (("thicknesses", "thickness_mm"), ("widths", "width_mm")):
-            given = values[name]
-            if len(given) not in (0, 1, len(curves)):
-                raise InputError(f"{name}: got {len(given)}, must be one, or one for each of the {len(curves)} curves")
-            if given:
-                rod[key] = given[number if len(given) > 1 else 0]
-        rods.append(rod)
+        line = curve[:-1] if is_closed else curve
+        own = {key: given[number] for key, given in sections.items() if given}
+        rods.append({"name": f"curve {number}", "line_mm": line.tolist(), "closed": is_closed, **own})
     design = Design.from_dict({**_base(values), "fabric": {"stretch": values["stretch"][0]}, "rods": {"draw": rods}})
     shape = work.exact(design)
     return {**_drawn(shape, design), "certificate": _certificate(shape)}, _doubts(shape)
@@ -207,13 +209,10 @@ def _fit(work: Work, values: Values) -> Answer:
     fitted = fit(target, stretch=stretch, exact=False, say=work.check)
     plan = fitted.preview.layout
     assert plan is not None
-    lengths, thicknesses, widths = plan.star_sizes_mm.T.tolist()
     found = {
+        **dict(zip(("lengths", "thicknesses", "widths"), plan.star_sizes_mm.T.tolist(), strict=True)),
         "outline": np.array(_in_space([*plan.outline, plan.outline[0]])),
         "sites": _in_space(plan.centres),
-        "lengths": lengths,
-        "thicknesses": thicknesses,
-        "widths": widths,
         "distance": 0.01 * fitted.summary.preview.mean_percent * fitted.summary.diameter_mm,
         "design": _text(fitted.design),
     }

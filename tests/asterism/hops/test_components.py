@@ -127,18 +127,18 @@ def test_a_sheet_that_cannot_be_is_an_error_and_the_next_one_is_not(client: Test
 
 
 def test_rods_are_solved_exactly(client: TestClient):
-    rods = [[(-12, 0, 0), (12, 0, 0)], [(0, -12, 0), (0, 12, 0)]]
-    found = component(client, "rods").solve(
-        outline=15 * hexagon(0) / 15, curves=rods, thicknesses=[0.3, 0.5], widths=1.0
-    )
-    assert "equilibrium: stable" in found["certificate"] and len(found["arms"]) == 4
+    rods = [[(-12, 0, 0), (12, 0, 0)], [(8, -6, 0), (8, 6, 0), (-8, 6, 0), (-8, -6, 0), (8, -6, 0)]]
+    found = component(client, "rods").solve(outline=hexagon(0), curves=rods, thicknesses=[0.3, 0.5], widths=1.0)
+    assert "equilibrium: stable" in found["certificate"]
     drawn = tomllib.loads(found["design"])["rods"]["draw"]
-    assert [rod["thickness_mm"] for rod in drawn] == [0.3, 0.5]
+    assert [rod["thickness_mm"] for rod in drawn] == [0.3, 0.5] and [rod["closed"] for rod in drawn] == [False, True]
+    with pytest.raises(HopsError, match="widths: got 3, must be one, or one for each of the 2 curves"):
+        component(client, "rods").solve(outline=hexagon(0), curves=rods, widths=[1.0, 1.0, 1.0])
 
 
 def test_exact_shapes_come_with_certificate_and_other_forms(client: TestClient, folder: Path):
-    # an outline that is symmetric to six decimals only, as drawings are
-    design = component(client, "sheet").solve(outline=hexagon(1, rounded=6), lengths=9.0)["design"]
+    # an outline that is symmetric to five decimals only, as drawings are
+    design = component(client, "sheet").solve(outline=hexagon(1, rounded=5), lengths=9.0)["design"]
     exact = component(client, "exact")
     found = exact.solve(design=design)
     shape = asterism.simulate(asterism.Design.from_dict(tomllib.loads(design)))

@@ -43,6 +43,14 @@ def test_a_shape_is_at_no_distance_from_itself():
     assert not found.symmetry.mirrors
 
 
+def test_outlines_may_be_symmetric_to_a_few_decimals_only():
+    corners = layout(UNIFORM).outline.round(5)
+    drawn = design(border={"polygon_mm": corners.tolist()})
+    assert len(symmetries(drawn, layout(drawn))) == 6
+    one = shape(drawn, lumpy)
+    assert compared(drawn, one, one).max_percent == pytest.approx(0.0, abs=1e-9)
+
+
 def test_the_relief_is_what_repeats_from_star_to_star():
     plan = layout(UNIFORM)
     one = shape(UNIFORM, rolled(30.0))
