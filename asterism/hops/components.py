@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -52,17 +53,17 @@ class Work:
     ----------
     folder : prints are written below it.
     patience_s : longest estimated time of an exact shape.
-    is_stopping : asked at every step of a computation.
+    stopping : when it is set, computations end at their next step.
     """
 
     folder: Path
     patience_s: float = 100.0
-    is_stopping: Callable[[], bool] = lambda: False
+    stopping: threading.Event = field(default_factory=threading.Event)
     _previews: dict[str, Preview] = field(default_factory=dict)
 
     def check(self, *_: Any) -> None:
         """Raise Stopped if the server ends; called with whatever a computation reports."""
-        if self.is_stopping():
+        if self.stopping.is_set():
             raise Stopped
 
     def preview(self, design: Design, anew: bool) -> Shape:

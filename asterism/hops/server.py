@@ -6,9 +6,7 @@ import asyncio
 import hmac
 import json
 import logging
-import threading
-from collections.abc import AsyncIterator, Callable, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -104,8 +102,7 @@ def solve(work: Work, request: Any) -> dict[str, Any]:
 
 def application(work: Work, hosts: frozenset[str], key: str | None = None) -> HopsGuard:
     """The web application; `HopsGuard` stands before it."""
-    stopping, turn, waiting = threading.Event(), asyncio.Lock(), 0
-    work.is_stopping = stopping.is_set
+    turn, waiting = asyncio.Lock(), 0
 
     async def descriptions(request: Request) -> Response:
         return JSONResponse([describe(part) for part in COMPONENTS.values()])
@@ -136,19 +133,12 @@ def application(work: Work, hosts: frozenset[str], key: str | None = None) -> Ho
         assert isinstance(error, HTTPException)
         return _refused("not found" if error.status_code == 404 else "not allowed", error.status_code)
 
-    @asynccontextmanager
-    async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        try:
-            yield
-        finally:
-            stopping.set()
-
     routes = [
         Route("/", descriptions),
         Route("/solve", solved, methods=["POST"]),
         Route("/{name}", description),
     ]
-    app = Starlette(routes=routes, lifespan=lifespan, exception_handlers={HTTPException: failed})
+    app = Starlette(routes=routes, exception_handlers={HTTPException: failed})
     return HopsGuard(app, hosts, key)
 
 
@@ -195,8 +185,9 @@ def run_hops(
     """
     with bound(LOOPBACK, port) as listening:
         port = listening.getsockname()[1]
-        app = application(Work(folder, patience_s), host_names(LOOPBACK, port), key)
+        work = Work(folder, patience_s)
+        app = application(work, host_names(LOOPBACK, port), key)
         for part in COMPONENTS.values():
             say(f"http://{LOOPBACK}:{port}/{part.name:<6} {part.description}")
         say("Ctrl-C ends it")
-        serve(listening, app, ws="none")
+        serve(listening, app, work.stopping.set, ws="none", timeout_graceful_shutdown=20)

@@ -8,6 +8,7 @@ import socket
 import threading
 from collections.abc import Awaitable, Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 import uvicorn
@@ -89,6 +90,15 @@ class Guard:
 class _Server(uvicorn.Server):
     """Ends on Ctrl-C without raising it again: that is how it ends."""
 
+    def __init__(self, config: uvicorn.Config, stop: Callable[[], None] | None) -> None:
+        super().__init__(config)
+        self._stop = stop
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        if self._stop is not None:
+            self._stop()
+        super().handle_exit(sig, frame)
+
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
         if threading.current_thread() is not threading.main_thread():
@@ -102,24 +112,16 @@ class _Server(uvicorn.Server):
                 signal.signal(number, handler)
 
 
-def serve(listening: socket.socket, app: Any, **options: Any) -> None:
+def serve(listening: socket.socket, app: Any, stop: Callable[[], None] | None = None, **options: Any) -> None:
     """Serve an application until Ctrl-C.
 
     Parameters
     ----------
+    stop : called at Ctrl-C, before open connections have some seconds to end.
     options : of `uvicorn.Config`.
     """
-    config = uvicorn.Config(
-        app,
-        log_level="warning",
-        access_log=False,
-        # seconds that open connections have to end after Ctrl-C
-        timeout_graceful_shutdown=2,
-        lifespan="on",
-        server_header=False,
-        **options,
-    )
-    _Server(config).run(sockets=[listening])
+    usual = {"log_level": "warning", "access_log": False, "lifespan": "on", "server_header": False}
+    _Server(uvicorn.Config(app, **{**usual, "timeout_graceful_shutdown": 2, **options}), stop).run(sockets=[listening])
 
 
 def host_names(listen: str, port: int) -> frozenset[str]:
