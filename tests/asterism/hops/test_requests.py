@@ -11,6 +11,7 @@ from typing import Any
 import httpx2
 import pytest
 from starlette.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
 
 from asterism.hops.components import Work
 from asterism.hops.server import MAX_REQUEST_BYTES, application
@@ -168,6 +169,12 @@ def test_another_host_is_refused(client: TestClient, host: str):
 def test_any_page_in_a_browser_is_refused(client: TestClient, path: str, origin: str):
     answer = client.request("POST" if path == "/solve" else "GET", path, headers={"origin": origin, **JSON})
     assert answer.status_code == 403 and "access-control-allow-origin" not in answer.headers
+
+
+def test_live_connections_are_refused(client: TestClient):
+    for path in ("/", "/solve"):
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect(f"ws://{HOST}{path}"):
+            pass
 
 
 @pytest.mark.parametrize("kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", "", "json"])
