@@ -27,10 +27,14 @@ def picture(
         float | None, typer.Option(help="Pixels per mm (default: the largest at which all sheets fit).")
     ] = None,
     plain: Annotated[bool, typer.Option("--plain", help="Draw the sheet alone, without title and numbers.")] = False,
+    release: Annotated[
+        bool, typer.Option("--release", help="Draw the release from flat print to shape as FOLDER-release.gif.")
+    ] = False,
 ) -> None:
     """Draw results as FOLDER-VIEW.png beside their folders, all at one scale."""
     from io import BytesIO
 
+    from asterism.draw.release import release_gif
     from asterism.draw.view_picture import check_picture, fitting_scale, view_image
     from asterism.results.files import check_writable, write_file
     from asterism.shape.read_shape import read_shape
@@ -41,7 +45,10 @@ def picture(
         check_picture(view, pixels, scale)
     except ValueError as error:
         raise Mistake(f"--{error}") from None
-    files = {result: _place(result, output) / f"{_name(result)}-{view}.png" for result in results}
+    if release and scale is not None:
+        raise Mistake("--release: a release has the largest scale at which the sheet fits; leave out --scale")
+    ending = "release.gif" if release else f"{view}.png"
+    files = {result: _place(result, output) / f"{_name(result)}-{ending}" for result in results}
     if len(set(files.values())) < len(set(results)):
         raise Mistake("--output: two results have the same name; draw them into different folders")
     for file in files.values():
@@ -50,6 +57,10 @@ def picture(
     with run.computing():
         chosen = fitting_scale(list(shapes.values()), view, pixels, plain) if scale is None else scale
         for result, shape in shapes.items():
+            if release:
+                write_file(files[result], release_gif(shape, view, pixels, plain, _name(result)))
+                run.lines([str(files[result])])
+                continue
             stream = BytesIO()
             view_image(shape, view, pixels, chosen, plain, _name(result)).save(stream, format="png")
             write_file(files[result], stream.getvalue())

@@ -164,7 +164,7 @@ def printed_messages(design: Design, layout: Layout, number: int, seq: int) -> t
 def _flat_frame(number: int, seq: int, positions: Floats, ribbons: tuple[Floats, Floats] | None) -> Frame:
     """A flat sheet at positions (V, 3), with the ribbons of its rods."""
     count, small = len(positions), np.float32
-    arms, arm_normals = ribbons or (np.empty((0, STATIONS, 2, 3)), np.empty((0, STATIONS, 3)))
+    arms, arm_normals = ribbons or (np.empty((0, STATIONS, 3, 3)), np.empty((0, STATIONS, 3)))
     return Frame(
         seq=seq,
         mesh=number,

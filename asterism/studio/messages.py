@@ -143,7 +143,7 @@ class ShownMesh:
     ----------
     printed : (V, 2) mm.
     triangles : (T, 3).
-    outline : (R,) vertices around the sheet.
+    outline : (E, 2) edges around the sheet and its holes.
     arm_site : (A,) row of the star's site in the plan, for each ribbon of the frames.
     """
 
@@ -212,7 +212,7 @@ class Frame:
     positions : (V, 3) mm.
     curvature : (V,) 1/mm, mean curvature of the smooth surface.
     strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
-    arms, arm_normals : (A, K, 2, 3) left and right edges of the ribbons, (A, K, 3).
+    arms, arm_normals : (A, K, 3, 3) left and right upper edges of the arms, their middle on the fabric, (A, K, 3).
     needles : (N, 2, 3) foot and tip.
     smooth, target : what `Parts` asks for.
     is_again : a shape that was shown before, with other parts.

@@ -52,11 +52,13 @@ def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") ->
 
 
 def _rod_ribbons(shape: Shape) -> tuple[Floats, Floats]:
-    """(R, 2, 2, 3) left and right edges at both ends of each rod edge, (R, 2, 3) normals there."""
+    """(R, 2, 3, 3) left and right upper edges and the middle on the fabric at both ends of each rod edge, normals."""
     points, normals, triangles = ribbons(shape)
     begin = triangles[: len(triangles) // 2, 0]
     ends = np.stack([begin, begin + 1], axis=1)
-    return np.stack([points[ends], points[ends + len(points) // 2]], axis=2), normals[ends]
+    left, right, normal = points[ends], points[ends + len(points) // 2], normals[ends]
+    # shapes without a layout do not say how thick their arms are: these are drawn 1 mm thick
+    return np.stack([left + normal, right + normal, (left + right) / 2], axis=2), normal
 
 
 def _area_strain(shape: Shape) -> Floats:

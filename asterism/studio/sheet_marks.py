@@ -38,7 +38,7 @@ class SheetMarks:
         self._needle_points = np.empty((0, 2))
 
     def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
-        """(A, K, 2, 3) left and right upper edges of the ribbons, and (A, K, 3) normals."""
+        """(A, K, 3, 3) left and right upper edges of the ribbons and their middle on the fabric, (A, K, 3) normals."""
         if layout is not self._ribbons_of:
             self._ribbons = ribbon_stations(layout)
             self._ribbons_of = layout
@@ -53,7 +53,7 @@ class SheetMarks:
         normal = _unit((self._stations @ normals).reshape(shape))
         across = _unit(np.cross(normal, np.gradient(middle, axis=1)))
         top, half = middle + ribbons.thickness[..., None] * normal, 0.5 * ribbons.width[..., None] * across
-        return np.stack([top + half, top - half], axis=2), normal
+        return np.stack([top + half, top - half, middle], axis=2), normal
 
     def needles(self, layout: Layout, positions: Floats) -> Floats:
         """(N, 2, 3) foot on the ground and tip in the sheet; along supported edges one in each spacing."""
@@ -159,20 +159,15 @@ def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, 
 
 
 def outline_of(triangles: Ints) -> Ints:
-    """(R,) vertices around a sheet of triangles (T, 3), counterclockwise.
+    """(E, 2) edges around a sheet of triangles (T, 3) and its holes; the sheet is to their left.
 
     Examples
     --------
-    >>> outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
-    [0, 1, 2, 3]
+    >>> sorted(outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist())
+    [[0, 1], [1, 2], [2, 3], [3, 0]]
     """
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
     size = int(edges.max()) + 1
     there: Ints = edges[:, 0] * size + edges[:, 1]
     back: Ints = edges[:, 1] * size + edges[:, 0]
-    rim = edges[~is_in_sorted(there, np.sort(back))]
-    following = dict(rim.tolist())
-    ring = [min(following)]
-    while (after := following[ring[-1]]) != ring[0] and len(ring) < len(following):
-        ring.append(after)
-    return np.array(ring)
+    return np.asarray(edges[~is_in_sorted(there, np.sort(back))])

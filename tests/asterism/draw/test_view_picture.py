@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism.draw.release import FRAMES, released
 from asterism.draw.view_picture import View, fitting_scale, view_image
 from asterism.reports.write_results import write_results
 from asterism.shape.shape import Shape
@@ -90,3 +91,27 @@ def test_results_are_drawn_at_one_scale(
     ):
         refused = command(["picture", *words], capsys, monkeypatch)
         assert refused.status == 2 and said in refused.line, words
+
+
+def test_a_release_leads_from_the_print_to_the_shape_without_stretching_more_than_both(shape: Shape) -> None:
+    edges = shape.triangles[:, [0, 1]]
+    lengths = np.array([np.linalg.norm(np.diff(at[edges], axis=1)[:, 0], axis=1) for at in released(shape, 5)])
+    print_lengths = np.linalg.norm(np.diff(shape.printed[edges], axis=1)[:, 0], axis=1)
+    assert lengths[0] == pytest.approx(print_lengths, rel=1e-6)
+    *_, last = released(shape, 5)
+    assert last == pytest.approx(shape.positions, abs=1e-4)
+    ends = lengths[[0, -1]]
+    assert (lengths > 0.98 * ends.min(axis=0)).all() and (lengths < 1.02 * ends.max(axis=0)).all()
+
+
+def test_the_command_writes_an_animated_release(
+    shape: Shape, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_results(replace(shape, summary={"design": {"name": "dome", "pins": [{}]}}), tmp_path / "dome")
+    words = ["picture", "dome", "--release", "--size", "200x150", "--plain"]
+    assert command(words, capsys, monkeypatch).status == 0
+    with Image.open("dome-release.gif") as image:
+        assert image.n_frames == FRAMES and image.size == (200, 150)
+    refused = command([*words, "--scale", "2"], capsys, monkeypatch)
+    assert refused.status == 2 and "--scale" in refused.err

@@ -49,7 +49,7 @@ def test_a_preview_is_shown_on_its_mesh_with_arms_and_needles(preview: asterism.
     np.testing.assert_allclose(arrays["positions"], shape.positions, atol=1e-4)
     np.testing.assert_array_equal(mesh["triangles"], shape.triangles)
     arms = len(shape.layout.arm_star)
-    assert arrays["arms"].shape == (arms, 5, 2, 3) and len(mesh["arm_site"]) == arms
+    assert arrays["arms"].shape == (arms, 5, 3, 3) and len(mesh["arm_site"]) == arms
     tips = arrays["needles"][:, 1]
     assert len(tips) > 6 and np.abs(tips[:, 2]).max() < 1e-3  # the border of the dome stands on the ground
     assert header["height_mm"] == pytest.approx(shape.height_mm)
@@ -76,10 +76,11 @@ def test_a_free_exact_shape_stands_upright_on_the_ground(tmp_path: Path) -> None
     # a shape without a design has arms, of the width of its rods, but neither needles nor strains
     assert arrays["needles"].size == arrays["strain"].size == 0
     left, right = arrays["arms"][:, :, 0], arrays["arms"][:, :, 1]
-    assert arrays["arms"].shape == (len(bowl.rod_edges), 2, 2, 3)
+    assert arrays["arms"].shape == (len(bowl.rod_edges), 2, 3, 3)
     np.testing.assert_allclose(np.linalg.norm(left - right, axis=-1), 1.2, rtol=1e-3)
-    middle = (left + right) / 2
-    np.testing.assert_allclose(middle, arrays["positions"][bowl.rod_edges], atol=1e-3)
+    foot = arrays["arms"][:, :, 2]
+    np.testing.assert_allclose(foot, arrays["positions"][bowl.rod_edges], atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm((left + right) / 2 - foot, axis=-1), 1.0, rtol=1e-3)
     assert np.isfinite(arrays["curvature"]).all() and len(arrays["curvature"]) == len(bowl.printed)
 
 
@@ -92,7 +93,7 @@ def test_drawn_rods_are_shown_as_the_arms_of_stars_are() -> None:
     shape = asterism.simulate(Design.from_dict(drawing))
     mesh, _, arrays = drawn(shape_traits(shape))
     count = int(np.ceil(2 * np.pi * 20 / RIBBON_MM))
-    assert arrays["arms"].shape == (count, STATIONS, 2, 3) and len(mesh["arm_site"]) == count
+    assert arrays["arms"].shape == (count, STATIONS, 3, 3) and len(mesh["arm_site"]) == count
     assert len(arrays["strain"]) == len(shape.printed)
 
 

@@ -44,7 +44,7 @@ class QuickEngine:
         self.edits.append(message)
         seq = message.seq
         positions = np.column_stack([self._mesh.printed, np.full(4, float(seq))])
-        zeros, empty = np.zeros(4), np.zeros((0, 2, 2, 3))
+        zeros, empty = np.zeros(4), np.zeros((0, 2, 3, 3))
         self._receive(self._mesh)
         frame = Frame(seq, 1, "equilibrium", positions, zeros, zeros, empty, empty[:, 0], empty[:, 0])
         self._receive(frame)

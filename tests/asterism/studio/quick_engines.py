@@ -49,7 +49,7 @@ def serve(connection: Connection) -> None:
                 if failure == "die_once":
                     os._exit(3)
                 time.sleep(60)
-        none = np.zeros((0, 2, 2, 3))
+        none = np.zeros((0, 2, 3, 3))
         connection.send(ShownMesh(1, square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), none[:, 0, 0, 0]))
         positions = np.column_stack([square, np.zeros(4)])
         args = (positions, np.zeros(4), np.zeros(4), none, none[:, 0], none[:, 0])

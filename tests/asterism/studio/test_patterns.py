@@ -82,7 +82,7 @@ def test_a_pattern_without_a_preview_is_shown_as_printed_with_the_reason(engine:
     frame, problem = engine.frame(1), engine.problem(1)
     (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
     assert frame.positions[:, :2] == pytest.approx(mesh.printed) and not frame.positions[:, 2].any()
-    assert frame.arms[..., 2].min() == pytest.approx(0.4) and len(frame.arms) == len(mesh.arm_site)
+    assert frame.arms[:, :, :2, 2].min() == pytest.approx(0.4) and len(frame.arms) == len(mesh.arm_site)
     assert problem.kind == NO_PREVIEW and "asterism simulate" in problem.text
     engine.send(Edit(2, {**cross.table, "border": {"rectangle_mm": [32.0, 20.0]}}, **empty))
     assert np.ptp(engine.frame(2).positions[:, 0]) == pytest.approx(32.0)

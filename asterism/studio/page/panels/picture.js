@@ -1,6 +1,6 @@
 // The dialog that saves a picture of the sheet.
 
-import { button, choice, dialog, h } from "../dom.js";
+import { button, check, choice, dialog, h } from "../dom.js";
 import { numberField } from "./fields.js";
 
 const SIZES = {
@@ -17,6 +17,7 @@ export function openPicture({ store, view }) {
   const largest = Math.min(LARGEST_PX, view.renderer.largestPx);
   let size = [...SIZES["1600 × 1200"]];
   let ground = "#ffffff";
+  const name = store.get("document")?.name ?? "sheet";
   const side = (label, k, testid) =>
     numberField({
       label,
@@ -53,6 +54,7 @@ export function openPicture({ store, view }) {
     value: ground,
     onchange: (value) => (ground = value),
   });
+  const captions = check({ text: "Title and scale bar", value: true, testid: "picture-caption", onchange: () => {} });
   const element = dialog(
     "Save a picture of the sheet",
     h(
@@ -61,6 +63,7 @@ export function openPicture({ store, view }) {
       h("div", { class: "field" }, h("label", {}, "Size in pixels"), pixels.element),
       sides.map((one) => one.element),
       h("div", { class: "field" }, h("label", {}, "Background"), back.element),
+      captions.element,
       h(
         "div",
         { class: "row" },
@@ -70,10 +73,10 @@ export function openPicture({ store, view }) {
           kind: "primary",
           testid: "picture-go",
           onclick: async () => {
-            const blob = await view.picture(...size, ground);
+            const blob = await view.picture(...size, { background: ground, title: captions.box.checked ? name : null });
             const link = h("a", {
               href: URL.createObjectURL(blob),
-              download: `${store.get("document")?.name ?? "sheet"}.png`,
+              download: `${name}.png`,
             });
             link.click();
             setTimeout(() => URL.revokeObjectURL(link.href), 10000);

@@ -3,6 +3,7 @@
 import { clamp } from "../geometry.js";
 
 const FIELD_DEG = 26;
+const BORDER = 1.12; // of a picture that shows all, over what is shown
 const MAX_PITCH = Math.PI / 2;
 
 /** Named views: turn about z and height above the horizon, degrees. */
@@ -58,28 +59,37 @@ export class Camera {
     this.distance = clamp(this.distance / factor, 5, 20000);
   }
 
-  /** Shows a set of positions (x, y, z, x, ...) as large as they fit. */
+  /** Shows a set of positions (x, y, z, x, ...) as large as they fit, with an empty border. */
   fit(positions, aspect) {
     if (!positions.length) return;
-    const { right, up } = this.axes;
-    const low = [Infinity, Infinity, Infinity];
-    const high = [-Infinity, -Infinity, -Infinity];
-    for (let k = 0; k < positions.length; k += 3) {
-      for (let c = 0; c < 3; c++) {
-        low[c] = Math.min(low[c], positions[k + c]);
-        high[c] = Math.max(high[c], positions[k + c]);
+    const { right, up, towards } = this.axes;
+    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
+    // a point at x aside is seen at a share x / (distance - z) of `slope`; the largest shares of both sides are equal
+    const spans = [
+      [right, half * aspect],
+      [up, half],
+    ].map(([axis, slope]) => {
+      let [low, high] = [-Infinity, -Infinity];
+      const depth = this.isOrthographic ? 0 : slope / BORDER;
+      for (let k = 0; k < positions.length; k += 3) {
+        const [x, y, z] = [positions[k], positions[k + 1], positions[k + 2]];
+        const aside = x * axis[0] + y * axis[1] + z * axis[2];
+        const near = depth * (x * towards[0] + y * towards[1] + z * towards[2]);
+        low = Math.max(low, near - aside);
+        high = Math.max(high, near + aside);
       }
-    }
-    this.target = low.map((value, c) => (value + high[c]) / 2);
-    let reach = 1;
+      return { middle: (high - low) / 2, distance: (BORDER * (high + low)) / (2 * slope) };
+    });
+    let [nearest, farthest] = [-Infinity, Infinity];
     for (let k = 0; k < positions.length; k += 3) {
-      const off = [0, 1, 2].map((c) => positions[k + c] - this.target[c]);
-      const across = Math.abs(off[0] * right[0] + off[1] * right[1] + off[2] * right[2]) / Math.min(aspect, 10);
-      const upright = Math.abs(off[0] * up[0] + off[1] * up[1] + off[2] * up[2]);
-      reach = Math.max(reach, across, upright);
+      const z = positions[k] * towards[0] + positions[k + 1] * towards[1] + positions[k + 2] * towards[2];
+      nearest = Math.max(nearest, z);
+      farthest = Math.min(farthest, z);
     }
-    const radius = Math.hypot(...high.map((value, c) => value - low[c])) / 2;
-    this.distance = (1.12 * reach) / Math.tan((FIELD_DEG * Math.PI) / 360) + 0.35 * radius;
+    const depth = (nearest + farthest) / 2;
+    const [a, b] = spans.map(({ middle }) => middle);
+    this.target = [0, 1, 2].map((c) => a * right[c] + b * up[c] + depth * towards[c]);
+    this.distance = Math.max(5, ...spans.map(({ distance }) => distance - (this.isOrthographic ? 0 : depth)));
   }
 
   /** Matrix from space to the picture, column by column, with what the shaders need. */
@@ -100,24 +110,8 @@ export class Camera {
       // depth from -1 to 1 over twice `far`, centred on the target, so that nothing is cut off
       projection = [1 / (size * aspect), 0, 0, 0, 0, 1 / size, 0, 0, 0, 0, -1 / far, 0, 0, 0, -this.distance / far, 1];
     } else {
-      projection = [
-        1 / (half * aspect),
-        0,
-        0,
-        0,
-        0,
-        1 / half,
-        0,
-        0,
-        0,
-        0,
-        (far + near) / (near - far),
-        -1,
-        0,
-        0,
-        (2 * far * near) / (near - far),
-        0,
-      ];
+      const [a, b] = [(far + near) / (near - far), (2 * far * near) / (near - far)];
+      projection = [1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, a, -1, 0, 0, b, 0];
     }
     return { matrix: new Float32Array(multiply(projection, view)), eye, towards, isOrthographic: this.isOrthographic };
   }

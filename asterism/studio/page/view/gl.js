@@ -1,66 +1,69 @@
-// A thin layer over WebGL2: programs, buffers, and one picture from a list of surfaces.
+// A thin layer over WebGL2: programs, buffers, maps of shadows, and one picture from a list of surfaces.
 
-import { BLUR, GROUND, SHADOW, SURFACE } from "./shaders.js";
+import { LIGHTS, LINE, SKY, SURFACE } from "./shaders.js";
 
-const SHADOW_PX = 256;
-const BLUR_SHARE = 1 / 190; // of the map's width, between two samples of the blur
+const MAP_PX = 1024;
+// in the order of their locations, which are those of all programs: name, numbers for each point
+const ATTRIBUTES = [
+  ["position", 3],
+  ["normal", 3],
+  ["colour", 4],
+  ["printed", 2],
+  ["sky", 2],
+];
+
+/** Directions to the lights: the sun to the left of the first view, then the sky, evenly spread. */
+const WAYS = Array.from({ length: LIGHTS }, (_, k) => {
+  if (k === 0) return unit([-0.62, -0.42, 0.72]);
+  const [z, turn] = [(k - 0.5) / (LIGHTS - 1), 2.4 * k];
+  return [Math.sqrt(1 - z * z) * Math.cos(turn), Math.sqrt(1 - z * z) * Math.sin(turn), z];
+});
 
 export class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", {
-      antialias: true,
-      alpha: true,
-      premultipliedAlpha: true,
-      preserveDrawingBuffer: false,
-    });
+    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
     if (!gl) throw new Error("This browser has no WebGL 2. The sheet in space cannot be drawn.");
     this.gl = gl;
     this.largestPx = Math.min(gl.getParameter(gl.MAX_RENDERBUFFER_SIZE), ...gl.getParameter(gl.MAX_VIEWPORT_DIMS));
-    this.canvas = canvas;
     this.surface = program(gl, SURFACE);
-    this.ground = program(gl, GROUND);
-    this.shadow = program(gl, SHADOW);
-    this.blur = program(gl, BLUR);
-    this.quad = buffer(gl, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-    [this.sharp, this.half, this.soft] = [1, 2, 3].map(() => this.#makeMap());
+    this.line = program(gl, LINE);
+    this.sky = program(gl, SKY);
+    this.maps = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.maps);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.DEPTH_COMPONENT16, MAP_PX, MAP_PX, LIGHTS);
+    for (const [name, value] of [
+      [gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE],
+      [gl.TEXTURE_MIN_FILTER, gl.LINEAR],
+      [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
+      [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
+    ])
+      gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, value);
+    this.target = gl.createFramebuffer();
+    this.seen = new Float32Array(16 * LIGHTS);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
   }
 
-  /** A square picture of shadows that can be drawn into. */
-  #makeMap() {
-    const { gl } = this;
-    const [texture, target] = [gl.createTexture(), gl.createFramebuffer()];
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, SHADOW_PX, SHADOW_PX, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
-    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    return { texture, target };
-  }
-
-  /** A surface: buffers for positions, normals, colours and triangles, filled by `fill`. */
+  /** A surface: buffers for positions, normals, colours, printed places, triangles and lines, filled by `fill`. */
   makeSurface() {
-    const { gl } = this;
-    return {
-      position: gl.createBuffer(),
-      normal: gl.createBuffer(),
-      colour: gl.createBuffer(),
-      triangles: gl.createBuffer(),
-      count: 0,
-    };
+    const names = ["position", "normal", "colour", "printed", "sky", "triangles", "lines"];
+    return { ...Object.fromEntries(names.map((name) => [name, this.gl.createBuffer()])), count: 0, lineCount: 0 };
   }
 
-  fill(surface, { positions, normals, colours, triangles }) {
+  fill(surface, { positions, normals, colours, printed, triangles, lines }) {
     const { gl } = this;
-    const put = (target, where, data) => (gl.bindBuffer(target, where), gl.bufferData(target, data, gl.DYNAMIC_DRAW));
-    if (positions) put(gl.ARRAY_BUFFER, surface.position, positions);
-    if (normals) put(gl.ARRAY_BUFFER, surface.normal, normals);
-    if (colours) put(gl.ARRAY_BUFFER, surface.colour, colours);
-    if (triangles) {
-      put(gl.ELEMENT_ARRAY_BUFFER, surface.triangles, triangles);
-      surface.count = triangles.length;
-    }
+    const put = (target, where, data) =>
+      data && (gl.bindBuffer(target, where), gl.bufferData(target, data, gl.DYNAMIC_DRAW));
+    put(gl.ARRAY_BUFFER, surface.position, positions);
+    put(gl.ARRAY_BUFFER, surface.normal, normals);
+    put(gl.ARRAY_BUFFER, surface.colour, colours);
+    put(gl.ARRAY_BUFFER, surface.printed, printed);
+    put(gl.ELEMENT_ARRAY_BUFFER, surface.triangles, triangles);
+    put(gl.ELEMENT_ARRAY_BUFFER, surface.lines, lines);
+    if (positions) Object.assign(surface, { points: positions.length / 3, hasSky: false });
+    if (triangles) surface.count = triangles.length;
+    if (lines) surface.lineCount = lines.length;
   }
 
   clear() {
@@ -69,106 +72,143 @@ export class Renderer {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
-  /** Draws everything. `scene`: {surfaces: [{surface, front, back, ..}], ground, camera, matrix, clear}. */
-  draw({ surfaces, ground, camera, width, height }) {
+  /** Draws the map of the sun of all surfaces that cast shadows in a box {low, high}. With `hasSky` also those of the
+   * sky; then each point of the surfaces has its share of the sky. */
+  shade(surfaces, { low, high }, hasSky) {
     const { gl } = this;
-    const caster = surfaces.find((one) => one.isCaster);
-    if (ground && caster) this.#drawShadow(caster.surface, ground);
+    this.away = Math.max(0.15, (1.5 * Math.hypot(...high.map((value, c) => value - low[c]))) / MAP_PX);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+    gl.viewport(0, 0, MAP_PX, MAP_PX);
+    gl.drawBuffers([gl.NONE]);
+    gl.useProgram(this.line.program);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1.5, 2);
+    for (let k = 0; k < (hasSky ? LIGHTS : 1); k++) {
+      const matrix = lightMatrix(WAYS[k], low, high);
+      this.seen.set(matrix, 16 * k);
+      gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, this.maps, 0, k);
+      gl.clear(gl.DEPTH_BUFFER_BIT);
+      set(gl, this.line, { matrix, lift: 0 });
+      for (const { surface, casts } of surfaces) if (casts) this.#elements(surface, gl.TRIANGLES);
+    }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    if (!hasSky) return;
+    this.#use(this.sky);
+    gl.enable(gl.RASTERIZER_DISCARD);
+    for (const { surface } of surfaces) {
+      if (surface.hasSky || !surface.count) continue;
+      gl.bindBuffer(gl.ARRAY_BUFFER, surface.sky);
+      gl.bufferData(gl.ARRAY_BUFFER, 8 * surface.points, gl.DYNAMIC_COPY);
+      this.#attributes(surface, ["position", "normal"]);
+      gl.bindBuffer(gl.ARRAY_BUFFER, null); // a buffer that is written to has no other use
+      gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, surface.sky);
+      gl.beginTransformFeedback(gl.POINTS);
+      gl.drawArrays(gl.POINTS, 0, surface.points);
+      gl.endTransformFeedback();
+      gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, null);
+      surface.hasSky = true;
+    }
+    gl.disable(gl.RASTERIZER_DISCARD);
+  }
+
+  /** Chooses a program that reads the maps. */
+  #use(one) {
+    const { gl, seen, away } = this;
+    gl.useProgram(one.program);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.maps);
+    set(gl, one, { ways: WAYS.flat(), seen, away, texel: 1 / MAP_PX });
+  }
+
+  /** Draws surfaces [{surface, base, ..}] as a camera sees them; `side`: only their "front" or "back" is drawn. */
+  draw({ surfaces, camera, width, height }) {
+    const { gl } = this;
     gl.viewport(0, 0, width, height);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    this.clear();
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    if (ground && camera.eye[2] > ground.level) this.#drawGround(ground, camera);
-    gl.enable(gl.DEPTH_TEST);
-    gl.useProgram(this.surface.program);
-    this.#set(this.surface, {
-      matrix: camera.matrix,
-      eye: camera.eye,
-      towards: camera.towards,
-      perspective: camera.isOrthographic ? 0 : 1,
-    });
-    for (const one of surfaces) this.#drawSurface(one);
-    gl.disable(gl.DEPTH_TEST);
-  }
-
-  #drawSurface({ surface, front, back, coloured = 0, alpha = 1, lift = 0, shine = 0.05, isBehind = false }) {
-    if (!surface.count) return;
-    const { gl } = this;
-    this.#set(this.surface, { front, back, coloured, alpha, lift, shine });
-    this.#attribute(this.surface, "position", surface.position, 3, gl.FLOAT);
-    this.#attribute(this.surface, "normal", surface.normal, 3, gl.FLOAT);
-    if (coloured) this.#attribute(this.surface, "colour", surface.colour, 4, gl.UNSIGNED_BYTE, true);
-    else {
-      gl.disableVertexAttribArray(this.surface.attributes.colour);
-      gl.vertexAttrib4f(this.surface.attributes.colour, 0, 0, 0, 0);
+    const { matrix, eye, towards, isOrthographic } = camera;
+    this.#use(this.surface);
+    set(gl, this.surface, { matrix, eye, towards, perspective: isOrthographic ? 0 : 1 });
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 1);
+    for (const { surface, side, coloured = 0, alpha = 1, lift = 0, shine = 0.02, weave = 0, base } of surfaces) {
+      set(gl, this.surface, { base, coloured, alpha, lift, shine, weave, hasSky: surface.hasSky ? 1 : 0 });
+      if (side) gl.enable(gl.CULL_FACE);
+      gl.cullFace(side === "back" ? gl.FRONT : gl.BACK);
+      const extra = [coloured && "colour", weave && "printed", surface.hasSky && "sky"];
+      this.#elements(surface, gl.TRIANGLES, ["position", "normal", ...extra]);
+      gl.disable(gl.CULL_FACE);
     }
-    if (isBehind) {
-      gl.enable(gl.POLYGON_OFFSET_FILL);
-      gl.polygonOffset(1, 1);
-    }
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, surface.triangles);
-    gl.drawElements(gl.TRIANGLES, surface.count, gl.UNSIGNED_INT, 0);
     gl.disable(gl.POLYGON_OFFSET_FILL);
-  }
-
-  #drawShadow(surface, { centre, reach }) {
-    const { gl } = this;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.sharp.target);
-    gl.viewport(0, 0, SHADOW_PX, SHADOW_PX);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    gl.disable(gl.BLEND);
-    gl.useProgram(this.shadow.program);
-    this.#set(this.shadow, { centre, reach });
-    this.#attribute(this.shadow, "position", surface.position, 3, gl.FLOAT);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, surface.triangles);
-    gl.drawElements(gl.TRIANGLES, surface.count, gl.UNSIGNED_INT, 0);
-    this.#blur(this.sharp, this.half, [BLUR_SHARE, 0]);
-    this.#blur(this.half, this.soft, [0, BLUR_SHARE]);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  }
-
-  #blur(from, into, way) {
-    const { gl } = this;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, into.target);
-    gl.useProgram(this.blur.program);
-    gl.bindTexture(gl.TEXTURE_2D, from.texture);
-    this.#set(this.blur, { way });
-    this.#attribute(this.blur, "corner", this.quad, 2, gl.FLOAT);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  }
-
-  #drawGround({ centre, reach, level, line, lineAlpha, shade, stepMm }, camera) {
-    const { gl } = this;
-    gl.useProgram(this.ground.program);
-    gl.bindTexture(gl.TEXTURE_2D, this.soft.texture);
-    this.#set(this.ground, { matrix: camera.matrix, centre, reach, level, line, lineAlpha, shade, stepMm });
-    this.#attribute(this.ground, "corner", this.quad, 2, gl.FLOAT);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  }
-
-  #attribute({ attributes }, name, from, count, type, isNormalised = false) {
-    const { gl } = this;
-    gl.bindBuffer(gl.ARRAY_BUFFER, from);
-    gl.enableVertexAttribArray(attributes[name]);
-    gl.vertexAttribPointer(attributes[name], count, type, isNormalised, 0, 0);
-  }
-
-  #set({ uniforms }, values) {
-    const { gl } = this;
-    for (const [name, value] of Object.entries(values)) {
-      const where = uniforms[name];
-      if (where === undefined || value === undefined) continue;
-      if (typeof value === "number") gl.uniform1f(where, value);
-      else if (value.length === 16) gl.uniformMatrix4fv(where, false, value);
-      else if (value.length === 3) gl.uniform3fv(where, value);
-      else gl.uniform2fv(where, value);
+    gl.useProgram(this.line.program);
+    for (const { surface, line, lift = 0 } of surfaces) {
+      if (!line) continue;
+      set(gl, this.line, { matrix, lift, base: line.slice(0, 3), alpha: line[3] });
+      this.#elements(surface, gl.LINES);
     }
+    gl.disable(gl.BLEND);
+  }
+
+  /** Waits until the picture is there, and returns the time. */
+  finish() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now();
+  }
+
+  #elements(surface, kind, names = ["position", "normal"]) {
+    const { gl } = this;
+    const isLines = kind === gl.LINES;
+    const count = isLines ? surface.lineCount : surface.count;
+    if (!count) return;
+    this.#attributes(surface, names);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, isLines ? surface.lines : surface.triangles);
+    gl.drawElements(kind, count, gl.UNSIGNED_INT, 0);
+  }
+
+  /** Reads some of the attributes from a surface; the others are zero. */
+  #attributes(surface, names) {
+    const { gl } = this;
+    ATTRIBUTES.forEach(([name, count], where) => {
+      gl.disableVertexAttribArray(where);
+      gl.vertexAttrib4f(where, 0, 0, 0, 0);
+      if (!names.includes(name)) return;
+      gl.bindBuffer(gl.ARRAY_BUFFER, surface[name]);
+      gl.enableVertexAttribArray(where);
+      gl.vertexAttribPointer(where, count, count === 4 ? gl.UNSIGNED_BYTE : gl.FLOAT, count === 4, 0, 0);
+    });
   }
 }
 
-function program(gl, { vertex, fragment }) {
+/** Matrix, column by column, of a light that sees a whole box along a direction. */
+function lightMatrix(way, low, high) {
+  const right = unit([-way[1], way[0], 1e-9]);
+  const up = [0, 1, 2].map((c) => way[(c + 1) % 3] * right[(c + 2) % 3] - way[(c + 2) % 3] * right[(c + 1) % 3]);
+  const rows = [right, up, way.map((value) => -value)].map((axis) => {
+    const [a, b] = [low, high].map((one, end) =>
+      axis.reduce((sum, value, c) => sum + value * (value > 0 === (end === 1) ? high[c] : low[c]), 0),
+    );
+    const half = 0.51 * (b - a) + 1;
+    return [...axis.map((value) => value / half), -(a + b) / (2 * half)];
+  });
+  return [0, 1, 2, 3].flatMap((c) => [...rows.map((row) => row[c]), c === 3 ? 1 : 0]);
+}
+
+function unit(vector) {
+  const length = Math.hypot(...vector);
+  return vector.map((value) => value / length);
+}
+
+function set(gl, { uniforms }, values) {
+  for (const [name, value] of Object.entries(values)) {
+    const { where, type } = uniforms[name] ?? {};
+    if (type === gl.FLOAT) gl.uniform1f(where, value);
+    else if (type === gl.FLOAT_VEC3) gl.uniform3fv(where, value);
+    else if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(where, false, value);
+  }
+}
+
+function program(gl, { vertex, fragment, feedback }) {
   const whole = gl.createProgram();
   for (const [type, source] of [
     [gl.VERTEX_SHADER, vertex],
@@ -180,23 +220,14 @@ function program(gl, { vertex, fragment }) {
     if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
     gl.attachShader(whole, shader);
   }
+  ATTRIBUTES.forEach(([name], where) => gl.bindAttribLocation(whole, where, name));
+  if (feedback) gl.transformFeedbackVaryings(whole, [feedback], gl.SEPARATE_ATTRIBS);
   gl.linkProgram(whole);
   if (!gl.getProgramParameter(whole, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(whole));
-  const [attributes, uniforms] = [{}, {}];
-  for (let k = 0; k < gl.getProgramParameter(whole, gl.ACTIVE_ATTRIBUTES); k++) {
-    const { name } = gl.getActiveAttrib(whole, k);
-    attributes[name] = gl.getAttribLocation(whole, name);
-  }
+  const uniforms = {};
   for (let k = 0; k < gl.getProgramParameter(whole, gl.ACTIVE_UNIFORMS); k++) {
-    const { name } = gl.getActiveUniform(whole, k);
-    uniforms[name] = gl.getUniformLocation(whole, name);
+    const { name, type } = gl.getActiveUniform(whole, k);
+    uniforms[name.replace("[0]", "")] = { where: gl.getUniformLocation(whole, name), type };
   }
-  return { program: whole, attributes, uniforms };
-}
-
-function buffer(gl, data) {
-  const made = gl.createBuffer();
-  gl.bindBuffer(gl.ARRAY_BUFFER, made);
-  gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
-  return made;
+  return { program: whole, uniforms };
 }

@@ -1,6 +1,7 @@
 // Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars.
 
 import { isPoints, pointsOf, targetsOf, withMoved } from "../supports.js";
+import { headOf } from "./solids.js";
 
 const GRIP_PX = 16;
 const CLICK_PX = 4;
@@ -100,7 +101,7 @@ export function listenToView(view, { store, edits }) {
       const targets = targetsOf(table, sheet.pins[number]);
       pointsOf(table, sheet.pins[number]).forEach((_, point) => {
         const target = targets[point];
-        const [x, y] = view.camera.project([target[0], target[1], target[2] + 5.5], view.aspect);
+        const [x, y] = view.camera.project(headOf(target), view.aspect);
         const away = Math.hypot(((x - px) * canvas.clientWidth) / 2, ((y - py) * canvas.clientHeight) / 2);
         if (away < GRIP_PX && (!best || away < best.away)) best = { table: number, point, target, away };
       });

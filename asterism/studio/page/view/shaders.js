@@ -1,96 +1,93 @@
-// GLSL: shaded two-sided surfaces, the ground with its grid and soft shadow, and the shadow's map seen from above.
+// GLSL: surfaces in the light of one sun and of the sky, lines, and how much of the sky the points of a surface see.
 
-export const SURFACE = {
+/** Maps of depths: the first is seen from the sun, the others from directions over the whole sky. */
+export const LIGHTS = 25;
+
+const MAPS = `
+  uniform highp sampler2DArrayShadow maps;
+  uniform mat4 seen[${LIGHTS}]; uniform vec3 ways[${LIGHTS}];
+  uniform float away; uniform float texel;
+  float open(int light, vec3 place, vec2 step) {
+    vec3 at = 0.5 + 0.5 * (seen[light] * vec4(place, 1.0)).xyz;
+    return texture(maps, vec4(at.xy + texel * step, float(light), at.z));
+  }`;
+
+/** Share of the sky over both sides of each point, for a transform feedback. */
+export const SKY = {
+  feedback: "sky",
   vertex: `#version 300 es
-    in vec3 position; in vec3 normal; in vec4 colour;
-    uniform mat4 matrix;
-    uniform float lift;
-    out vec3 vNormal; out vec3 vPlace; out vec4 vColour;
+    precision highp float;
+    in vec3 position; in vec3 normal;
+    out vec2 sky;
+    ${MAPS}
+    float share(vec3 n) {
+      float all = 0.0, free = 0.0;
+      for (int k = 1; k < ${LIGHTS}; k++) {
+        float part = max(dot(n, ways[k]), 0.0);
+        all += part;
+        if (part > 0.0) free += part * open(k, position + 2.0 * away * n, vec2(0.0));
+      }
+      return (0.5 + 0.5 * n.z) * (all > 0.0 ? free / all : 1.0);
+    }
     void main() {
-      vec3 place = position + lift * normal;
-      vNormal = normal; vPlace = place; vColour = colour;
-      gl_Position = matrix * vec4(place, 1.0);
+      vec3 n = normalize(normal);
+      sky = vec2(share(n), share(-n));
     }`,
   fragment: `#version 300 es
+    void main() {}`,
+};
+
+const VERTEX = `#version 300 es
+  in vec3 position; in vec3 normal; in vec4 colour; in vec2 printed; in vec2 sky;
+  uniform mat4 matrix;
+  uniform float lift;
+  out vec3 vNormal; out vec3 vPlace; out vec4 vColour; out vec2 vPrinted; out vec2 vSky;
+  void main() {
+    vNormal = normal; vColour = colour; vPrinted = printed; vSky = sky; vPlace = position + lift * normal;
+    gl_Position = matrix * vec4(vPlace, 1.0);
+  }`;
+
+export const SURFACE = {
+  vertex: VERTEX,
+  fragment: `#version 300 es
     precision highp float;
-    in vec3 vNormal; in vec3 vPlace; in vec4 vColour;
-    uniform vec3 eye; uniform vec3 towards; uniform float perspective;
-    uniform vec3 front; uniform vec3 back; uniform float coloured; uniform float alpha; uniform float shine;
+    in vec3 vNormal; in vec3 vPlace; in vec4 vColour; in vec2 vPrinted; in vec2 vSky;
+    uniform vec3 eye; uniform vec3 towards; uniform float perspective; uniform float hasSky;
+    uniform vec3 base; uniform float coloured; uniform float alpha; uniform float shine; uniform float weave;
     out vec4 result;
+    ${MAPS}
     void main() {
       vec3 view = normalize(mix(towards, eye - vPlace, perspective));
       vec3 n = normalize(vNormal);
       bool isFront = dot(n, view) >= 0.0;
       if (!isFront) n = -n;
-      vec3 base = mix(isFront ? front : back, vColour.rgb, coloured * vColour.a);
-      vec3 key = normalize(vec3(-0.45, -0.55, 0.8));
-      vec3 fill = normalize(vec3(0.7, 0.3, 0.35));
-      float sky = 0.5 + 0.5 * n.z;
-      float light = 0.36 + 0.16 * sky + 0.46 * max(dot(n, key), 0.0) + 0.14 * max(dot(n, fill), 0.0);
-      float rim = pow(1.0 - max(dot(n, view), 0.0), 3.0);
-      float gloss = shine * pow(max(dot(n, normalize(key + view)), 0.0), 28.0);
-      vec3 lit = base * (light - 0.10 * rim) + gloss;
-      result = vec4(pow(lit, vec3(0.96)), alpha);
-    }`,
-};
-
-export const GROUND = {
-  vertex: `#version 300 es
-    in vec2 corner;
-    uniform mat4 matrix; uniform vec2 centre; uniform float reach; uniform float level;
-    out vec2 vPlace; out vec2 vShare;
-    void main() {
-      vPlace = centre + reach * corner; vShare = corner;
-      gl_Position = matrix * vec4(vPlace, level, 1.0);
-    }`,
-  fragment: `#version 300 es
-    precision highp float;
-    in vec2 vPlace; in vec2 vShare;
-    uniform sampler2D shadow; uniform vec3 line; uniform float lineAlpha; uniform float shade; uniform float stepMm;
-    out vec4 result;
-    float grid(float size) {
-      vec2 at = vPlace / size;
-      vec2 away = abs(fract(at - 0.5) - 0.5) / fwidth(at);
-      return 1.0 - min(min(away.x, away.y), 1.0);
-    }
-    void main() {
-      float dark = shade * texture(shadow, 0.5 + 0.5 * vShare).r;
-      float fade = smoothstep(1.0, 0.25, length(vShare));
-      float lines = lineAlpha * fade * max(0.5 * grid(stepMm), grid(5.0 * stepMm));
-      float alpha = dark + lines * (1.0 - dark);
-      result = vec4(line * lines * (1.0 - dark) / max(alpha, 1e-4), alpha);
-    }`,
-};
-
-/** One of two passes that blur the shadow, along x or along y. The ground then reads one value a pixel. */
-export const BLUR = {
-  vertex: `#version 300 es
-    in vec2 corner;
-    out vec2 vAt;
-    void main() { vAt = 0.5 + 0.5 * corner; gl_Position = vec4(corner, 0.0, 1.0); }`,
-  fragment: `#version 300 es
-    precision highp float;
-    in vec2 vAt;
-    uniform sampler2D map; uniform vec2 way;
-    out vec4 result;
-    void main() {
-      float dark = 0.0, total = 0.0;
-      for (int i = -4; i <= 4; i++) {
-        float weight = exp(-float(i * i) / 9.0);
-        dark += weight * texture(map, vAt + float(i) * way).r;
-        total += weight;
+      float sun = max(dot(n, ways[0]), 0.0);
+      if (sun > 0.0) {
+        vec3 place = vPlace + away * n;
+        float clear = 0.0;
+        for (int k = 0; k < 4; k++) clear += open(0, place, vec2(k < 2 ? -0.8 : 0.8, k % 2 == 0 ? -0.8 : 0.8));
+        sun *= 0.25 * clear;
       }
-      result = vec4(dark / total);
+      float sky = mix(0.5 + 0.5 * n.z, isFront ? vSky.x : vSky.y, hasSky);
+      vec3 paint = mix(base, vColour.rgb, coloured * vColour.a);
+      if (weave > 0.0) {
+        vec2 thread = 3.1416 * vPrinted / 0.6;
+        float fine = 1.0 - smoothstep(0.6, 2.0, length(fwidth(thread)));
+        paint *= 1.0 + weave * fine * sin(thread.x) * sin(thread.y);
+      }
+      // the light adds up in linear intensities, of which colours are about the square roots
+      vec3 light = vec3(0.07, 0.068, 0.066) + vec3(0.40, 0.42, 0.45) * sky + vec3(0.60, 0.57, 0.52) * sun;
+      light += vec3(0.20, 0.19, 0.18) * (0.5 - 0.5 * n.z); // from the board below
+      float gloss = shine * pow(max(dot(n, normalize(ways[0] + view)), 0.0), 28.0) * step(1e-3, sun);
+      result = vec4(sqrt(paint * paint * light + gloss), alpha);
     }`,
 };
 
-export const SHADOW = {
-  vertex: `#version 300 es
-    in vec3 position;
-    uniform vec2 centre; uniform float reach;
-    void main() { gl_Position = vec4((position.xy - centre) / reach, 0.0, 1.0); }`,
+export const LINE = {
+  vertex: VERTEX,
   fragment: `#version 300 es
     precision highp float;
+    uniform vec3 base; uniform float alpha;
     out vec4 result;
-    void main() { result = vec4(1.0); }`,
+    void main() { result = vec4(base, alpha); }`,
 };

@@ -4,7 +4,7 @@ import { unpack } from "../connection.js";
 import { toast } from "../panels/toasts.js";
 import { vertexNormals } from "./sheet.js";
 
-const GHOST = { front: [0.56, 0.3, 0.72], back: [0.56, 0.3, 0.72], alpha: 0.34, shine: 0.1 };
+const GHOST = { base: [0.66, 0.42, 0.82], alpha: 0.34, shine: 0.1 };
 
 export class Target {
   look = GHOST;

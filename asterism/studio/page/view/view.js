@@ -2,18 +2,28 @@
 
 import { Renderer } from "./gl.js";
 import { Camera } from "./camera.js";
-import { armColours, ribbons } from "./arms.js";
 import { box, fieldValues, vertexNormals } from "./sheet.js";
 import { fieldDomain, vertexColours } from "./colours.js";
-import { needleSurface } from "./needles.js";
 import { pick, printedPlace } from "./picking.js";
+import { FABRIC_MM, barColours, bars, board, headOf, needleSolids, rim } from "./solids.js";
 import { showLegend } from "./legend.js";
 
-const FABRIC = { front: [0.94, 0.9, 0.81], back: [0.72, 0.76, 0.8] };
-const GREY = { front: [0.8, 0.8, 0.79], back: [0.66, 0.67, 0.69] };
-const PLASTIC = [0.15, 0.16, 0.19];
-const NEEDLE = [0.78, 0.2, 0.15];
-const EXACT = [0.25, 0.43, 0.88];
+// colours of the two sides of the fabric, of its rim and of the other solids
+const FABRIC = [
+  [0.95, 0.91, 0.82],
+  [0.66, 0.72, 0.8],
+];
+const GREY = [
+  [0.82, 0.82, 0.81],
+  [0.68, 0.69, 0.71],
+];
+const PLASTIC = [0.25, 0.26, 0.3];
+const NEEDLE = [0.8, 0.22, 0.16];
+const EXACT = [0.35, 0.5, 0.95];
+const BOARDS = { light: [0.9, 0.89, 0.87], dark: [0.36, 0.37, 0.4] };
+const NO_NEEDLES = new Float32Array(0);
+const REST_MS = 250; // without a change, until the picture is drawn with all its light
+const QUICK_MS = 45; // longest picture of a moving sheet, if fewer pixels and less light make that possible
 const MAX_MESHES = 8;
 const WIDE_ASPECT = 1.4; // in wider pictures the height of a sheet limits its size
 
@@ -27,7 +37,14 @@ export class View {
   #isDirty = false;
   #hasFit = false;
   #aspect = 0;
-  #caster = null;
+  #pixels = [0, 0];
+  #box = null;
+  #tops = []; // positions that the view shows
+  #corners = []; // of the board, which saved pictures show, too
+  #level = 0; // of the board
+  #light = 0; // shadows of the present shape: 1 of the sun, 2 also of the sky
+  #fullMs = 0; // of the last picture with all its light
+  #rest = 0;
 
   #ended = new AbortController();
 
@@ -39,8 +56,10 @@ export class View {
     this.renderer = new Renderer(canvas);
     this.sheetSurface = this.renderer.makeSurface();
     this.exactSurface = this.renderer.makeSurface();
+    this.rimSurface = this.renderer.makeSurface();
     this.armSurface = this.renderer.makeSurface();
     this.needleSurface = this.renderer.makeSurface();
+    this.boardSurface = this.renderer.makeSurface();
     this.camera.isOrthographic = store.get("orthographic");
     const observer = new ResizeObserver(() => this.#resized());
     observer.observe(canvas);
@@ -114,7 +133,7 @@ export class View {
   }
 
   get aspect() {
-    return this.canvas.width / Math.max(1, this.canvas.height);
+    return this.#pixels[0] / Math.max(1, this.#pixels[1]);
   }
 
   get positions() {
@@ -137,30 +156,40 @@ export class View {
     return this.shape.mesh.triangles;
   }
 
-  /** Fills the buffers of positions, ribbons and needles. */
+  /** Fills the buffers of the sheet, its arms and needles, and the board. */
   #place() {
     if (!this.shape) return;
+    this.#light = 0;
     const part = this.isSmooth ? "smooth_" : "";
-    const [arms, armNormals, needles] = ["arms", "arm_normals", "needles"].map((name) => this.shape[part + name]);
+    const [arms, armNormals, given] = ["arms", "arm_normals", "needles"].map((name) => this.shape[part + name]);
+    const needles = given ?? NO_NEEDLES;
     const { positions, triangles, renderer } = this;
-    renderer.fill(this.sheetSurface, { positions, normals: vertexNormals(positions, triangles), triangles });
     const comparison = this.store.get("comparison");
+    const mesh = comparison ? (this.meshes.get(comparison.mesh) ?? this.shape.mesh) : this.shape.mesh;
+    const { printed, outline } = this.store.get("shown") === "preview" ? this.shape.mesh : mesh;
+    const normals = vertexNormals(positions, triangles);
+    renderer.fill(this.sheetSurface, { positions, normals, printed, triangles, lines: outline });
+    renderer.fill(this.rimSurface, rim(positions, normals, outline));
     if (comparison) {
-      const mesh = this.meshes.get(comparison.mesh) ?? this.shape.mesh;
-      renderer.fill(this.exactSurface, {
-        positions: comparison.exact,
-        normals: vertexNormals(comparison.exact, mesh.triangles),
-        triangles: mesh.triangles,
-      });
+      const { exact } = comparison;
+      const normals = vertexNormals(exact, mesh.triangles);
+      renderer.fill(this.exactSurface, { positions: exact, normals, triangles: mesh.triangles });
     }
-    this.#caster = box(positions);
-    if (arms?.length) {
-      const made = ribbons(arms, armNormals, arms.rows);
-      this.shape.stations = made.stations;
-      renderer.fill(this.armSurface, made);
-    } else this.armSurface.count = 0;
-    const size = Math.hypot(this.#caster.high[0] - this.#caster.low[0], this.#caster.high[1] - this.#caster.low[1]);
-    renderer.fill(this.needleSurface, needleSurface(needles ?? new Float32Array(0), size));
+    const made = arms?.length ? bars(arms, armNormals, arms.rows) : null;
+    this.shape.perArm = made?.perArm;
+    if (made) renderer.fill(this.armSurface, made);
+    else this.armSurface.count = 0;
+    const tops = [...positions];
+    for (let k = 3; k < needles.length; k += 6) tops.push(...headOf(needles.subarray(k, k + 3)));
+    this.#box = box(tops); // around all that casts shadows
+    const { low, high } = this.#box;
+    const level = Math.min(0, low[2]) - FABRIC_MM - 0.1;
+    const [solids, table] = [needleSolids(needles, level), board({ low, high }, needles, level)];
+    renderer.fill(this.needleSurface, solids);
+    renderer.fill(this.boardSurface, table);
+    this.#level = level;
+    this.#tops = tops;
+    this.#corners = table.corners;
     this.#mark();
     this.#colour();
   }
@@ -188,20 +217,20 @@ export class View {
   #mark() {
     const sites = this.shape?.arm_site;
     const sheet = this.store.get("sheet");
-    if (!sites || !sheet || !this.shape.stations) return;
+    if (!sites || !sheet || !this.shape.perArm) return;
     const hover = this.store.get("hover");
     const selection = this.store.get("selection");
     const isMarked = (row) => {
       const key = sheet.stars[row]?.key;
       return key !== undefined && (key === hover || selection.has(key));
     };
-    this.renderer.fill(this.armSurface, { colours: armColours(sites, this.shape.stations, isMarked) });
+    this.renderer.fill(this.armSurface, { colours: barColours(sites, this.shape.perArm, isMarked) });
     this.invalidate();
   }
 
   fit() {
     if (!this.shape) return;
-    this.camera.fit(this.positions, this.aspect);
+    this.camera.fit(this.#tops, this.aspect);
     this.#hasFit = true;
     this.invalidate();
   }
@@ -211,48 +240,59 @@ export class View {
     this.fit();
   }
 
+  /** Draws soon, and again with all light and pixels when nothing has changed for a while. */
   invalidate() {
     if (this.#isDirty) return;
     this.#isDirty = true;
     requestAnimationFrame(() => {
       this.#isDirty = false;
-      this.draw();
+      if (this.#fullMs < QUICK_MS) return this.draw();
+      this.draw(Math.max(0.4, Math.sqrt(QUICK_MS / this.#fullMs)));
+      clearTimeout(this.#rest);
+      this.#rest = setTimeout(() => this.draw(), REST_MS);
     });
   }
 
-  draw(width = this.canvas.width, height = this.canvas.height) {
+  /** Draws on a `share` of the canvas' pixels along each side; with less than all, a new shape has no shadows of the sky. */
+  draw(share = 1, pixels = this.#pixels) {
+    const { canvas, renderer } = this;
+    const [width, height] = pixels.map((side) => Math.round(side * share));
     if (!this.shape || !width) return this.#confirm();
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     const start = performance.now();
-    const isGrey = this.store.get("problem")?.isBlocking || this.store.get("connection") === "lost";
-    const shown = this.store.get("comparison") ? this.store.get("shown") : "preview";
-    const colours = isGrey ? GREY : FABRIC;
-    const marked = this.shape.arm_site ? 1 : 0;
-    const surfaces = [
-      {
-        surface: this.sheetSurface,
-        ...colours,
-        coloured: this.isColoured && !isGrey && shown !== "both" ? 1 : 0,
-        isCaster: true,
-        isBehind: true,
-      },
-    ];
-    if (this.store.get("showArms") && shown === "preview" && this.armSurface.count) {
-      surfaces.push({
-        surface: this.armSurface,
-        front: PLASTIC,
-        back: PLASTIC,
-        lift: 0.15,
-        shine: 0.16,
-        coloured: marked,
-      });
-    }
-    surfaces.push({ surface: this.needleSurface, front: NEEDLE, back: NEEDLE, shine: 0.3 });
-    if (shown === "both") surfaces.push({ surface: this.exactSurface, front: EXACT, back: EXACT, alpha: 0.45 });
-    if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
-    this.renderer.draw({ surfaces, ground: this.#ground(), camera: this.camera.frame(width / height), width, height });
+    const surfaces = this.#surfaces();
+    const light = share < 1 ? 1 : 2;
+    if (this.#light < light) renderer.shade(surfaces, this.#box, light === 2);
+    this.#light = Math.max(light, this.#light);
+    renderer.draw({ surfaces, camera: this.camera.frame(pixels[0] / pixels[1]), width, height });
+    if (share === 1) this.#fullMs = renderer.finish() - start;
     this.drawMs = performance.now() - start;
     this.frames += 1;
     this.#confirm();
+  }
+
+  #surfaces() {
+    const isGrey = this.store.get("problem")?.isBlocking || this.store.get("connection") === "lost";
+    const shown = this.store.get("comparison") ? this.store.get("shown") : "preview";
+    const [front, back] = isGrey ? GREY : FABRIC;
+    const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
+    const coloured = this.isColoured && !isGrey && shown !== "both" ? 1 : 0;
+    const ink = [0.12, 0.12, 0.14];
+    const sheet = { surface: this.sheetSurface, coloured, weave: coloured ? 0 : 0.04 };
+    const surfaces = [];
+    if (this.camera.eye[2] > this.#level)
+      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark ? "dark" : "light"], line: [...ink, 0.45] });
+    surfaces.push(
+      { ...sheet, side: "front", base: front, line: [...ink, 0.8], casts: true },
+      { ...sheet, side: "back", base: back, lift: -FABRIC_MM, line: [...ink, 0.5] },
+      { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
+      { surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true },
+    );
+    if (this.store.get("showArms") && shown === "preview" && this.armSurface.count)
+      surfaces.push({ surface: this.armSurface, base: PLASTIC, shine: 0.1, coloured: 1, casts: true });
+    if (shown === "both") surfaces.push({ surface: this.exactSurface, base: EXACT, alpha: 0.45 });
+    if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
+    return surfaces;
   }
 
   /** Tells once that a shape is drawn, or that it will not be. */
@@ -262,21 +302,6 @@ export class View {
     this.onFrame(this.shape.header);
   }
 
-  #ground() {
-    const { low, high } = this.#caster;
-    const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
-    const size = Math.hypot(high[0] - low[0], high[1] - low[1]);
-    return {
-      centre: [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2],
-      reach: 1.15 * size,
-      level: Math.min(0, low[2]) - 0.4,
-      line: isDark ? [0.85, 0.87, 0.9] : [0.2, 0.22, 0.26],
-      lineAlpha: isDark ? 0.14 : 0.2,
-      shade: isDark ? 0.6 : 0.34,
-      stepMm: size > 400 ? 50 : 10,
-    };
-  }
-
   #resized() {
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
@@ -284,8 +309,7 @@ export class View {
     const [before, now] = [this.#aspect, width / height].map((aspect) => Math.min(aspect, WIDE_ASPECT));
     if (this.#hasFit && before) this.camera.distance *= before / now; // a narrow window shows the same width
     this.#aspect = width / height;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(height * ratio);
+    this.#pixels = [Math.round(width * ratio), Math.round(height * ratio)];
     if (!this.#hasFit) this.fit();
     this.draw();
   }
@@ -309,27 +333,41 @@ export class View {
     return hit && printedPlace(hit, this.shape.mesh.printed, this.triangles);
   }
 
-  /** A picture of the view at a chosen size, as PNG. */
-  picture(width, height, background) {
-    const { canvas } = this;
-    const before = [canvas.width, canvas.height];
-    [canvas.width, canvas.height] = [width, height];
+  /** A picture of the view at a chosen size, as PNG, drawn with twice the pixels; `title`: also with a scale bar. */
+  picture(width, height, { background, title = null }) {
     const { target, distance } = this.camera;
-    this.camera.fit(this.positions, width / height);
-    this.draw(width, height);
-    Object.assign(this.camera, { target, distance });
+    this.camera.fit([...this.#tops, ...this.#corners], width / height);
+    const fine = 2 * Math.max(width, height) <= this.renderer.largestPx ? 2 : 1;
+    this.draw(1, [fine * width, fine * height]);
     const flat = document.createElement("canvas");
     [flat.width, flat.height] = [width, height];
     const context = flat.getContext("2d");
+    context.imageSmoothingQuality = "high";
     if (background) {
       context.fillStyle = background;
       context.fillRect(0, 0, width, height);
     }
-    context.drawImage(canvas, 0, 0);
-    [canvas.width, canvas.height] = before;
+    context.drawImage(this.canvas, 0, 0, width, height);
+    if (title !== null) caption(context, title, this.camera.pixelMm(height));
+    Object.assign(this.camera, { target, distance });
     this.draw();
     return new Promise((resolve) => flat.toBlob(resolve, "image/png"));
   }
+}
+
+/** Writes a title, and a bar of a round length, whose scale is that at the middle of the sheet. */
+function caption(context, title, pixelMm) {
+  const { width, height } = context.canvas;
+  const unit = Math.min(width, height) / 45;
+  const most = (0.25 * width * pixelMm) / 10;
+  const power = 10 ** Math.floor(Math.log10(most * 10));
+  const length = [5, 2, 1].find((step) => step * power <= 10 * most) * power;
+  context.fillStyle = "#26262b";
+  context.font = `600 ${1.3 * unit}px system-ui, sans-serif`;
+  context.fillText(title, 1.5 * unit, 2.5 * unit);
+  context.font = `${unit}px system-ui, sans-serif`;
+  context.fillText(`${length} mm`, 1.5 * unit, height - 2.2 * unit);
+  context.fillRect(1.5 * unit, height - 1.7 * unit, length / pixelMm, unit / 5);
 }
 
 /** Moves both shapes of a verification to the middle of the shown one, so that the picture stays where it is. */
