@@ -3,6 +3,7 @@
 import { LIGHTS, LINE, SKY, SURFACE } from "./shaders.js";
 
 const MAP_PX = 1024;
+const MOST_SAMPLED_PX = 2e7; // a larger picture would take more than 1 GB
 // in the order of their locations, which are those of all programs: name, numbers for each point
 const ATTRIBUTES = [
   ["position", 3],
@@ -21,7 +22,7 @@ const WAYS = Array.from({ length: LIGHTS }, (_, k) => {
 
 export class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
+    const gl = canvas.getContext("webgl2", { antialias: false, alpha: true });
     if (!gl) throw new Error("This browser has no WebGL 2. The sheet in space cannot be drawn.");
     this.gl = gl;
     this.largestPx = Math.min(gl.getParameter(gl.MAX_RENDERBUFFER_SIZE), ...gl.getParameter(gl.MAX_VIEWPORT_DIMS));
@@ -39,7 +40,8 @@ export class Renderer {
       [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
     ])
       gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, value);
-    this.target = gl.createFramebuffer();
+    [this.target, this.sampled] = [gl.createFramebuffer(), gl.createFramebuffer()];
+    [this.colours, this.depths] = [gl.createRenderbuffer(), gl.createRenderbuffer()];
     this.seen = new Float32Array(16 * LIGHTS);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
@@ -121,15 +123,17 @@ export class Renderer {
   }
 
   /** Draws surfaces [{surface, base, ..}] as a camera sees them; `side`: only their "front" or "back" is drawn. */
-  draw({ surfaces, camera, width, height }) {
+  draw({ surfaces, camera, width, height, isSoft }) {
     const { gl } = this;
+    const isSampled = isSoft && width * height < MOST_SAMPLED_PX;
+    if (isSampled) this.#sample(width, height);
     gl.viewport(0, 0, width, height);
     this.clear();
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     const { matrix, eye, towards, isOrthographic } = camera;
     this.#use(this.surface);
-    set(gl, this.surface, { matrix, eye, towards, perspective: isOrthographic ? 0 : 1 });
+    set(gl, this.surface, { matrix, eye, towards, perspective: isOrthographic ? 0 : 1, soft: isSoft ? 1 : 0 });
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
     for (const { surface, side, coloured = 0, alpha = 1, lift = 0, shine = 0.02, weave = 0, base } of surfaces) {
@@ -148,6 +152,27 @@ export class Renderer {
       this.#elements(surface, gl.LINES);
     }
     gl.disable(gl.BLEND);
+    if (!isSampled) return;
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.sampled);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  /** Draws into buffers with four samples a pixel. */
+  #sample(width, height) {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.sampled);
+    if (String(this.size) === String([width, height])) return;
+    this.size = [width, height];
+    for (const [buffer, kind, place] of [
+      [this.colours, gl.RGBA8, gl.COLOR_ATTACHMENT0],
+      [this.depths, gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
+    ]) {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, 4, kind, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, buffer);
+    }
   }
 
   /** Waits until the picture is there, and returns the time. */

@@ -1,7 +1,7 @@
 // GLSL: surfaces in the light of one sun and of the sky, lines, and how much of the sky the points of a surface see.
 
 /** Maps of depths: the first is seen from the sun, the others from directions over the whole sky. */
-export const LIGHTS = 25;
+export const LIGHTS = 17;
 
 const MAPS = `
   uniform highp sampler2DArrayShadow maps;
@@ -52,7 +52,7 @@ export const SURFACE = {
   fragment: `#version 300 es
     precision highp float;
     in vec3 vNormal; in vec3 vPlace; in vec4 vColour; in vec2 vPrinted; in vec2 vSky;
-    uniform vec3 eye; uniform vec3 towards; uniform float perspective; uniform float hasSky;
+    uniform vec3 eye; uniform vec3 towards; uniform float perspective; uniform float hasSky; uniform float soft;
     uniform vec3 base; uniform float coloured; uniform float alpha; uniform float shine; uniform float weave;
     out vec4 result;
     ${MAPS}
@@ -64,9 +64,10 @@ export const SURFACE = {
       float sun = max(dot(n, ways[0]), 0.0);
       if (sun > 0.0) {
         vec3 place = vPlace + away * n;
+        int taps = soft > 0.0 ? 4 : 1;
         float clear = 0.0;
-        for (int k = 0; k < 4; k++) clear += open(0, place, vec2(k < 2 ? -0.8 : 0.8, k % 2 == 0 ? -0.8 : 0.8));
-        sun *= 0.25 * clear;
+        for (int k = 0; k < taps; k++) clear += open(0, place, soft * vec2(k < 2 ? -0.8 : 0.8, k % 2 == 0 ? -0.8 : 0.8));
+        sun *= clear / float(taps);
       }
       float sky = mix(0.5 + 0.5 * n.z, isFront ? vSky.x : vSky.y, hasSky);
       vec3 paint = mix(base, vColour.rgb, coloured * vColour.a);

@@ -6,7 +6,7 @@ const EMBEDDED_MM = 0.4; // of a bar in the fabric, so that no gap is seen under
 const NEEDLE_MM = [0.3, 1.1]; // radii of shaft and head
 const HEAD_ABOVE_MM = 3.4; // of the middle of a head over the held point
 const BOARD_MM = 4;
-const BOARD_CELLS = 48;
+const BOARD_CELLS = 32;
 const SIDES = 12;
 
 /** Thickness of the fabric as it is drawn. */

@@ -259,13 +259,13 @@ export class View {
     const [width, height] = pixels.map((side) => Math.round(side * share));
     if (!this.shape || !width) return this.#confirm();
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    const start = performance.now();
     const surfaces = this.#surfaces();
     const light = share < 1 ? 1 : 2;
     if (this.#light < light) renderer.shade(surfaces, this.#box, light === 2);
     this.#light = Math.max(light, this.#light);
-    renderer.draw({ surfaces, camera: this.camera.frame(pixels[0] / pixels[1]), width, height });
-    if (share === 1) this.#fullMs = renderer.finish() - start;
+    const start = share === 1 ? renderer.finish() : performance.now();
+    renderer.draw({ surfaces, camera: this.camera.frame(pixels[0] / pixels[1]), width, height, isSoft: share === 1 });
+    if (share === 1) this.#fullMs = renderer.finish() - start; // without the maps: these follow a new shape only
     this.drawMs = performance.now() - start;
     this.frames += 1;
     this.#confirm();
