@@ -170,6 +170,11 @@ class Document:
         self._gesture = None
         self.check()
 
+    def call_off(self, gesture: Any) -> None:
+        """Forget the changes of a gesture that has not ended."""
+        if gesture is not None and gesture == self._gesture:
+            self.take_back()
+
     def change(self, changes: Mapping[str, Any], gesture: Any = None) -> None:
         """Other values at dotted keys of the design file; see `with_changes`."""
         changed = with_changes(self.table, changes)

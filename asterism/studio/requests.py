@@ -52,6 +52,12 @@ class Change(GestureRequest):
     changes: dict[str, Any] = Field(max_length=100)
 
 
+class TakeBack(GestureRequest):
+    """The gesture is called off: its changes are forgotten."""
+
+    type: Literal["take back"]
+
+
 class Paint(GestureRequest):
     type: Literal["sizes"]
     sites: Sites
@@ -261,6 +267,7 @@ AnyRequest = Annotated[
     | Go
     | Recover
     | Change
+    | TakeBack
     | Paint
     | BrushRequest
     | StarsRequest

@@ -415,6 +415,8 @@ def apply_gesture(request: GestureRequest, document: Document, gesture: Any, dra
     match request:
         case ask.Change():
             document.change(request.changes, gesture)
+        case ask.TakeBack():
+            document.call_off(gesture)
         case ask.Paint():
             document.paint(request.sites, request.sizes, gesture)
         case ask.BrushRequest():

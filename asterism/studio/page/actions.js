@@ -89,7 +89,8 @@ export function createActions(studio) {
       edits.once(() => edits.remove(keys));
     },
     escape() {
-      if (store.get("startOpen")) store.set({ startOpen: false });
+      if (studio.plan.cancel() || edits.isOpen) edits.cancel();
+      else if (store.get("startOpen")) store.set({ startOpen: false });
       else if (isLong(store.get("state"))) actions.stop();
       else if (Object.keys(store.get("jobs")).length) actions.cancel();
       else store.set({ selection: new Set(), support: null, corner: null });

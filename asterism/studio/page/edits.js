@@ -14,6 +14,7 @@ export class Edits {
   #isOpen = false;
   #waiting = new Map(); // messages of this gesture that are not sent yet, by kind
   #timer = 0;
+  #kept = []; // messages for which there was no connection
 
   constructor(store, connection) {
     this.store = store;
@@ -126,17 +127,34 @@ export class Edits {
     this.#sent = this.#gesture;
   }
 
+  /** Calls the open gesture off: nothing of it stays. */
+  cancel() {
+    if (!this.#isOpen) return;
+    this.#waiting.clear();
+    this.#waiting.set("take back", { kind: "take back" });
+    this.#local = emptyLocal();
+    this.end();
+    this.#draw();
+  }
+
   /** Takes over a document of the server; what is painted right now stays on top. */
   arrived(document) {
     const isCurrent = (document.gesture ?? 0) >= this.#sent || this.#arrived >= this.#sent;
     if (isCurrent) this.#arrived = this.#sent;
     if (!this.#isOpen && isCurrent) this.#local = emptyLocal();
     this.store.set({ document, sheet: new Sheet(document, this.#local) }); // together: panels read both
+    for (const message of this.#kept.splice(0)) this.connection.send(...message);
+  }
+
+  /** The connection is lost or there again. What was drawn without one is kept, and sent when the design is there. */
+  reconnected() {
+    if (!this.#isOpen && !this.#kept.length) this.drop();
   }
 
   /** Forgets what was not accepted. */
   drop() {
     this.#waiting.clear();
+    this.#kept.length = 0;
     clearTimeout(this.#timer);
     this.#timer = 0;
     this.#local = emptyLocal();
@@ -180,8 +198,8 @@ export class Edits {
     } else if (message.kind === "weigh") {
       fields.sites = [...message.values.keys()].map(siteOf);
       fields.weights = [...message.values.values()];
-    } else fields.sites = [...message.keys].map(siteOf);
-    this.connection.send(message.kind, fields);
+    } else if (message.keys) fields.sites = [...message.keys].map(siteOf);
+    if (this.#kept.length || !this.connection.send(message.kind, fields)) this.#kept.push([message.kind, fields]);
   }
 
   #draw() {

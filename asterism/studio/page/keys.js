@@ -16,7 +16,7 @@ const HELP = {
     ["V B G O N W R", "Select, brush, sizes, outline, needles, weight, ruler"],
     ["T", "Table of stars"],
     ["I", "Put a drawing on the sheet"],
-    ["Esc", "Cancel what runs, clear the selection"],
+    ["Esc", "Call off a stroke, cancel what runs, clear the selection"],
     ["?", "This help"],
   ],
   Plan: [

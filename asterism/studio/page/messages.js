@@ -67,8 +67,8 @@ export function listen(studio) {
 
   /** Another design is open: what was said, chosen, found and begun for the one before goes with it. */
   function forgetDesign() {
-    Object.values(studio.tools).forEach(({ tool }) => tool.cancel?.());
     edits.drop();
+    Object.values(studio.tools).forEach(({ tool }) => tool.cancel?.());
     document.querySelectorAll("dialog[open]").forEach((one) => one.close());
     document.querySelectorAll(".toast").forEach((one) => one.remove());
     studio.view?.reset();
@@ -171,14 +171,14 @@ export function listen(studio) {
       const before = store.get("connection");
       store.set({ connection: connected });
       if (connected === "lost") {
-        edits.drop();
+        edits.reconnected();
         if (before === "open")
           toast(
-            "The studio does not answer; your work is kept in the autosave. If its terminal has ended, start it again and use the new address.",
+            "The studio does not answer; your work is kept in the autosave, and what you draw now follows when it answers again. If its terminal has ended, start it again and use the new address.",
             { isBad: true, stay: 0 },
           );
       } else if (connected === "open") {
-        edits.drop(); // gestures are counted anew for this connection
+        edits.reconnected();
         document
           .querySelectorAll(".toast.bad")
           .forEach((one) => one.dataset.text.startsWith("The studio does not answer") && one.remove());

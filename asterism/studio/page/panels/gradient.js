@@ -5,6 +5,7 @@ import { QUANTITIES } from "../format.js";
 import { sizeAt, sizeTargets } from "../sheet.js";
 import { sizeChanges } from "../plan/tools/gradient.js";
 import { numberField } from "./fields.js";
+import { toast } from "./toasts.js";
 
 const KINDS = [
   { value: "radial", text: "Radial" },
@@ -38,9 +39,11 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     onchange: (value) => ((settings.kind = value), show(), (value === "radial" || value === "linear") && redo()),
   });
   const redo = () => {
-    edits.begin();
-    tool.apply();
-    edits.end();
+    edits.once(() => tool.apply());
+    const { name } = QUANTITIES[settings.quantity];
+    toast(`${name}: a ${settings.kind} gradient takes the place of all sizes that are not painted.`, {
+      action: { text: "Undo", run: actions.undo },
+    });
   };
   const part = (label, key, rest = {}) =>
     numberField({

@@ -55,6 +55,12 @@ export class PlanCanvas {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate());
   }
 
+  /** Calls off what a pressed pointer does. Returns whether there is one. */
+  cancel() {
+    if (this.#pointers.size) this.tool?.cancel?.();
+    return this.#pointers.size > 0;
+  }
+
   toScreen(point) {
     return [this.offset[0] + this.scale * point[0], this.offset[1] - this.scale * point[1]];
   }

@@ -23,6 +23,7 @@ export function listenToView(view, { store, edits }) {
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     last = span();
     way = 0;
+    if (drag?.target) edits.cancel(); // a second finger
     const needle = pointers.size === 1 && event.button === 0 ? needleUnder(event) : null;
     drag = needle ? "needle" : event.button === 0 && !event.shiftKey ? "orbit" : "pan";
     if (needle) {
@@ -112,6 +113,7 @@ export function listenToView(view, { store, edits }) {
   function liftTo(event) {
     const sheet = store.get("sheet");
     const [x, y, z] = drag.target;
+    if (!edits.isOpen) return; // called off
     const height = Math.max(0, z + (drag.y - event.clientY) * view.camera.pixelMm(canvas.clientHeight));
     const tables = withMoved(sheet.tables, sheet.pins, drag, { target: [x, y, Math.round(height * 2) / 2] });
     edits.design({ pins: tables }, { pins: tables });

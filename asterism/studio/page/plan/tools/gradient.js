@@ -81,7 +81,10 @@ export class GradientTool {
   }
 
   cancel() {
-    this.up();
+    if (this.#end < 0) return;
+    this.#end = -1;
+    this.edits.cancel();
+    this.read();
   }
 
   /** Enter at a star begins the line there, and ends it at another one. */

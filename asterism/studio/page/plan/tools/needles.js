@@ -103,7 +103,8 @@ export class NeedleTool {
   }
 
   cancel() {
-    this.up();
+    this.#drag = null;
+    this.edits.cancel();
   }
 
   hover(event) {

@@ -60,7 +60,8 @@ export class OutlineTool {
   }
 
   cancel() {
-    this.up();
+    this.#corners = null;
+    this.edits.cancel();
   }
 
   #send() {

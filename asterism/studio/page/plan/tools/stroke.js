@@ -50,7 +50,8 @@ export class StrokeTool {
   }
 
   cancel() {
-    this.up();
+    this.#isDown = false;
+    this.edits.cancel();
   }
 
   /** Enter paints at the star of the keyboard; with Shift in a straight line from the last place. */

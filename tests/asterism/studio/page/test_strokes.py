@@ -1,0 +1,113 @@
+"""No stroke is lost, and none is made by accident."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tests.asterism.studio.browser import StudioPage
+
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
+
+def press(page: StudioPage, *places: tuple[float, float]) -> None:
+    """Press at the first place and stay pressed at the last one until what was drawn on the way is sent."""
+    mouse = page.page.mouse
+    mouse.move(*page.point(places[0]))
+    mouse.down()
+    for place in places[1:]:
+        mouse.move(*page.point(place), steps=4)
+    page.page.wait_for_timeout(150)
+
+
+@pytest.mark.parametrize(
+    ("tool", "places"),
+    [
+        ("brush", [(0.0, 0.0), (10.0, 5.0)]),
+        ("needles", [(5.0, 3.0), (9.0, 4.0)]),
+        ("outline", [(50.0, 0.0), (60.0, 3.0)]),
+        ("gradient", [(-30.0, 0.0), (20.0, 3.0)]),
+    ],
+)
+def test_escape_calls_a_stroke_off(shared: StudioPage, tool: str, places: list[tuple[float, float]]) -> None:
+    shared.open("gallery-star" if tool == "needles" else "gallery-dome")
+    shared.item(f"tool-{tool}").click()
+    before, design = shared.get("studio.sizes"), shared.get("studio.document.design")
+    steps = shared.get("studio.document.can_undo")
+    if tool == "outline":
+        places = [tuple(shared.get("studio.document.plan.outline_mm[0]")), *places[1:]]
+    press(shared, *places)
+    assert shared.get("studio.isEditing")
+    shared.page.keyboard.press("Escape")
+    assert shared.get("studio.sizes") == before
+    shared.page.mouse.move(*shared.point((0.0, 0.0)))
+    shared.page.mouse.up()
+    shared.rest()
+    assert shared.get("studio.document.design") == design and shared.get("studio.sizes") == before
+    assert shared.get("studio.document.can_undo") == steps
+
+
+def test_two_fingers_zoom_and_do_not_paint(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.item("tool-brush").click()
+    before, scale = shared.get("studio.sizes"), shared.point((10.0, 0.0))[0] - shared.point((0.0, 0.0))[0]
+    touch = shared.page.context.new_cdp_session(shared.page)
+
+    def fingers(kind: str, *places: tuple[float, float]) -> None:
+        points = [dict(zip("xy", shared.point(place), strict=True), id=k) for k, place in enumerate(places)]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    fingers("touchStart", (-5.0, 0.0))
+    fingers("touchMove", (-6.0, 0.0))
+    shared.page.wait_for_timeout(100)
+    fingers("touchStart", (-6.0, 0.0), (5.0, 0.0))
+    fingers("touchMove", (-9.0, 0.0), (8.0, 0.0))
+    fingers("touchMove", (-12.0, 0.0), (11.0, 0.0))
+    fingers("touchEnd")
+    shared.rest()
+    assert shared.get("studio.sizes") == before
+    assert shared.point((10.0, 0.0))[0] - shared.point((0.0, 0.0))[0] > 1.2 * scale
+
+
+def test_strokes_without_a_connection_follow_when_it_is_there_again(new_page: Any) -> None:
+    page = new_page()
+    page.open("gallery-dome")
+    sockets: list[Any] = []
+    is_open = [True]
+
+    def pass_on(socket: Any) -> None:
+        if not is_open[0]:
+            socket.close()
+            return
+        sockets.append(socket)
+        socket.connect_to_server()
+
+    page.page.route_web_socket("**/live", pass_on)
+    page.page.reload()
+    page.wait("window.studio && studio.connected")
+    page.rest()
+    page.item("tool-brush").click()
+    sizes, revision = page.get("studio.sizes"), page.get("studio.revision")
+    is_open[0] = False
+    sockets[-1].close()
+    page.wait("!studio.connected")
+    page.drag((0.0, 0.0), (8.0, 5.0))
+    drawn = page.get("studio.sizes")
+    assert drawn != sizes
+    is_open[0] = True
+    page.wait(f"studio.connected && studio.revision > {revision}")
+    page.rest()
+    saved = page.get("studio.sizes")
+    assert saved == [pytest.approx(one, abs=0.01) for one in drawn]
+
+
+def test_a_gradient_by_a_click_says_what_it_replaces_and_takes_it_back(shared: StudioPage) -> None:
+    shared.open("new")
+    shared.item("tool-gradient").click()
+    before = shared.get("studio.sizes")
+    shared.changed(lambda: shared.item("gradient-kind-radial").click())
+    message = shared.page.locator(".toast", has_text="radial gradient")
+    shared.changed(lambda: message.get_by_text("Undo").click())
+    assert shared.get("studio.sizes") == before
