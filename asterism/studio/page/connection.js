@@ -1,5 +1,7 @@
 // The websocket: messages with numbers, binary frames with one acknowledgement each, and a reconnection that asks for everything again.
 
+import { withoutOptions } from "./format.js";
+
 const TYPES = { f4: Float32Array, u4: Uint32Array, i1: Int8Array, u1: Uint8Array, f8: Float64Array };
 const BYTES = { f4: 4, u4: 4, i1: 1, u1: 1, f8: 8 };
 const MAX_WAIT_MS = 5000;
@@ -18,6 +20,14 @@ export function unpack(buffer) {
     arrays[name].rows = shape[0];
   }
   return { kind, header, arrays };
+}
+
+/** Messages name no options of the command line. */
+function plainWords(key, value) {
+  if (key === "text" && typeof value === "string") return withoutOptions(value);
+  return key === "warnings" && Array.isArray(value)
+    ? value.map((one) => (typeof one === "string" ? withoutOptions(one) : one))
+    : value;
 }
 
 export class Connection {
@@ -55,7 +65,7 @@ export class Connection {
       this.send("hello");
     };
     socket.onmessage = ({ data }) => {
-      if (typeof data === "string") this.handlers.message(JSON.parse(data));
+      if (typeof data === "string") this.handlers.message(JSON.parse(data, plainWords));
       else this.handlers.frame(unpack(data));
     };
     socket.onclose = ({ code }) => {

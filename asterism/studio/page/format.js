@@ -60,3 +60,52 @@ export function trust(expected) {
 export function round(value, step) {
   return Number((Math.round(value / step) * step).toFixed(6));
 }
+
+const UNITS_MM = { mm: 1, cm: 10, m: 1000, in: 25.4 };
+
+/** The number of a text, as people type it: with a comma or a point, in another unit of length, as a sum such as
+ * 2*7,5+1; NaN if it is none. */
+export function numberOf(text, unit = "") {
+  const plain = text.trim().replaceAll("−", "-").replaceAll("×", "*").replaceAll(",", ".").toLowerCase();
+  const tokens = plain.match(/(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|[a-z%]+|\S/g) ?? [];
+  let k = 0;
+  const atom = () => {
+    const token = tokens[k++];
+    if (token === "-" || token === "+") return token === "-" ? -atom() : atom();
+    if (token === "(") {
+      const value = sum();
+      return tokens[k++] === ")" ? value : NaN;
+    }
+    const factor = unit === "mm" ? UNITS_MM[tokens[k]] : tokens[k] === unit && unit ? 1 : undefined;
+    if (factor) k += 1;
+    return /^[\d.]/.test(token ?? "") ? Number(token) * (factor ?? 1) : NaN;
+  };
+  const row = (part, operators) => () => {
+    let value = part();
+    while (operators[tokens[k]]) value = operators[tokens[k++]](value, part());
+    return value;
+  };
+  const product = row(atom, { "*": (a, b) => a * b, "/": (a, b) => a / b });
+  const sum = row(product, { "+": (a, b) => a + b, "-": (a, b) => a - b });
+  const value = sum();
+  return k === tokens.length && Number.isFinite(value) ? value : NaN;
+}
+
+/** Why a text is no value of a field from `low` to `high`; null if it is one. */
+export function mistakeOf(text, { unit = "", limits: [low, high] = [-Infinity, Infinity], whole = false } = {}) {
+  const number = numberOf(text, unit);
+  if (!Number.isFinite(number)) return "A number, please";
+  const said = (value) => `${Number(value.toFixed(3))} ${unit}`.trim();
+  if (number < low || number > high) {
+    if (low === -Infinity) return `At most ${said(high)}`;
+    return high === Infinity ? `At least ${said(low)}` : `From ${said(low)} to ${said(high)}`;
+  }
+  return whole && !Number.isInteger(number) ? "A whole number, please" : null;
+}
+
+/** A message without the parts that name options of the command line, which a page does not have. */
+export const withoutOptions = (text) =>
+  text
+    .replace(/^--[a-z-]+:? /, "")
+    .replace(/\s*\([^()]*--[a-z][^()]*\)/g, "")
+    .replace(/\s*[;,:][^;,:]*\s--[a-z][^;,:]*/g, "");

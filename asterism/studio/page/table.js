@@ -1,7 +1,7 @@
 // The table of stars: everything of the plan as text and number fields.
 
 import { check, dialog, h } from "./dom.js";
-import { QUANTITIES, fixed } from "./format.js";
+import { QUANTITIES, fixed, mistakeOf, numberOf } from "./format.js";
 import { rebuild } from "./rebuild.js";
 
 const MAX_ROWS = 400;
@@ -29,13 +29,12 @@ export function openTable({ store, edits }) {
     input.dataset.field = `stars.${key}`;
     input.addEventListener("keydown", (event) => event.stopPropagation());
     input.addEventListener("change", () => {
-      const [low, high] = store.get("sheet").range(quantity, false);
-      const value = Number(input.value.replace(",", "."));
-      const isGood = input.value.trim() !== "" && value >= low && value <= high;
-      input.classList.toggle("bad-field", !isGood);
-      input.setAttribute("aria-invalid", String(!isGood));
-      input.title = isGood ? "" : `From ${low} to ${high} mm`;
-      if (isGood) edits.once(() => edits.sizes(quantity, new Map([[star.key, value]])));
+      const limits = store.get("sheet").range(quantity, false);
+      const refused = mistakeOf(input.value, { unit: "mm", limits });
+      input.classList.toggle("bad-field", Boolean(refused));
+      input.setAttribute("aria-invalid", String(Boolean(refused)));
+      input.title = refused ?? "";
+      if (!refused) edits.once(() => edits.sizes(quantity, new Map([[star.key, numberOf(input.value, "mm")]])));
     });
     return h("td", {}, input);
   }

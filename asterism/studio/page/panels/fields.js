@@ -1,6 +1,6 @@
 // Number fields with unit, slider and limits; each shows one line of fault.
 
-import { fixed } from "../format.js";
+import { mistakeOf, numberOf } from "../format.js";
 import { h } from "../dom.js";
 
 let count = 0;
@@ -61,19 +61,15 @@ export function numberField({
     if (range) range.value = number;
     show(null);
   }
-  const typed = () => Number(input.value.replace(",", ".").replace("−", "-"));
-  function mistake() {
-    const number = typed();
-    if (!input.value.trim() || !Number.isFinite(number)) return "A number, please";
-    if (number < limits[0] || number > limits[1]) return rangeText(limits, unit);
-    if (whole && !Number.isInteger(number)) return "A whole number, please";
-    return null;
-  }
+  const typed = () => numberOf(input.value, unit);
+  const mistake = () => mistakeOf(input.value, { unit, limits, whole });
   function accept(isFinal) {
     const number = typed();
     const refused = mistake();
     show(refused);
-    if (refused || number === present) return;
+    if (refused) return;
+    input.value = text(number); // of a sum or another unit
+    if (number === present) return;
     present = number;
     if (range) range.value = number;
     onchange(number, isFinal);
@@ -123,11 +119,4 @@ export function numberField({
       if (range) Object.assign(range, { min: low, max: high });
     },
   };
-}
-
-function rangeText([low, high], unit) {
-  const said = (value) => `${String(Number(fixed(value, 3).replace("−", "-")))} ${unit}`;
-  if (low === -Infinity) return `At most ${said(high)}`;
-  if (high === Infinity) return `At least ${said(low)}`;
-  return `From ${said(low)} to ${said(high)}`;
 }

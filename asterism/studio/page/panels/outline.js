@@ -1,7 +1,7 @@
 // Panel of the outline: regular shapes, corners as numbers, drawing files.
 
 import { button, h, hint, section, segments } from "../dom.js";
-import { fixed } from "../format.js";
+import { fixed, mistakeOf, numberOf } from "../format.js";
 import { regularShape } from "../plan/tools/outline.js";
 import { numberField } from "./fields.js";
 import { rebuild } from "../rebuild.js";
@@ -95,7 +95,12 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       });
       input.addEventListener("keydown", (event) => event.stopPropagation());
       input.addEventListener("focus", () => store.set({ corner: k }));
-      input.addEventListener("change", () => Number.isFinite(Number(input.value)) && move(axis, Number(input.value)));
+      input.addEventListener("change", () => {
+        const refused = mistakeOf(input.value, { unit: "mm" });
+        input.classList.toggle("bad-field", Boolean(refused));
+        input.title = refused ?? "";
+        if (!refused) move(axis, numberOf(input.value, "mm"));
+      });
       return input;
     };
     return h(

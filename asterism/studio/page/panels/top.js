@@ -3,6 +3,7 @@
 import { button, h } from "../dom.js";
 import { icon } from "../icons.js";
 import { fitBrushToRods } from "./brush.js";
+import { toast } from "./toasts.js";
 
 export function buildTop(element, { store, actions }) {
   const name = h("input", {
@@ -19,7 +20,8 @@ export function buildTop(element, { store, actions }) {
   name.addEventListener("change", () => {
     const wanted = name.value.trim();
     name.value = store.get("document").name; // until the file is written: the server may refuse
-    if (wanted) actions.saveAs(wanted);
+    if (/[\\/]/.test(wanted)) toast("A name has no slash: the file lies in the folder of the studio.", { isBad: true });
+    else if (wanted) actions.saveAs(wanted);
   });
   const saved = h("span", { class: "saved", testid: "saved", role: "status" });
   const undo = button({

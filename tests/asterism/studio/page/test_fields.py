@@ -1,0 +1,71 @@
+"""Fields of numbers and names: one logic for all of them, and messages without the command line."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.asterism.studio.browser import StudioPage
+
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
+NUMBERS = [
+    ("7,5", 7.5), ("7.5 mm", 7.5), (" 0,75cm ", 7.5), ("2*3 + 1,5", 7.5), ("(10-2)/2 + 3.5", 7.5), ("−-7.5", 7.5),
+]  # fmt: skip
+REFUSED = ["", "seven", "7 kg", "7..5", "2*", "(7", "1,000.5", "7 8", "1/0"]
+
+
+@pytest.mark.parametrize(("typed", "value"), NUMBERS)
+def test_a_field_and_the_table_take_numbers_as_people_type_them(shared: StudioPage, typed: str, value: float) -> None:
+    shared.open("new")
+    shared.item("tool-gradient").click()
+    shared.changed(lambda: shared.fill("gradient-number", 6))
+    shared.changed(lambda: shared.fill("gradient-number", typed))
+    assert shared.get("studio.document.design.stars.length_mm") == pytest.approx(value)
+    assert float(shared.item("gradient-number").input_value()) == pytest.approx(value)
+    shared.changed(lambda: shared.fill("gradient-number", 6))
+    shared.item("open-table").click()
+    shared.changed(lambda: shared.fill("star-0-length", typed))
+    assert shared.get("studio.sizes[0][0]") == pytest.approx(value)
+    shared.page.keyboard.press("Escape")
+
+
+def test_what_is_no_number_is_refused_in_the_same_words_everywhere(shared: StudioPage) -> None:
+    shared.open("new")
+    shared.item("tool-gradient").click()
+    shared.item("open-table").click()
+    for typed in REFUSED:
+        shared.fill("star-0-length", typed)
+        cell = shared.item("star-0-length")
+        assert (cell.get_attribute("aria-invalid"), cell.get_attribute("title")) == ("true", "A number, please"), typed
+    shared.page.keyboard.press("Escape")
+    revision = shared.get("studio.revision")
+    for typed in REFUSED:
+        shared.fill("gradient-number", typed)
+        assert shared.page.locator(".field.bad .fault").inner_text() == "A number, please", typed
+    assert shared.get("studio.revision") == revision
+
+
+def test_a_name_with_a_slash_is_refused(shared: StudioPage) -> None:
+    shared.open("gallery-star")
+    name = shared.get("studio.document.name")
+    for wanted in ("towers/star", "towers\\star"):
+        shared.fill("name", wanted)
+        shared.page.locator(".toast.bad", has_text="slash").wait_for()
+        assert shared.item("name").input_value() == shared.get("studio.document.name") == name
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        ("the parts pass; the exact model can prevent that (solver.contact, --contact)",
+         "the parts pass; the exact model can prevent that"),
+        ("not computed (no law); use --simulate", "not computed (no law)"),
+        ("released fabric; measure it stretched: --fabric", "released fabric; measure it stretched"),
+        ("--name: has no slash", "has no slash"),
+        ("a line, 7 - 3 -- as it is", "a line, 7 - 3 -- as it is"),
+    ],
+)  # fmt: skip
+def test_messages_name_no_options_of_the_command_line(shared: StudioPage, said: str, shown: str) -> None:
+    found = shared.page.evaluate("async (said) => (await import('./page/format.js')).withoutOptions(said)", said)
+    assert found == shown
