@@ -49,7 +49,7 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     except OSError:  # an installation without write permission: numba chooses another folder
         pass
     try:
-        return _with_cache(function)
+        return _compiled(function) if config.DISABLE_JIT else _with_cache(function)  # type: ignore[attr-defined]
     except RuntimeError:  # numba finds no folder that it can write
         uncached.append(function.__name__)
         return _compiled(function)
@@ -67,16 +67,24 @@ def _folder_name(package: Path) -> str:
 
 
 def _with_cache(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The compiled loop, whose machine code is kept unless the disk is full."""
+    """The compiled loop; its machine code is kept unless the disk is full, and made anew where files are damaged."""
     compiled = _compiled(function, cache=True)
     kept = compiled._cache  # type: ignore[attr-defined]
-    save = kept.save_overload
+    load, save = kept.load_overload, kept.save_overload
+
+    def load_if_whole(*signature: Any) -> Any:
+        try:
+            return load(*signature)
+        except Exception:  # whatever reading half a file raises
+            with suppress(OSError):
+                kept.flush()
+            return None
 
     def save_if_possible(*overload: Any) -> None:
         with suppress(OSError):
             save(*overload)
 
-    kept.save_overload = save_if_possible
+    kept.load_overload, kept.save_overload = load_if_whole, save_if_possible
     return compiled
 
 

@@ -3,6 +3,15 @@
 from __future__ import annotations
 
 
+def one_line(text: str) -> str:
+    """A text on one line, as a terminal may print it: names of files, keys and layers may hold any characters.
+
+    >>> print(one_line("dome\\x1b[31m\\u202e.toml is\\nmissing"))
+    dome\\x1b[31m\\u202e.toml is missing
+    """
+    return "".join(c if c.isprintable() else " " if c.isspace() else ascii(c)[1:-1] for c in text)
+
+
 class Error(Exception):
     """Base class of every error that a user can cause.
 

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.load_design import load_design
 
 _FOLDER = Path(__file__).parent / "gallery"
@@ -41,7 +42,7 @@ def path(name: str) -> Path:
 
     Raises
     ------
-    KeyError
+    DesignError
         There is no design of this name.
     """
     if name in names():
@@ -51,7 +52,7 @@ def path(name: str) -> Path:
     if name in template_names():
         return _TEMPLATES / f"{name}.toml"
     known = ", ".join([*template_names(), *names(), *pattern_names()])
-    raise KeyError(f"no design {name!r} in the gallery; there are {known}")
+    raise DesignError("", f"is not in the gallery; there are {known}", name)
 
 
 def load(name: str) -> Design:

@@ -16,6 +16,8 @@ import sys
 from types import FrameType
 from typing import NoReturn
 
+from asterism.process.environment import mend_environment
+
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
 
@@ -37,6 +39,7 @@ def main() -> None:
         arrived.append(number)
         raise KeyboardInterrupt
 
+    mend_environment()
     # The libraries make a million objects that stay. The collector would go through them while they are made, and once
     # more at the end of Python. It begins in `Run.computing`.
     gc.disable()
@@ -103,10 +106,16 @@ def _run() -> int:
         return 130
     except MemoryError:
         _stop("not enough memory: a larger mesh.edge_mm needs less", 1)
+    except ImportError as error:
+        if (error.name or "").startswith("asterism"):
+            raise
+        _stop(f"a library is missing or broken: {error}", 1)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         if error.filename is not None:
             _stop(f"{error.filename}: {reason}", 2)
+        if error.errno == errno.ENOENT:
+            _stop("the folder in which the command runs does not exist any more", 2)
         if error.errno not in FULL_OR_GONE:
             raise
         # discard unprinted text: Python would try again at its end, and print an error
@@ -116,5 +125,7 @@ def _run() -> int:
 
 def _stop(line: str, status: int) -> NoReturn:
     """Print one line on standard error, and exit."""
-    print("asterism: " + " ".join(line.split()), file=sys.stderr)
+    from asterism.equilibrium.errors import one_line
+
+    print("asterism: " + one_line(" ".join(line.split())), file=sys.stderr)
     sys.exit(status)

@@ -8,6 +8,8 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
+from asterism.equilibrium.errors import one_line
+
 
 class CountLine:
     """How many are done.
@@ -63,7 +65,7 @@ class CountLine:
         """Name the first one that fails for a reason: the others differ from it by their numbers."""
         if (reason := without_numbers(problem)) not in self._reasons:
             self._reasons.add(reason)
-            self._line(f"  no answer: {which}: {problem}")
+            self._line(one_line(f"  no answer: {which}: {problem}"))
 
     def close(self) -> None:
         """Move the terminal to a new line."""

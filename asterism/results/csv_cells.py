@@ -10,7 +10,7 @@ from pathlib import Path
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.errors import one_line
-from asterism.pattern.design.files import check_regular
+from asterism.pattern.design.files import read_bytes
 
 # size of the largest table
 MAX_TABLE_BYTES = 2_000_000
@@ -136,14 +136,10 @@ def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
 def _lines(path: Path) -> list[tuple[int, str]]:
     """Numbers and texts of the lines, without empty lines and comments."""
     try:
-        check_regular(path)
-        with path.open("rb") as stream:
-            raw = stream.read(MAX_TABLE_BYTES + 1)
+        raw = read_bytes(path, MAX_TABLE_BYTES)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise TableError(path, None, None, f"cannot be read: {reason.lower()}") from None
-    if len(raw) > MAX_TABLE_BYTES:
-        raise TableError(path, None, None, f"is larger than {MAX_TABLE_BYTES // 1_000_000} MB")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.normals import triangle_normals
@@ -94,6 +95,9 @@ class Shape:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "summary", shape_record(self.summary))
+        corners, last = np.asarray(self.triangles), len(self.printed) - 1
+        if corners.dtype.kind not in "iu" or (corners.size and not 0 <= corners.min() <= corners.max() <= last):
+            raise Error(f"triangles: must be whole numbers of vertices, 0 to {last}")
 
     @cached_property
     def layout(self) -> Layout | None:

@@ -16,6 +16,7 @@ import numpy as np
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MUST_BE_WHOLE, DesignError
+from asterism.pattern.design.files import is_deep
 
 # designs of one sweep: the page with their pictures stays below 200 MB
 MAX_POINTS = 10_000
@@ -29,6 +30,8 @@ class SweepError(Error, ValueError):
 VALUE_DIGITS = 12
 # values of one parameter
 MAX_VALUES = 10_000
+# steps of a path
+MAX_STEPS = 20
 # a path in messages of designs, pins[0].scale, and as it is given here, pins.0.scale
 _INDEX = re.compile(r"\[(\d+)\]")
 GRAMMAR = "PATH=FROM:TO:COUNT or PATH=VALUE,VALUE; with a number of samples also PATH=FROM:TO"
@@ -78,6 +81,8 @@ class SweepParameter:
     def from_values(cls, path: str, given: str | Sequence[Any]) -> SweepParameter:
         """A parameter from its values, or from the part of `from_text` after the equals sign."""
         path = _as_path(path)
+        if path.count(".") >= MAX_STEPS:
+            raise SweepError(f"{path[:60]}...: must have at most {MAX_STEPS} steps")
         if not isinstance(given, str):
             values = [value.item() if isinstance(value, np.generic) else value for value in given]
             return cls(path, _checked(path, values))
@@ -249,6 +254,8 @@ def _checked(path: str, values: Sequence[Any]) -> tuple[Any, ...]:
     if len(values) > MAX_VALUES:
         raise SweepError(f"{path}: must have at most {MAX_VALUES} values")
     for number, value in enumerate(values):
+        if is_deep(value):
+            raise SweepError(f"{path}: value {number + 1} is nested too deeply")
         if value == "":
             raise SweepError(f"{path}: value {number + 1} is empty")
         if value in values[:number]:

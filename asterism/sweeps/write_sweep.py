@@ -96,4 +96,6 @@ def _cell(value: Any) -> Any:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, str) and value.startswith(("=", "+", "-", "@")):
+        return f"'{value}"  # a text: a spreadsheet would compute it
     return json.dumps(value) if isinstance(value, list | dict) else value

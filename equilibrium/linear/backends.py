@@ -187,7 +187,10 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
     """
     check_backend(backend)
     if backend != "auto":
-        return BACKENDS[backend].make(pattern)
+        try:
+            return BACKENDS[backend].make(pattern)
+        except (ImportError, OSError) as error:  # a package without its shared library
+            raise BackendError(f"backend: {backend!r} is not available: {error}") from None
     for candidate in BACKENDS.values():
         if candidate.iterative or not candidate.installed:
             continue

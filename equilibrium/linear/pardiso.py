@@ -29,7 +29,11 @@ def _pardiso_library() -> Any:
     with _mkl_path_set():
         from pypardiso import PyPardisoSolver
 
-        return PyPardisoSolver(mtype=2)
+        solver = PyPardisoSolver(mtype=2)
+    # Indices of 32 bits and Intel's calling convention, as pypardiso calls it, whatever MKL_INTERFACE_LAYER names:
+    # conda's activation names a layer that pip's MKL lacks, and MKL would end the process at its first call.
+    solver.libmkl.MKL_Set_Interface_Layer(0)
+    return solver
 
 
 @contextmanager

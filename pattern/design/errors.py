@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from asterism.equilibrium.errors import Error
+from asterism.equilibrium.errors import Error, one_line
 
 _NOTHING: Any = object()
 _MAX_VALUE_CHARACTERS = 60
@@ -132,11 +132,6 @@ def _short(value: Any) -> str:
     except (ValueError, RecursionError):  # integers of thousands of digits, recursive lists
         text = f"a {type(value).__name__}"
     return text if len(text) <= _MAX_VALUE_CHARACTERS else f"{text[: _MAX_VALUE_CHARACTERS - 3]}..."
-
-
-def one_line(text: str) -> str:
-    """A text on one line: names of files and keys may hold characters that cannot be printed."""
-    return "".join(c if c.isprintable() else " " for c in text)
 
 
 class MeshError(Error, ValueError):

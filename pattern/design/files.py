@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import stat
 import tempfile
 import tomllib
 from collections import Counter
@@ -16,6 +17,36 @@ from typing import Any
 from asterism.pattern.design.errors import DesignError
 
 MAX_DESIGN_BYTES = 10_000_000
+MAX_DEPTH = 100  # of tables and lists in each other; Python's own limit is somewhere below 1000
+
+
+def read_bytes(path: Path, max_bytes: int = MAX_DESIGN_BYTES) -> bytes:
+    """The content of a regular file.
+
+    Raises
+    ------
+    OSError
+        There is none, it is a pipe, a device or a folder, from which reading might never end, or it is larger.
+    """
+    # a pipe that nobody writes to would not open otherwise
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as stream:
+        if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+        raw = stream.read(max_bytes + 1)
+    if len(raw) > max_bytes:
+        raise OSError(errno.EFBIG, f"it is larger than {max_bytes // 1_000_000} MB", str(path))
+    return raw
+
+
+def is_deep(value: Any) -> bool:
+    """Whether tables and lists stand in each other more than `MAX_DEPTH` times."""
+    level = [[value]]
+    for _ in range(MAX_DEPTH):
+        inner = (part for each in level for part in (each.values() if isinstance(each, dict) else each))
+        level = [part for part in inner if isinstance(part, dict | list)]
+        if not level:
+            return False
+    return True
 
 
 def check_regular(path: Path) -> None:
@@ -34,13 +65,9 @@ def read_table(path: Path) -> dict[str, Any]:
     if os.path.isdir(path):
         raise wrong("is a folder, not a design file")
     try:
-        check_regular(path)
-        with path.open("rb") as stream:
-            raw = stream.read(MAX_DESIGN_BYTES + 1)
+        raw = read_bytes(path)
     except (OSError, ValueError) as error:
         raise wrong(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if len(raw) > MAX_DESIGN_BYTES:
-        raise wrong(f"is larger than {MAX_DESIGN_BYTES // 1_000_000} MB")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -49,18 +76,19 @@ def read_table(path: Path) -> dict[str, Any]:
         raise wrong("is empty")
     try:
         table = tomllib.loads(text) if suffix == ".toml" else json.loads(text, object_pairs_hook=_once)
+        if is_deep(table):
+            raise RecursionError
+        json.dumps(table, ensure_ascii=False, default=str).encode()
     except RecursionError:
         raise wrong("is nested too deeply") from None
+    except UnicodeEncodeError:
+        raise wrong("holds half a character (\\ud800 to \\udfff alone), which is no text") from None
     except ValueError as error:  # syntax errors of both formats, with their line
         long = "sys.set_int_max_str_digits" in str(error)  # a hint for programmers
         problem = "a whole number has too many digits" if long else f"{error}{_hint(text, str(error))}"
         raise wrong(f"is not {suffix[1:].upper()}: {problem}") from None
     if not isinstance(table, dict):
         raise wrong("must hold a table of keys and values")
-    try:
-        json.dumps(table, ensure_ascii=False, default=str).encode()
-    except UnicodeEncodeError:
-        raise wrong("holds half a character (\\ud800 to \\udfff alone), which is no text") from None
     return table
 
 

@@ -12,6 +12,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.section import Number, Point, Section, Whole
 from asterism.pattern.geometry.plane_lattice import PlaneLattice, shortest_basis
 
+MAX_ORIGIN_MM = 10_000.0  # no sheet is larger
 DEFAULT_SPACING_MM = 10 * np.sqrt(3.0)
 
 
@@ -42,6 +43,8 @@ class Lattice(Section):
 
     @model_validator(mode="after")
     def _one_description(self) -> Lattice:
+        if max(map(abs, self.origin_mm)) > MAX_ORIGIN_MM:
+            raise DesignError("origin_mm", f"must be within {MAX_ORIGIN_MM:g} mm", self.origin_mm)
         if self.kind == "custom" and self.vectors_mm is None:
             raise DesignError("vectors_mm", 'is missing: kind = "custom" needs two vectors')
         if self.kind != "custom" and self.vectors_mm is not None:

@@ -69,4 +69,6 @@ class Pins(Section):
         if abs(largest) > MAX_PIN_PLACE_MM:
             key = "target_mm" if self.target_mm else "offset_mm"
             raise DesignError(key, f"must be within {MAX_PIN_PLACE_MM:.0f} mm", largest)
+        if len(self.target_mm or ()) > 1 and len(set(self.target_mm or ())) == 1:
+            raise DesignError("target_mm", "must not be one place for all points", self.target_mm)
         return self

@@ -1,9 +1,10 @@
-"""Loops run without a folder for their machine code, and on a full disk."""
+"""Loops run without a folder for their machine code, on a full disk, from damaged files, and uncompiled."""
 
 from __future__ import annotations
 
 import errno
 import importlib
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -61,3 +62,24 @@ def test_on_a_full_disk(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(caching.IndexDataCacheFile, "save", full)
     assert total(module) == 6.0
     assert tried and compiled.uncached == []
+
+
+@pytest.mark.parametrize(("ending", "kept_bytes"), [(".nbi", 0), (".nbi", 40), (".nbc", 1000)])
+def test_from_damaged_files(
+    ending: str, kept_bytes: int, module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are made anew: a later run reads them again."""
+    assert total(module) == 6.0
+    (file,) = tmp_path.rglob(f"*{ending}")
+    whole = file.stat().st_size
+    file.write_bytes(file.read_bytes()[:kept_bytes])
+    monkeypatch.delitem(sys.modules, module)
+    assert total(module) == 6.0 and file.stat().st_size == whole
+
+
+def test_uncompiled(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As numba's setting NUMBA_DISABLE_JIT asks for."""
+    from numba import config
+
+    monkeypatch.setattr(config, "DISABLE_JIT", True)
+    assert total(module) == 6.0

@@ -9,6 +9,7 @@ import pytest
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.load_design import load_design
 from asterism.pattern.layout.print_layout import print_layout
@@ -48,7 +49,7 @@ def test_values_of_figure_8():
 
 
 def test_unknown_name():
-    with pytest.raises(KeyError, match="tube"):
+    with pytest.raises(DesignError, match="tube"):
         gallery.load("tub")
 
 

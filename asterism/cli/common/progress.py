@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
+from asterism.equilibrium.errors import one_line
+
 if TYPE_CHECKING:
     # it loads numpy and scipy, which takes part of the time that this module shows
     from asterism.equilibrium.newton.minimise import Iteration
@@ -72,7 +74,7 @@ class Progress:
         """Print a line."""
         with self._lock:
             self._finish()
-            self._write(text + "\n")
+            self._write(one_line(text) + "\n")
 
     def report(self, stage: str, iteration: Iteration) -> None:
         """Show an iteration; `stage` describes the stage, such as the released part of the stretch."""

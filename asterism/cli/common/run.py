@@ -18,7 +18,7 @@ import typer
 
 from asterism.cli.common.errors import Interrupted, Mistake
 from asterism.cli.common.progress import Progress
-from asterism.equilibrium.errors import Error
+from asterism.equilibrium.errors import Error, one_line
 
 if TYPE_CHECKING:
     from asterism.equilibrium.newton.minimise import Iteration
@@ -127,16 +127,16 @@ class Run:
     def lines(self, lines: Iterable[str]) -> None:
         """Print lines of a result on standard output."""
         for line in lines:
-            typer.echo(line)
+            typer.echo(one_line(line))
 
     def files(self, directory: Path, names: Iterable[str]) -> None:
         """Print the folder and the names of the written files."""
-        typer.echo(f"{directory}: {', '.join(names)}")
+        self.lines([f"{directory}: {', '.join(names)}"])
 
     def warn(self, *lines: str) -> None:
         """Print warnings on standard error, one a line."""
         for line in lines:
-            print(f"asterism: {line}", file=sys.stderr)
+            print(f"asterism: {one_line(line)}", file=sys.stderr)
 
 
 def _collect_from_here() -> None:

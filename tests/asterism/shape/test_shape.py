@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from jaxtyping import jaxtyped
 from scipy.spatial.transform import Rotation
 
+from asterism.equilibrium.errors import Error
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.shape.shape import Shape
 from tests.asterism import sheets
@@ -122,3 +123,9 @@ def test_rod_edges_run_from_the_centre_to_the_tip() -> None:
     shape = sheets.sheet(sheets.flat)
     assert len(shape.rod_edges) == len(shape.rod_fields["arm"])
     assert shape.rod_edges[0, 0] == shape.rods[0][0]
+
+
+@pytest.mark.parametrize("wrong", [99, -1, 0.5])
+def test_triangles_are_numbers_of_vertices(wrong: float) -> None:
+    with pytest.raises(Error, match="triangles: must be whole numbers of vertices, 0 to 3"):
+        Shape(np.zeros((4, 2)), np.zeros((4, 3)), np.array([[0, 1, wrong]]), np.full(4, -1), (), np.empty(0, int))

@@ -52,6 +52,8 @@ def test_a_range_without_a_number_of_values_has_limits() -> None:
         ("a=0.3,0.3", "the value 0.3 is there twice"),
         ("a=0.3,,0.4", "value 2 is empty"),
         ("a=" + 20_000 * "[", "a: is nested too deeply"),
+        ("a=" + 300 * "[" + 300 * "]", "a: value 1 is nested too deeply"),
+        (".".join(3000 * "a") + "=1", "must have at most 20 steps"),
     ],
 )
 def test_wrong_words_are_refused_with_what_is_allowed(text: str, problem: str) -> None:

@@ -137,6 +137,11 @@ def test_the_page_needs_no_other_file_and_escapes_texts(tmp_path: Path) -> None:
     assert "src=" not in page.replace("src: `data:image", "") and "<link" not in page
 
 
+def test_a_text_of_the_table_is_no_formula_of_a_spreadsheet() -> None:
+    swept = sweep_design(small(), {"name": ["=1+1"], "stars.length_mm": [30.0]})
+    assert next(csv.DictReader(sweep_csv(swept).splitlines()))["name"] == "'=1+1"
+
+
 def test_a_sweep_by_the_exact_model_has_its_quantities() -> None:
     coarse = Design.from_dict({**small().to_dict(), "mesh": {"edge_mm": 6.0}})
     result = sweep_design(coarse, {"stars.thickness_mm": [0.3]}, exact=True)

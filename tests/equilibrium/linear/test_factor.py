@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.linear.backends import available, make_factor
+from asterism.equilibrium.errors import BackendError
+from asterism.equilibrium.linear.backends import BACKENDS, Backend, available, make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.pardiso import PardisoFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
@@ -230,3 +231,13 @@ def test_pattern_drops_held_dofs_and_sums_elements():
     full = sp.csr_matrix([[12.0, -7.0], [-7.0, 18.0]])
     np.testing.assert_allclose(pattern.product(data, x), full @ x)
     np.testing.assert_allclose(pattern.product(data, x[:, 0]), full @ x[:, 0])
+
+
+def test_a_package_without_its_shared_library_is_not_available(monkeypatch: pytest.MonkeyPatch) -> None:
+    def make(pattern: SparsePattern) -> Factor:
+        raise ImportError("mkl_rt not found")
+
+    monkeypatch.setitem(BACKENDS, "pardiso", Backend("pardiso", "numpy", make))
+    with pytest.raises(BackendError, match="backend: 'pardiso' is not available: mkl_rt not found"):
+        make_factor(PATTERN, "pardiso")
+    assert make_factor(PATTERN).name != "pardiso"

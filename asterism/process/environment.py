@@ -1,0 +1,27 @@
+"""What a user's environment must not break: it is mended before a library is loaded, also for child processes."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+
+def mend_environment() -> None:
+    """Open the standard streams that are closed, and replace settings with which libraries refuse to load.
+
+    Something else would get the number of a closed stream, such as a file of results, and would be printed into.
+    """
+    for number in (0, 1, 2):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
+    if os.path.expanduser("~") == "~":  # users of containers and services have no home, and libraries ask for it
+        os.environ["USERPROFILE" if os.name == "nt" else "HOME"] = "/nonexistent"
+    # no window is drawn; a notebook's value would need its packages
+    os.environ["MPLBACKEND"] = "agg"
+    for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        if name in os.environ and not (os.environ[name].isdecimal() and int(os.environ[name])):
+            del os.environ[name]

@@ -1,0 +1,93 @@
+"""Commands start in environments that are not as usual, or name the cause in one line."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from asterism.equilibrium.linear.backends import available
+
+SMALL = "[stars]\nlength_mm = 10.0\nwidth_mm = 1.2\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
+# a user without a home and without an entry in the system's list of users
+NOBODY = """
+import os, pwd
+os.environ.pop("HOME", None)
+def getpwuid(number):
+    raise KeyError(number)
+pwd.getpwuid = getpwuid
+"""
+
+
+def run(folder: Path, *words: str, before: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+    program = f"{before}\nfrom asterism.cli.main import main\nif __name__ == '__main__':\n    main()"
+    return subprocess.run(
+        [sys.executable, "-c", program, *words],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3]), **environment},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "d.toml").write_text(SMALL)
+    return tmp_path
+
+
+@pytest.mark.skipif("pardiso" not in available(), reason="PARDISO is not installed")
+@pytest.mark.parametrize("layer", ["LP64,GNU", "ILP64"])
+def test_mkl_runs_whatever_layer_the_environment_names(layer: str, folder: Path) -> None:
+    """Conda's activation names one that pip's MKL has no library of."""
+    done = run(folder, "simulate", "d.toml", "--backend", "pardiso", MKL_INTERFACE_LAYER=layer)
+    assert done.returncode == 0, done.stderr
+
+
+def test_settings_of_threads_and_of_windows_do_not_matter(folder: Path) -> None:
+    done = run(folder, "report", "d.toml", NUMBA_NUM_THREADS="0", OMP_NUM_THREADS="0", MPLBACKEND="nosuch")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no list of users")
+@pytest.mark.parametrize("words", [["export", "d.toml"], ["materials"], ["printers"], ["preview", "d.toml"]])
+def test_without_a_home(words: list[str], folder: Path) -> None:
+    done = run(folder, *words, before=NOBODY)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the streams of Windows are others")
+@pytest.mark.parametrize(("name", "status"), [("d.toml", 0), ("none.toml", 2)])
+def test_a_closed_standard_error(name: str, status: int, folder: Path) -> None:
+    words = [sys.executable, "-c", "from asterism.cli.main import main; main()", "preview", name]
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    closed = ["sh", "-c", 'exec "$@" 2>&-', "sh", *words]
+    done = subprocess.run(closed, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, timeout=300)
+    assert done.returncode == status and ("height" in done.stdout) == (status == 0)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows keeps folders in use")
+def test_a_folder_that_is_gone(folder: Path) -> None:
+    program = (
+        f"import os\nos.makedirs({str(folder / 'gone')!r})\nos.chdir({str(folder / 'gone')!r})\nos.rmdir('../gone')"
+    )
+    done = run(folder, "studio", "--no-browser", before=program)
+    assert done.returncode == 2
+    assert done.stderr == "asterism: the folder in which the command runs does not exist any more\n"
+
+
+def test_a_library_that_is_missing_is_named(folder: Path) -> None:
+    done = run(folder, "preview", "d.toml", before="import sys\nsys.modules['shapely'] = None")
+    assert done.returncode == 1 and "shapely" in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr
+
+
+def test_names_are_printed_safely(folder: Path) -> None:
+    (folder / "\x1b[31m\u202ed.toml").write_text("x = 1")
+    refused = run(folder, "preview", "\x1b[31m\u202ed.toml")
+    assert refused.returncode == 2 and r"asterism: \x1b[31m\u202ed.toml: x = 1" in refused.stderr
+    made = run(folder, "new", "dome", "-o", "\u202edome.toml")
+    assert made.returncode == 0 and made.stdout.startswith(r"\u202edome.toml: run")
