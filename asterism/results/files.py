@@ -6,14 +6,17 @@ import errno
 import json
 import os
 import re
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from glob import escape
 from pathlib import Path
+from socket import gethostname
 from tempfile import TemporaryDirectory, TemporaryFile
 
 from asterism.equilibrium.errors import Error
 
-# The summary is written last: a folder with it holds all files of the same run.
+# The summary goes first and comes last: a folder with it holds all files of the same run.
 SUMMARY_FILE = "summary.json"
 # Names of files that belong to a summary. Those of an earlier result are removed.
 SUMMARY_COMPANIONS = "|".join(
@@ -46,7 +49,10 @@ SYSTEM_ERRORS = {
     errno.EISDIR: "a folder is in the way",
     errno.ENAMETOOLONG: "the name is too long",
 }
+SUMMARIES = {SUMMARY_FILE, EXPORT_SUMMARY_FILE}
 _UNFINISHED = ".asterism-"
+_HOST = re.sub(r"[^\w.]", "", gethostname())
+_EARLIER = "earlier-"  # begins the name of a summary while the files of its result are replaced
 
 
 class OutputError(Error):
@@ -84,13 +90,17 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     ['summary.json']
     """
     directory = Path(directory)
-    with _made(directory), TemporaryDirectory(prefix=_UNFINISHED, dir=directory) as folder:
+    clear_unfinished(directory)
+    with _made(directory), TemporaryDirectory(prefix=f"{_UNFINISHED}{_HOST}-{os.getpid()}-", dir=directory) as folder:
         yield Path(folder)
-        names = sorted(os.listdir(folder), key=lambda name: (name == SUMMARY_FILE, name))
+        names = sorted(os.listdir(folder), key=lambda name: (name in SUMMARIES, name))
         for name in names:
             _check_no_folder(directory / name)
             with open(Path(folder, name), "rb+") as stream:
                 os.fsync(stream.fileno())  # some file systems report a full disk at this point only
+        for name in SUMMARIES & {*names}:  # whoever is killed from here on leaves no old summary beside new files
+            if (directory / name).exists():
+                os.replace(directory / name, Path(folder, f"{_EARLIER}{name}"))
         for name in names:
             os.replace(Path(folder, name), directory / name)
         for file in list(directory.iterdir()):
@@ -109,8 +119,34 @@ def staged_result(directory: str | Path) -> Iterator[Path]:
     OutputError
         The files cannot be written there.
     """
-    with staged(directory, stale=SUMMARY_COMPANIONS if holds_result(directory) else None) as folder:
+    known = holds_result(directory) or _was_interrupted(directory)
+    with staged(directory, stale=SUMMARY_COMPANIONS if known else None) as folder:
         yield folder
+
+
+def clear_unfinished(directory: str | Path) -> None:
+    """Remove hidden folders of processes of this machine that were killed while they wrote into a directory."""
+    for folder in Path(directory).glob(f"{_UNFINISHED}{escape(_HOST)}-*"):
+        number = folder.name.removeprefix(f"{_UNFINISHED}{_HOST}-").split("-")[0]
+        if number.isdecimal() and not _is_running(int(number)):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _is_running(number: int) -> bool:
+    if os.name == "nt":
+        return True  # such a question would end the process
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # of another user
+        pass
+    return True
+
+
+def _was_interrupted(directory: str | Path) -> bool:
+    """Whether a process was killed while it replaced the files of a result."""
+    return any(Path(directory).glob(f"{_UNFINISHED}*/{_EARLIER}*"))
 
 
 def write_file(path: str | Path, content: str | bytes) -> None:
@@ -152,7 +188,7 @@ def check_writable(directory: str | Path, *names: str) -> None:
 def _is_ours(directory: Path) -> bool:
     """Whether a folder holds a result or an export: summaries have the key `version` or, for laws, `digest`."""
     if not holds_result(directory):
-        return (directory / EXPORT_SUMMARY_FILE).is_file()
+        return (directory / EXPORT_SUMMARY_FILE).is_file() or _was_interrupted(directory)
     try:
         summary = json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):

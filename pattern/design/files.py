@@ -8,8 +8,8 @@ import math
 import os
 import re
 import stat
-import tempfile
 import tomllib
+import uuid
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -122,18 +122,15 @@ def table_text(table: dict[str, Any], path: Path) -> str:
 def write_table(table: dict[str, Any], path: Path) -> None:
     """Write a table; the file appears complete or not at all."""
     text = table_text(table, path)
+    unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with unfinished.open("x", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        unfinished.replace(path)
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(path)) from None  # not the name that nobody gave
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 def plain(value: Any) -> Any:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from asterism.results.files import OutputError, check_writable, staged, write_file
+from asterism.pattern.design.files import write_table
+from asterism.results.files import OutputError, check_writable, staged, staged_result, write_file
 
 NAMES = ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
 
@@ -180,3 +182,45 @@ def test_a_single_file_is_written_whole(tmp_path: Path) -> None:
     write_file(tmp_path / "designs" / "star.toml", 'name = "été 2"\n')
     assert (tmp_path / "designs" / "star.toml").read_bytes().decode() == 'name = "été 2"\n'
     assert [p.name for p in (tmp_path / "designs").iterdir()] == ["star.toml"]
+
+
+def killed_at(directory: Path, moment: str) -> None:
+    """A process writes new files, and is killed at the third call of a function of `os`."""
+    program = (
+        "import os, signal\n"
+        "from asterism.results.files import staged_result\n"
+        f"calls, act = [], os.{moment}\n"
+        "def deadly(*words):\n"
+        "    calls.append(words)\n"
+        "    if len(calls) == 3: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "    return act(*words)\n"
+        f"os.{moment} = deadly\n"
+        f"with staged_result({str(directory)!r}) as folder:\n"
+        f"    for name in {NAMES!r}: (folder / name).write_text('new')\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == -signal.SIGKILL
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such kill")
+def test_a_kill_leaves_no_old_summary_beside_new_files(tmp_path: Path) -> None:
+    write(tmp_path, '{"version": 1}')
+    (tmp_path / "minimum-2.vtu").write_text("old")
+    killed_at(tmp_path, "fsync")
+    assert not any(text == "new" for name, text in contents(tmp_path).items() if not name.startswith("."))
+    killed_at(tmp_path, "replace")
+    assert "new" in contents(tmp_path).values() and not (tmp_path / "summary.json").exists()
+    check_writable(tmp_path)  # it is still a folder of results
+    with staged_result(tmp_path) as folder:
+        (folder / "summary.json").write_text("{}")
+    assert contents(tmp_path) == {"summary.json": "{}"}
+
+
+def test_files_have_the_permissions_that_the_user_gives_new_files(tmp_path: Path) -> None:
+    before = os.umask(0o077)
+    try:
+        write_table({"name": "a"}, tmp_path / "a.toml")
+        write_file(tmp_path / "b.toml", "name = 1")
+    finally:
+        os.umask(before)
+    assert {file.stat().st_mode & 0o777 for file in tmp_path.iterdir()} == {0o600}
