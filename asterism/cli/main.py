@@ -45,7 +45,7 @@ def main() -> None:
     gc.disable()
     atexit.register(gc.freeze)
     try:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
             # a shell may start a background program with these signals ignored
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, interrupt)

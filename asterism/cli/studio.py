@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 from typing import Annotated
 
@@ -35,6 +36,9 @@ def studio(
         run.hand_over()
         run.lines([line])
 
+    # a terminal that goes away ends the studio as `kill` does: unsaved work is kept
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, lambda *_: signal.raise_signal(signal.SIGTERM))
     try:
         from asterism.studio.server import run_studio
 

@@ -1,90 +1,124 @@
-"""Unsaved work on a design file, kept beside it."""
+"""Unsaved work on design files, kept beside them: each session has a file of its own."""
 
 from __future__ import annotations
 
-import tomllib
-from contextlib import suppress
+import os
+import re
+from dataclasses import dataclass
+from glob import escape
+from itertools import count
 from pathlib import Path
 from typing import Any
 
+from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.files import read_table
+from asterism.process.file_identity import file_identity
 from asterism.results.files import write_file
 
-AUTOSAVE_SUFFIX = ".autosave.toml"
+
+@dataclass(frozen=True)
+class KeptWork:
+    """Unsaved work that another session has left, or still works on.
+
+    Attributes
+    ----------
+    path : of its autosave.
+    table : the design.
+    time : when it was written, s since 1970.
+    """
+
+    path: Path
+    table: dict[str, Any]
+    time: float
 
 
 class Autosave:
-    """The autosave of one design file.
+    """The autosave of this session for one design file, and those of other sessions.
 
     Parameters
     ----------
     design_path : the design file; it need not exist.
-    is_taken : this session goes on with the autosave of a former one.
+    taken : an autosave of another session, with which this one goes on.
 
     Attributes
     ----------
-    kept_work : the table that a former session left; None without one, or if it cannot be read.
-    is_written : the file holds work of this session.
+    kept : the work that other sessions have left, the newest first.
+    problems : one line for each autosave that cannot be read.
+    path : the file that holds work of this session; None without one.
     """
 
-    def __init__(self, design_path: Path, is_taken: bool = False) -> None:
-        self.design_path, self.is_written = design_path, is_taken
-        self.kept_work = None if is_taken else self._read()
+    def __init__(self, design_path: Path, taken: Path | None = None) -> None:
+        self.design_path, self.path = design_path, taken
+        self._identity = None if taken is None else file_identity(taken)
+        self.kept: list[KeptWork] = []
+        self.problems: list[str] = []
+        for path in autosaves(design_path):
+            if path == taken:
+                continue
+            try:
+                table = read_table(path)
+                Design.from_dict(table, design_path.parent, path)
+                self.kept.append(KeptWork(path, table, path.stat().st_mtime))
+            except (Error, OSError) as error:
+                self.problems.append(f"unsaved work cannot be read: {error}")
+        self.kept.sort(key=lambda kept: -kept.time)
 
-    def _read(self) -> dict[str, Any] | None:
+    @property
+    def is_written(self) -> bool:
+        """Whether the file of this session is there, as this session has written it."""
         try:
-            table = tomllib.loads(self.path.read_text(encoding="utf-8"))
-            Design.from_dict(table, self.design_path.parent)
-        except (OSError, ValueError):
-            return None
-        return table
-
-    @property
-    def path(self) -> Path:
-        """Where unsaved work is kept: beside the design, hidden."""
-        return autosave_path(self.design_path)
-
-    @property
-    def _earlier_path(self) -> Path:
-        """Where the work of a former session goes if new work needs its place."""
-        return self.path.with_suffix(".earlier.toml")
+            return self.path is not None and file_identity(self.path) == self._identity
+        except OSError:  # another session has dropped it
+            return False
 
     def write(self, text: str) -> None:
-        """Keep the text of a design file.
+        """Keep the text of a design file, in a file that no other session uses.
 
         Raises
         ------
         OutputError
             The file cannot be written.
         """
-        if self.kept_work is not None and not self.is_written:
-            # neither taken nor forgotten yet
-            with suppress(FileNotFoundError):
-                self.path.replace(self._earlier_path)
-        write_file(self.path, text)
-        self.is_written = True
+        path = self.path if self.is_written else None
+        if path is None:
+            names = (f"{_stem(self.design_path)}{'' if k == 1 else f'-{k}'}.toml" for k in count(1))
+            free = (self.design_path.with_name(name) for name in names)
+            path = next(file for file in free if not os.path.lexists(file))
+        write_file(path, text)
+        self.path, self._identity = path, file_identity(path)
 
     def drop(self) -> None:
-        """Take the work of this session away; that of a former one stays until it is taken or forgotten."""
-        if self.is_written:
+        """Take the work of this session away; that of others stays until it is taken or forgotten."""
+        if self.is_written and self.path is not None:
             self.path.unlink(missing_ok=True)
-            self.is_written = False
+        self.path = None
 
-    def discard(self) -> None:
-        """Forget the work that a former session left."""
-        self.kept_work = None
-        self._earlier_path.unlink(missing_ok=True)
-        if not self.is_written:
-            self.path.unlink(missing_ok=True)
+    def forget(self, name: str | None) -> list[KeptWork]:
+        """Remove the work of others from the disk: that in a file of this name, or all. Returns what it was."""
+        gone = [kept for kept in self.kept if name in (None, kept.path.name)]
+        self.kept = [kept for kept in self.kept if kept not in gone]
+        for kept in gone:
+            kept.path.unlink(missing_ok=True)
+        return gone
 
 
-def autosave_path(path: Path) -> Path:
-    """Where unsaved work on a design file is kept: beside it, hidden.
+def _stem(path: Path) -> str:
+    return f".{path.stem if path.suffix.lower() == '.toml' else path.name}.autosave"
 
-    Examples
-    --------
-    >>> autosave_path(Path("designs/dome.toml")).as_posix()
-    'designs/.dome.autosave.toml'
+
+def autosaves(path: Path) -> list[Path]:
+    """The files with unsaved work on a design file: beside it, hidden."""
+    files = path.parent.glob(f"{escape(_stem(path))}*.toml")
+    return [file for file in files if re.fullmatch(r"(-\d+)?\.toml", file.name.removeprefix(_stem(path)))]
+
+
+def design_name(name: str) -> str | None:
+    """The name of the design file of an autosave of this name; None if it is no autosave.
+
+    >>> design_name(".dome.autosave.toml"), design_name(".dome.json.autosave-2.toml"), design_name("dome.toml")
+    ('dome.toml', 'dome.json', None)
     """
-    stem = path.stem if path.suffix.lower() == ".toml" else path.name
-    return path.with_name(f".{stem}{AUTOSAVE_SUFFIX}")
+    if (found := re.fullmatch(r"\.(.+)\.autosave(-\d+)?\.toml", name)) is None:
+        return None
+    return found[1] if found[1].endswith(".json") else f"{found[1]}.toml"

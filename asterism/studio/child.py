@@ -21,12 +21,14 @@ ENGINE = "asterism.studio.engine:run_engine"
 
 
 def run_child(target: str, niceness: int, connection: Connection, *arguments: Any) -> None:
-    """The body of every child: Ctrl-C is for the server, which ends its children.
+    """The body of every child: Ctrl-C and hang-up are for the server, which ends its children.
 
     What the modules hold stays until the end. The search for garbage leaves it out: it would take a seventh of the
     start, and would later stop the engine for some 50 ms now and then.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in ("SIGINT", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     if niceness and hasattr(os, "nice"):
         os.nice(niceness)
     with suppress(EOFError, OSError, BrokenPipeError):
@@ -100,6 +102,10 @@ class Child:
     def _read(self) -> None:
         with suppress(EOFError, OSError):
             while True:
+                # a process that has ended counts as such also if one of its own keeps the pipe open
+                while not self._connection.poll(0.5):
+                    if not self._process.is_alive() and not self._connection.poll():
+                        raise EOFError
                 message = self._connection.recv()
                 self.last_sign = time.monotonic()
                 self._in_loop(lambda message=message: self._receive(self, message))  # type: ignore[misc]

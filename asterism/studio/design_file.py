@@ -11,7 +11,7 @@ from typing import Any
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.files import read_table, table_text
+from asterism.pattern.design.files import read_bytes, read_table, table_text
 
 
 class DesignTexts:
@@ -66,8 +66,7 @@ class DesignTexts:
 
 def file_text(path: Path) -> str:
     """The text of a file with its line ends, so that it can be written back byte for byte."""
-    with path.open(encoding="utf-8-sig", newline="") as stream:
-        return stream.read()
+    return read_bytes(path).decode("utf-8-sig")
 
 
 class FileWatch:
@@ -112,6 +111,16 @@ class FileChangedError(Error):
 
 class OtherFileError(Error):
     """The file belongs to another design; the message is one line."""
+
+
+class ReadOnlyError(Error):
+    """The file may not be written; the message is one line."""
+
+
+def check_writable(path: Path) -> None:
+    """Raise ReadOnlyError if a file is there that nobody may write: renaming another one onto it would succeed."""
+    if path.exists() and not path.stat().st_mode & 0o222:
+        raise ReadOnlyError(f"{path.name} is read-only")
 
 
 def check_unchanged(path: Path, known: str | None) -> None:

@@ -19,9 +19,9 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import write_file
 from asterism.studio import star_sizes, weights
-from asterism.studio.autosave import Autosave, autosave_path
+from asterism.studio.autosave import Autosave, autosaves
 from asterism.studio.changes import check_files, with_changes
-from asterism.studio.design_file import DesignTexts, check_unchanged, file_text
+from asterism.studio.design_file import DesignTexts, check_unchanged, check_writable, file_text
 from asterism.studio.history import History, Step, Thumbnails
 from asterism.studio.painted_field import Brush, PaintedField
 
@@ -80,7 +80,8 @@ class Document:
         DesignError
             There is no autosave, or it is not a design that can be printed.
         """
-        return cls(read_table(autosave_path(path)), path, autosave=Autosave(path, is_taken=True))
+        last = max(autosaves(path), key=lambda file: file.lstat().st_mtime, default=path)
+        return cls(read_table(last), path, autosave=Autosave(path, last))
 
     @classmethod
     def copy_of(cls, source: Path, path: Path) -> Document:
@@ -101,8 +102,8 @@ class Document:
 
     @property
     def is_saved(self) -> bool:
-        """Whether the file holds this state."""
-        return self.revision == self._texts.saved_revision
+        """Whether the file is there and holds this state."""
+        return self.revision == self._texts.saved_revision and self.path.exists()
 
     @property
     def text(self) -> str:
@@ -249,6 +250,7 @@ class Document:
         path = path or self.path
         if not over:
             check_unchanged(path, self._texts.on_disk if path == self.path else None)
+            check_writable(path)
         if not over and self.is_saved and path == self.path and path.exists():
             self.autosave.drop()
             return
@@ -268,22 +270,25 @@ class Document:
         OutputError
             The file cannot be written.
         """
-        if not self.is_saved and (self.history.position or self.autosave.is_written):
-            self.autosave.write(self._texts.edited(self.table, self.autosave.path, self.path))
+        if not self.is_saved and (self.history.position or self.autosave.is_written or self._texts.on_disk is not None):
+            self.autosave.write(self._texts.edited(self.table, Path("autosave.toml"), self.path))
         else:
             self.autosave.drop()
 
-    def recover(self) -> None:
-        """Show the work that a former session left.
+    def recover(self, name: str | None = None) -> None:
+        """Show the work that another session left: that in the autosave of a name, or the last one.
 
         Raises
         ------
         DesignError
             It is not a design that can be printed.
+        OutputError
+            It cannot be kept as work of this session; it stays where it is.
         """
-        if (kept := self.autosave.kept_work) is not None:
-            self.apply(kept, None, "recovered")
-            self.autosave.kept_work = None
+        for kept in [kept for kept in self.autosave.kept if name in (None, kept.path.name)][:1]:
+            self.apply(kept.table, None, "recovered")
+            self.keep_work()
+            self.autosave.forget(kept.path.name)
 
     def read_again(self) -> None:
         """Show the text of the design file: somebody has edited it with another program.

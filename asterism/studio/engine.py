@@ -13,6 +13,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
@@ -43,11 +44,13 @@ from asterism.studio.messages import (
     Parts,
     Ready,
     ShowForm,
+    Sign,
     StudioProblem,
 )
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
 from asterism.studio.summaries import blank_summary, printed_summary, rest_summary
 
+MAX_STEP_S = 30.0  # of a computation without a sign of its own; then the engine counts as hanging
 REST_S = 0.3  # without a message, after which the fine frame follows
 
 
@@ -130,6 +133,11 @@ class Engine:
 
     def _say(self, text: str) -> None:
         self._send(Busy(self._bounds.seq, text))
+
+    @property
+    def is_at_work(self) -> bool:
+        """Whether the last sign of the computation is not long ago."""
+        return time.monotonic() - self._bounds.last_sign < MAX_STEP_S
 
     @property
     def _is_dragging(self) -> bool:
@@ -361,4 +369,15 @@ def run_engine(connection: Connection) -> None:
         if not inbox.has_waiting:
             list(Preview(gallery.load("star"), law).edit(gallery.load("star")))
         send(Ready(time.monotonic() - begun))
-        Engine(inbox, send, clock).serve()
+        engine = Engine(inbox, send, clock)
+
+        def give_signs() -> None:
+            """A step of a computation may be long; a process that is stopped or stuck in a library gives no sign."""
+            with suppress(OSError):
+                while not inbox.is_closed:
+                    time.sleep(1.0)
+                    if engine.is_at_work:
+                        send(Sign())
+
+        threading.Thread(target=give_signs, daemon=True).start()
+        engine.serve()

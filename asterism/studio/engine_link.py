@@ -20,6 +20,7 @@ from asterism.studio.messages import (
     ShapeSummary,
     ShowForm,
     ShownMesh,
+    Sign,
     Stop,
     StudioProblem,
     TargetPose,
@@ -52,7 +53,7 @@ class EngineLink:
         changed: Callable[[], None],
         target: str = ENGINE,
         keeps_spare: bool = True,
-        max_silence_s: float = 30.0,
+        max_silence_s: float = 5.0,
         first: StartedProcess | None = None,
     ) -> None:
         self.max_silence_s = max_silence_s
@@ -116,7 +117,7 @@ class EngineLink:
     def _message(self, child: Child, message: Any) -> None:
         if isinstance(message, Ready):
             self._loaded.add(child)
-        if child is not self._child:
+        if child is not self._child or isinstance(message, Sign):
             return
         if isinstance(message, Ready):
             self._set("computing" if self._owes is not None else "ready")

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from asterism.pattern import gallery
+from asterism.pattern.design.files import read_bytes
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.studio.autosave import AUTOSAVE_SUFFIX, autosave_path
+from asterism.studio.autosave import autosaves, design_name
 
 PICTURES = Path(__file__).parent / "gallery"
 NEW_SHEET = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}
@@ -55,10 +56,9 @@ def design_files(folder: Path) -> list[str]:
     for file in folder.glob("*.toml"):
         name = file.name
         if name.startswith("."):
-            if not name.endswith(AUTOSAVE_SUFFIX):
+            if (of := design_name(name)) is None:
                 continue
-            name = name[1 : -len(AUTOSAVE_SUFFIX)]
-            name = name if name.endswith(".json") else f"{name}.toml"
+            name = of
         with suppress(OSError):
             stamp = file.stat()
             if _is_design(file, stamp.st_mtime_ns, stamp.st_size) and not name.startswith("."):
@@ -69,8 +69,7 @@ def design_files(folder: Path) -> list[str]:
 @lru_cache(maxsize=4096)  # the first page asks for the list every few seconds
 def _is_design(file: Path, mtime_ns: int, size: int) -> bool:
     """Whether a file of this time and size looks like a design: it has a border, and stars or rods."""
-    with file.open("rb") as stream:
-        text = stream.read(200_000)
+    text = read_bytes(file)
     return all(part.search(text) for part in PARTS_OF_DESIGN)
 
 
@@ -79,6 +78,6 @@ def free_name(folder: Path, stem: str) -> Path:
     number = 1
     while True:
         path = folder / (f"{stem}.toml" if number == 1 else f"{stem}-{number}.toml")
-        if not path.exists() and not autosave_path(path).exists():
+        if not path.exists() and not autosaves(path):
             return path
         number += 1

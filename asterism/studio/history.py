@@ -123,11 +123,7 @@ class Thumbnails:
     def add(self, revision: int, layout: Layout) -> None:
         """Keep the plan of a state; the oldest ones are forgotten."""
         self._plans.pop(revision, None)
-        self._plans[revision] = {
-            "outline_mm": _rounded(layout.outline),
-            "at_mm": _rounded(layout.lattice.place(layout.sheet_sites)),
-            "sizes_mm": _rounded(layout.site_sizes_mm),
-        }
+        self._plans[revision] = thumbnail(layout)
         for old in list(self._plans)[:-30]:
             del self._plans[old]
 
@@ -144,6 +140,15 @@ class Thumbnails:
             for position, step in enumerate(history.steps)
             if step.revision in self._plans
         ]
+
+
+def thumbnail(layout: Layout) -> dict[str, Any]:
+    """Outline, places and sizes of the stars (mm), for a small picture."""
+    return {
+        "outline_mm": _rounded(layout.outline),
+        "at_mm": _rounded(layout.lattice.place(layout.sheet_sites)),
+        "sizes_mm": _rounded(layout.site_sizes_mm),
+    }
 
 
 def _rounded(values: Any) -> list[Any]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from asterism.pattern.design.files import plain
+from asterism.results.files import clear_unfinished
 from asterism.studio import requests as ask
 from asterism.studio.child import Child, StartedProcess
 from asterism.studio.document import Document
@@ -49,6 +51,7 @@ class RunningJob:
     kind : `verify`, `fit`, `export` or `report`.
     document, revision : the state that it is about.
     target_version : of the target when the job began.
+    folders : that the job may make.
     """
 
     number: int
@@ -58,6 +61,16 @@ class RunningJob:
     target_version: int
     child: Child
     progress: JobProgress
+    folders: tuple[Path, ...]
+
+    def clear(self) -> None:
+        """End the process, and remove what it leaves unfinished."""
+        self.child.close()
+        clear_unfinished(self.document.path.parent)
+        for folder in self.folders:
+            clear_unfinished(folder)
+            with suppress(OSError):  # it holds files, or there is none
+                folder.rmdir()
 
     @property
     def progress_data(self) -> dict[str, Any]:
@@ -109,7 +122,8 @@ class JobRequests:
         child = Child(StartedProcess(PROCESSES[kind], (self._count, *arguments), 10), self._message, self._died)
         progress = JobProgress(self._count, "starting", 0, 0, 0.0)
         version = self._studio.parts.version
-        self._running = RunningJob(self._count, kind, document, document.revision, version, child, progress)
+        folders = tuple(folder / f"{stem}{end}" for end in (VERIFIED, "-exact", "-print"))
+        self._running = RunningJob(self._count, kind, document, document.revision, version, child, progress, folders)
 
     def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
         options = {"printer": self._studio.printer, **request.options}
@@ -135,7 +149,7 @@ class JobRequests:
     def _end(self) -> RunningJob | None:
         job, self._running = self._running, None
         if job is not None:
-            job.child.kill()
+            job.clear()
         return job
 
     async def stop(self) -> None:
@@ -158,6 +172,7 @@ class JobRequests:
         job = self._running
         if job is not None and child is job.child:
             self._running = None
+            job.clear()
             self._tell(job, StudioProblem(job.number, "ended", f"the {job.kind} ended unexpectedly"))
 
     def _tell(self, job: RunningJob, message: Any) -> None:

@@ -119,6 +119,11 @@ class Ready:
 
 
 @dataclass(frozen=True)
+class Sign:
+    """The engine computes."""
+
+
+@dataclass(frozen=True)
 class Limits:
     """What the law covers.
 

@@ -19,7 +19,7 @@ from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import room_mm
 from asterism.print.profiles import load_printer, profile_names
-from asterism.studio.design_file import FileChangedError, OtherFileError
+from asterism.studio.design_file import FileChangedError, OtherFileError, ReadOnlyError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path
 from asterism.studio.messages import Limits, StudioProblem, mistake_parts
@@ -34,6 +34,7 @@ REFUSAL_KINDS: dict[type[Exception], str] = {
     DesignError: "design",
     FileChangedError: "file changed",
     OtherFileError: "file exists",
+    ReadOnlyError: "file read-only",
 }
 
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
@@ -60,7 +61,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
         "history": {"position": history.position, "labels": history.labels[-50:]},
-        "kept_work": document.autosave.kept_work is not None,
+        "kept_work": [{"name": kept.path.name, "time": kept.time} for kept in document.autosave.kept],
         "design": _shown_design(document),
         "plan": {
             **plan_data(layout, painted_sites, weights_by_site(table)),

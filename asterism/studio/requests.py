@@ -172,6 +172,7 @@ class Simple(Request):
         "undo",
         "redo",
         "history",  # send small plans of the last states
+        "kept",  # send small plans of the unsaved work that other sessions have left
         "flip",
         "verify",
         "report",
@@ -204,9 +205,10 @@ class Go(Request):
 
 
 class Recover(Request):
-    """Take the unsaved work of a former session, or forget it."""
+    """Take the unsaved work of another session, or forget it; without a name the last one, or all."""
 
     type: Literal["recover", "discard"]
+    name: Name | None = None
 
 
 class FormRequest(Request):

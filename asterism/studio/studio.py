@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import OutputError
 from asterism.studio import requests as ask
-from asterism.studio.autosave import autosave_path
+from asterism.studio.autosave import autosaves
 from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, with_drawing
@@ -19,6 +23,7 @@ from asterism.studio.engine_link import EngineLink
 from asterism.studio.engine_requests import EngineRequests, FrameParts
 from asterism.studio.examples import MAX_FILES, NEW_SHEET, design_files, free_name, gallery_entries
 from asterism.studio.file_names import file_below, shown_path
+from asterism.studio.history import thumbnail
 from asterism.studio.jobs import JobRequests
 from asterism.studio.page_data import (
     DEFAULT_PRINTER,
@@ -81,7 +86,8 @@ class Studio:
         """Autosaves of the documents of this session that hold more than their files."""
         last = {} if self.document is None else {self.document.path: self.document}
         documents = {**self._left, **last}.values()
-        return [one.autosave.path for one in documents if not one.is_saved and one.autosave.path.exists()]
+        files = [one.autosave.path for one in documents if not one.is_saved and one.autosave.is_written]
+        return [file for file in files if file is not None]
 
     # pages
 
@@ -109,6 +115,7 @@ class Studio:
             "type": "state",
             **self.engine.data(),
             **self.shown.state(),
+            "unsaved_since": self._upkeep.unsaved_since,
             "slots": {slot: self._slots[slot][2] if slot in self._slots else None for slot in ("A", "B", "C")},
             "target": self.parts.data(),
             "jobs": self.jobs.data(),
@@ -195,6 +202,8 @@ class Studio:
     async def _command(self, tab: Tab, request: Request, document: Document) -> None:
         """A request that is no gesture; the document is laid out."""
         match request:
+            case ask.Simple(type="kept"):
+                tab.send({"type": "kept", "states": await asyncio.to_thread(kept_states, document)})
             case ask.Simple(type="history"):
                 tab.send({"type": "history", "states": document.thumbnails.data(document.history)})
             case ask.Simple(type="undo" | "redo") | ask.Go():
@@ -205,10 +214,10 @@ class Studio:
                 await self.accept(self.shown.snapshots.get(step.revision))
             case ask.Recover():
                 if request.type == "recover":
-                    document.recover()
+                    await asyncio.to_thread(document.recover, request.name)
                     await self.accept()
                 else:
-                    document.autosave.discard()
+                    document.autosave.forget(request.name)
                     self.tell_document()
             case ask.Save():
                 path = design_path(self.folder, request.name) if request.name else None
@@ -235,6 +244,8 @@ class Studio:
             tab.send(await asyncio.to_thread(self._gallery))
         else:
             tab.send({**document_data(self.document, self.printer, self.engine.limits), "gesture": None})
+            for problem in self.document.autosave.problems:
+                tab.send({"type": "note", "text": problem})
             self.shown.greet(tab)
         tab.send(self._state())
 
@@ -252,6 +263,8 @@ class Studio:
             tab.forget_shapes()
         self._show_document(document)
         self.tell_document()
+        for problem in document.autosave.problems:
+            self.tell({"type": "note", "text": problem})
         self.tell_state()
 
     async def _gesture(self, tab: Tab, request: GestureRequest, document: Document) -> None:
@@ -315,6 +328,8 @@ class Upkeep:
         self._studio = studio
         self._watch: FileWatch | None = None
         self._autosaved: int | None = None
+        self._is_gone = False  # the design file, after it was there
+        self.unsaved_since: float | None = None  # s since 1970; an autosave has failed since
         self._busy = asyncio.Lock()
         self._tasks: list[asyncio.Task[None]] = []
 
@@ -334,17 +349,25 @@ class Upkeep:
         """Another document is open, or the document has been saved: its file and revision are the known ones."""
         self._watch = FileWatch(document.path)
         self._autosaved = document.revision
+        self._is_gone = not document.path.exists()
+        self.unsaved_since = None
 
     async def keep_work(self) -> None:
         """Write the autosave if there is something to keep."""
         document = self._studio.document
         if document is None:
             return
+        failed = self.unsaved_since
         try:
             async with self._busy:
                 await asyncio.to_thread(document.keep_work)
+            self._autosaved, self.unsaved_since = document.revision, None
         except (OutputError, OSError) as error:
-            self._studio.tell(problem_data(error, None))
+            self._autosaved, self.unsaved_since = None, failed or time.time()  # it is tried again
+            if failed is None:
+                self._studio.tell(problem_data(error, None))
+        if failed != self.unsaved_since:
+            self._studio.tell_state()
 
     async def _repeat(self, work: Callable[[], Awaitable[None]], seconds: float) -> None:
         known = ""
@@ -360,13 +383,21 @@ class Upkeep:
     async def _autosave(self) -> None:
         self._studio.engine.link.watch()  # an engine that hangs is replaced
         document = self._studio.document
-        if document is not None and document.revision != self._autosaved:
-            self._autosaved = document.revision
+        if document is None:
+            return
+        is_lost = document.autosave.path is not None and not document.autosave.is_written
+        if document.revision != self._autosaved or is_lost:
             await self.keep_work()
 
     async def _follow(self) -> None:
         """Show what somebody writes into the design file with another program."""
         watch, document = self._watch, self._studio.document
+        if document is not None and (is_gone := not document.path.exists()) != self._is_gone:
+            self._is_gone, self._autosaved = is_gone, None
+            if is_gone:
+                text = f"{shown_path(document.path)} was deleted or moved; Save writes it again."
+                self._studio.tell({"type": "note", "text": text})
+            self._studio.tell_document()
         if watch is None or document is None or (text := await asyncio.to_thread(watch.changed_text)) is None:
             return
         async with self._studio.lock:
@@ -396,7 +427,18 @@ def opened(folder: Path, request: ask.Open | ask.Simple) -> Document:
             raise RequestError(f"{request.gallery!r} is not in the gallery")
         return Document.copy_of(gallery.path(request.gallery), free_name(folder, request.gallery))
     path = design_path(folder, request.name or "")
-    return Document.unsaved(path) if not path.exists() and autosave_path(path).exists() else Document.open(path)
+    return Document.unsaved(path) if not path.exists() and autosaves(path) else Document.open(path)
+
+
+def kept_states(document: Document) -> list[dict[str, Any]]:
+    """Name, time and plan of the unsaved work that other sessions have left on a document."""
+    states = []
+    for kept in document.autosave.kept:
+        plan = {}
+        with suppress(Error):  # a sheet that cannot be laid out has no picture
+            plan = thumbnail(print_layout(Design.from_dict(kept.table, document.path.parent)))
+        states.append({"name": kept.path.name, "time": kept.time, **plan})
+    return states
 
 
 def design_path(folder: Path, name: str) -> Path:

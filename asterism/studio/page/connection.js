@@ -36,9 +36,10 @@ export class Connection {
   #wait = 250;
   #timer = 0;
   #isClosed = false;
+  #failures = 0; // sockets in a row that did not open
   document = null; // number of the document that the page shows: the server refuses what is about another one
 
-  /** `handlers`: message(object), frame({kind, header, arrays}), status("connecting" | "open" | "lost"). */
+  /** `handlers`: message(object), frame({kind, header, arrays}), status("connecting" | "open" | "lost"), blocked(). */
   constructor(handlers) {
     this.handlers = handlers;
     this.open();
@@ -61,6 +62,7 @@ export class Connection {
     this.#socket = socket;
     socket.onopen = () => {
       this.#wait = 250;
+      this.#failures = -Infinity;
       this.handlers.status("open");
       this.send("hello");
     };
@@ -71,6 +73,8 @@ export class Connection {
     socket.onclose = ({ code }) => {
       if (code === TRY_AGAIN_LATER) this.#wait = MAX_WAIT_MS;
       if (this.#isClosed || socket !== this.#socket) return;
+      this.#failures += 1;
+      if (this.#failures === 3) fetch(location.href).then(() => this.handlers.blocked(), () => {});
       this.handlers.status("lost");
       this.#timer = setTimeout(() => this.open(), this.#wait);
       this.#wait = Math.min(2 * this.#wait, MAX_WAIT_MS);

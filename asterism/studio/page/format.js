@@ -43,6 +43,9 @@ export function bytes(value) {
 
 export const plural = (count, word, words = `${word}s`) => `${count} ${count === 1 ? word : words}`;
 
+/** A time in s since 1970, as the browser's language writes it. */
+export const date = (time) => new Date(1000 * time).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+
 export const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 /** A field of the design file without the numbers of its entries: `pins[0].scale` is `pins.scale`. */

@@ -43,6 +43,7 @@ studio.connection = new Connection({
   message: (message) => handlers.message(message),
   frame: (frame) => handlers.frame(frame),
   status: (status) => handlers.status(status),
+  blocked: () => handlers.blocked(),
 });
 studio.edits = new Edits(store, studio.connection);
 studio.plan = new PlanCanvas($("plan-canvas"), store);

@@ -1,6 +1,7 @@
 // What the page does with the server's messages.
 
-import { plainField } from "./format.js";
+import { date, plainField } from "./format.js";
+import { openKept } from "./panels/history.js";
 import { announce, toast } from "./panels/toasts.js";
 import { NO_SYMMETRY } from "./store.js";
 
@@ -22,8 +23,9 @@ export function listen(studio) {
       const isOld = comparison?.revision !== message.revision;
       if (comparison && comparison.isOld !== isOld) store.set({ comparison: { ...comparison, isOld } });
       prune();
-      if (message.kept_work && (!before?.kept_work || before.path !== message.path)) offerKeptWork();
-      if (!message.kept_work) document.querySelector("[data-text^='An earlier session']")?.remove();
+      const kept = message.kept_work.length;
+      if (kept && (!before?.kept_work.length || before.path !== message.path)) offerKeptWork(message.kept_work);
+      if (!kept) document.querySelector("[data-text*='left unsaved changes']")?.remove();
     },
     state(message) {
       const before = store.get("state");
@@ -33,6 +35,7 @@ export function listen(studio) {
         announce("The sheet is in equilibrium");
     },
     history: (message) => store.set({ history: message.states }),
+    kept: (message) => store.set({ kept: message.states }),
     gallery: (message) => store.set({ gallery: message }),
     progress(message) {
       store.set({ jobs: { ...store.get("jobs"), [message.job]: message } });
@@ -121,7 +124,7 @@ export function listen(studio) {
 
   /** The file on the disk is not the one that would be replaced. */
   function offerFile(message) {
-    const isOther = message.kind === "file exists";
+    const isOther = message.kind !== "file changed";
     toast(`${message.text}. Nothing is written yet.`, {
       isBad: true,
       action: { text: isOther ? "Replace it" : "Keep mine", run: () => studio.actions.keepMine(message) },
@@ -130,11 +133,15 @@ export function listen(studio) {
     });
   }
 
-  /** Unsaved work of an earlier session. */
-  function offerKeptWork() {
-    toast("An earlier session left unsaved changes.", {
-      action: { text: "Bring them back", run: () => connection.send("recover") },
-      other: { text: "Forget them", run: () => connection.send("discard") },
+  /** Unsaved work of other sessions. */
+  function offerKeptWork([{ name, time }, ...others]) {
+    if (others.length) {
+      const action = { text: "See them", run: () => openKept(studio) };
+      return toast("Earlier sessions left unsaved changes.", { action, stay: 0 });
+    }
+    toast(`An earlier session left unsaved changes, ${date(time)}.`, {
+      action: { text: "Bring them back", run: () => connection.send("recover", { name }) },
+      other: { text: "Forget them", run: () => connection.send("discard", { name }) },
       stay: 0,
     });
   }
@@ -167,6 +174,11 @@ export function listen(studio) {
       }
       if (kind === 2 || kind === 3) connection.acknowledge(header.frame);
     },
+    blocked: () =>
+      toast(
+        `The server answers, but no websocket opens: a proxy or a browser extension blocks it. Reach ${location.hostname} without the proxy.`,
+        { isBad: true, stay: 0 },
+      ),
     status(connected) {
       const before = store.get("connection");
       store.set({ connection: connected });

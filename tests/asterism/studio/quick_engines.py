@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.results.files import staged
 from asterism.studio.messages import (
     Edit,
     Fitted,
@@ -115,3 +117,19 @@ def export(
     place.mkdir()
     (place / "a.stl").write_bytes(b"solid")
     connection.send(Written(job, options, out, ("a.stl", "../../outside.txt", "missing.stl"), ("thin arms",)))
+
+
+def write_for_ever(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+    """A verification that is ended while it writes."""
+    with staged(out) as unfinished:
+        (unfinished / "half.vtu").write_text("half")
+        connection.send(JobProgress(job, "written", 0, 0, 0.1))
+        time.sleep(600)
+
+
+def leave_a_process(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+    """A verification that is killed while another process of its own holds its pipe."""
+    if os.fork() == 0:
+        time.sleep(20)
+        os._exit(0)
+    os.kill(os.getpid(), signal.SIGKILL)

@@ -16,7 +16,7 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.files import read_table
 from asterism.pattern.layout.load_design import load_design
-from asterism.studio.autosave import autosave_path
+from asterism.studio.autosave import autosaves
 from asterism.studio.design_file import edited_text
 from asterism.studio.document import Document
 from asterism.studio.examples import design_files, free_name
@@ -172,7 +172,7 @@ def test_json_files_are_edited_and_autosaved(tmp_path: Path):
     document.paint([(0, 0)], {"length_mm": [7.0]}, None)
     document.keep_work()
     again = Document.open(path)
-    assert again.autosave.kept_work == document.table
+    assert [kept.table for kept in again.autosave.kept] == [document.table]
     document.save()
     assert load_design(path).stars.override[0].length_mm == 7.0
     document.undo()
@@ -202,7 +202,7 @@ def test_unsaved_work_is_never_written_over(tmp_path: Path):
     later.keep_work()
     kept = [read_table(file)["name"] for file in sorted(tmp_path.glob(".dome.*"))]
     assert sorted(kept) == ["earlier", "later"]
-    later.autosave.discard()
+    later.autosave.forget(None)
     later.save()
     assert list(tmp_path.glob(".dome.*")) == []
 
@@ -217,11 +217,11 @@ def test_a_sheet_that_was_never_saved_is_offered_and_keeps_its_name(tmp_path: Pa
     assert design_files(tmp_path) == ["dome.toml"]
     assert free_name(tmp_path, "dome").name == "dome-2.toml"
     again = Document.unsaved(path)
-    assert again.table["name"] == "drawn" and not again.is_saved and again.autosave.kept_work is None
+    assert again.table["name"] == "drawn" and not again.is_saved and again.autosave.kept == []
     again.keep_work()
-    assert autosave_path(path).exists()
+    assert autosaves(path)
     again.save()
-    assert path.exists() and not autosave_path(path).exists()
+    assert path.exists() and not autosaves(path)
 
 
 @pytest.mark.parametrize("border", ["[border]\nrings = 1", "border.rings = 1", "border = {rings = 1}"])
@@ -237,5 +237,6 @@ def test_an_autosave_that_cannot_be_read_is_not_offered(tmp_path: Path):
     path = tmp_path / "dome.toml"
     path.write_bytes(gallery.path("dome").read_bytes())
     for text in (b"\xff\xfe", b"[stars", b"name = 3\n", b""):
-        autosave_path(path).write_bytes(text)
-        assert Document.open(path).autosave.kept_work is None
+        (tmp_path / ".dome.autosave.toml").write_bytes(text)
+        autosave = Document.open(path).autosave
+        assert autosave.kept == [] and ".dome.autosave.toml" in autosave.problems[0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -170,3 +171,20 @@ def test_closing_ends_all_processes(spare: bool):
         assert children and not any(child._process.is_alive() for child in children)
 
     run(test, keeps_spare=spare)
+
+
+def test_an_engine_that_hangs_is_replaced_after_five_seconds_and_that_is_said(tmp_path: Path) -> None:
+    mark = tmp_path / "mark"
+    mark.touch()
+
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"name": "a"}))
+        await links.until(lambda: bool(links.frames(1)))
+        begun = time.monotonic()
+        links.link.edit(Edit(2, {"hang_once": str(mark)}))
+        await links.until(lambda: bool(links.frames(2)))
+        assert time.monotonic() - begun < 15.0
+        said = [message.what for message in links.messages if isinstance(message, Busy)]
+        assert "the preview gave no sign for 5 s and was started again" in said
+
+    run(test)

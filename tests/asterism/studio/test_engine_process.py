@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import signal
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import pytest
 import asterism
 from asterism.pattern.layout.build import layout
 from asterism.studio.engine import run_engine
-from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Stop, StudioProblem
+from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Sign, Stop, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe
 
 START_S = 180.0
@@ -124,3 +126,20 @@ def test_random_edits_have_a_shape_or_a_reason(seed: int) -> None:
     engine.send(Edit(50, table(), empty, np.empty((0, 3)), empty, is_opened=True, snapshot=first.snapshot))
     assert engine.frame(50).positions == pytest.approx(first.positions, abs=1e-3)
     engine.close()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
+def test_an_engine_gives_signs_until_it_hangs() -> None:
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=run_engine, args=(theirs,), daemon=True)
+    process.start()
+    assert process.pid is not None
+    while not isinstance(ours.recv(), Ready):
+        pass
+    assert ours.poll(3.0) and isinstance(ours.recv(), Sign)
+    os.kill(process.pid, signal.SIGSTOP)
+    while ours.poll(0.1):
+        ours.recv()
+    assert not ours.poll(3.0)
+    process.kill()

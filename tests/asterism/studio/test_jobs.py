@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -86,3 +88,32 @@ def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
     assert result["files"] == [{"name": "dome-print/a.stl", "size": 5}]
     assert result["summary"]["printer"] == "prusa-mk4" and result["warnings"] == ["thin arms"]
     assert client.get(f"http://{HOST}/{TOKEN}/file/dome-print/a.stl").content == b"solid"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows keeps files in use")
+@pytest.mark.parametrize("how", ["cancel", "kill"])
+def test_a_job_that_is_ended_leaves_no_hidden_folder(
+    how: str, page: Page, studio: Studio, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(jobs.PROCESSES, "verify", f"{ROOM}:write_for_ever")
+    page.until("document")
+    page.send(type="verify")
+    page.until("progress", stage="written")
+    assert list(folder.rglob(".asterism-*/half.vtu"))
+    if how == "cancel":
+        page.send(type="cancel")
+    else:
+        os.kill(studio.jobs._running.child._process.pid, signal.SIGKILL)  # type: ignore[union-attr]
+    assert page.until("result")["job"] == "verify"
+    assert page.until("state")["jobs"] == {} and [file.name for file in folder.iterdir()] == ["dome.toml"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no fork")
+def test_a_job_counts_as_ended_although_a_process_of_its_own_goes_on(
+    page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(jobs.PROCESSES, "verify", f"{ROOM}:leave_a_process")
+    page.until("document")
+    page.send(type="verify")
+    assert "verify ended unexpectedly" in page.until("problem")["text"]
+    assert page.until("result")["failed"]

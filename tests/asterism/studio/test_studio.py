@@ -107,12 +107,12 @@ def test_unsaved_work_of_a_former_session_is_offered(folder: Path, studio: Studi
     document.paint([(0, 0)], {"length_mm": [5.5]}, None)
     document.keep_work()
     again = Studio(folder, folder / "dome.toml").document
-    assert again.autosave.kept_work is not None and again.is_saved
+    assert again.autosave.kept and again.is_saved
     again.recover()
     assert again.table == document.table and not again.is_saved
     again.keep_work()
     again.save()
-    assert not again.autosave.path.exists()
+    assert again.autosave.path is None and not (folder / ".dome.autosave-2.toml").exists()
 
 
 def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):

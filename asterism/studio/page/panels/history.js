@@ -1,7 +1,7 @@
 // Earlier states of the design as small plans; one click shows one of them.
 
-import { dialog, h, hint, refresh } from "../dom.js";
-import { capital } from "../format.js";
+import { button, dialog, h, hint, refresh } from "../dom.js";
+import { capital, date } from "../format.js";
 import { bounds } from "../geometry.js";
 
 const WIDTH_PX = 144;
@@ -39,6 +39,31 @@ export function openHistory({ store, connection }) {
   });
   connection.send("history");
   update();
+}
+
+/** The unsaved work of other sessions, each to be brought back or forgotten. */
+export function openKept({ store, connection }) {
+  const list = h("div", { class: "thumbnails" });
+  const about = (state) => {
+    const picture = h("canvas", { "aria-hidden": "true" });
+    if (state.outline_mm) draw(picture, state);
+    const ask = (type) => () => connection.send(type, { name: state.name });
+    return h(
+      "div",
+      { class: "thumbnail", testid: `kept-${state.name}` },
+      picture,
+      h("span", {}, date(state.time)),
+      button({ text: "Bring it back", onclick: ask("recover") }),
+      button({ text: "Forget it", onclick: ask("discard") }),
+    );
+  };
+  const update = () => refresh(list, store.get("kept"), () => (store.get("kept") ?? []).map(about));
+  const stops = [store.on(["kept"], update), store.on(["document"], () => connection.send("kept"))];
+  dialog("Unsaved changes of earlier sessions", [hint("The newest is first."), list], {
+    testid: "kept-dialog",
+    onclose: () => stops.forEach((stop) => stop()),
+  });
+  connection.send("kept");
 }
 
 const WORDS = { pins: "needles", border: "outline" }; // names of the design file as the page says them

@@ -106,15 +106,17 @@ export function buildTop(element, { store, actions }) {
     redo.disabled = !document?.can_redo;
     name.disabled = !document;
     if (window.document.activeElement !== name) name.value = document?.name ?? "";
-    saved.textContent = !document ? "" : document.saved ? "Saved" : document.has_file ? "Edited" : "Not saved yet";
+    const { unsaved_since: since } = store.get("state");
+    const lost = since && !document?.saved ? `Not saved since ${new Date(1000 * since).toTimeString().slice(0, 5)}` : "";
+    saved.textContent = !document ? "" : document.saved ? "Saved" : lost || (document.has_file ? "Edited" : "Not saved yet");
     saved.title = document
-      ? `${document.path}${document.saved ? "" : "\nUnsaved changes are kept in the autosave."}`
+      ? `${document.path}${document.saved || lost ? "" : "\nUnsaved changes are kept in the autosave."}`
       : "";
     window.document.title = document
       ? `${document.saved ? "" : "• "}${document.name} · asterism studio`
       : "asterism studio";
   }
-  store.on(["document", "jobs"], update);
+  store.on(["document", "jobs", "state"], update);
   update();
 }
 

@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 
 from asterism.pattern import gallery
-from asterism.studio.autosave import autosave_path
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
 
 # the README's tests open the page in `test_page` only
@@ -125,7 +124,7 @@ def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder:
 def test_the_offer_of_unsaved_work_covers_no_control(browser: Any, tmp_path: Path, width: int, height: int) -> None:
     text = gallery.path("leaf").read_text("utf-8")
     (tmp_path / "leaf.toml").write_text(text, "utf-8")
-    autosave_path(tmp_path / "leaf.toml").write_text(text.replace('name = "leaf"', 'name = "ivy"'), "utf-8")
+    (tmp_path / ".leaf.autosave.toml").write_text(text.replace('name = "leaf"', 'name = "ivy"'), "utf-8")
     with studio_process(tmp_path) as (_, url):
         page = StudioPage(browser.new_page(viewport={"width": width, "height": height}), url)
         page.open_without_shape("file-leaf.toml")
@@ -133,3 +132,34 @@ def test_the_offer_of_unsaved_work_covers_no_control(browser: Any, tmp_path: Pat
         page.item("tab-shape").click()
         assert page.item("toast").count() == 1 and page.page.evaluate(COVERED) == []
         page.page.close()
+
+
+def test_all_unsaved_work_is_shown_and_brought_back_or_forgotten(browser: Any, tmp_path: Path) -> None:
+    text = gallery.path("star").read_text("utf-8")
+    (tmp_path / "star.toml").write_text(text, "utf-8")
+    for end, name in (("", "one"), ("-2", "two")):
+        (tmp_path / f".star.autosave{end}.toml").write_text(text.replace('name = "star"', f'name = "{name}"'), "utf-8")
+    with studio_process(tmp_path) as (_, url):
+        page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
+        page.open("file-star.toml")
+        page.page.get_by_text("See them").click()
+        page.wait("document.querySelectorAll('[data-testid=kept-dialog] canvas').length === 2")
+        page.item("kept-.star.autosave.toml").get_by_text("Forget it").click()
+        page.wait("document.querySelectorAll('[data-testid=kept-dialog] canvas').length === 1")
+        page.item("kept-.star.autosave-2.toml").get_by_text("Bring it back").click()
+        page.wait("studio.document.design.name === 'two' && !studio.document.kept_work.length")
+        page.page.close()
+    kept = [file.read_text("utf-8") for file in tmp_path.glob(".star.autosave*.toml")]
+    assert len(kept) == 1 and 'name = "two"' in kept[0]  # as unsaved work of this session
+
+
+def test_a_proxy_that_blocks_websockets_is_named(browser: Any, tmp_path: Path) -> None:
+    elsewhere = (
+        "WebSocket = class extends WebSocket { constructor(url) { super(String(url).replace('/live', '/no')); } }"
+    )
+    with studio_process(tmp_path) as (_, url):
+        page = browser.new_page(viewport=VIEWPORT)
+        page.add_init_script(elsewhere)
+        page.goto(url)
+        page.get_by_text("a proxy or a browser extension blocks it").wait_for(timeout=60_000)
+        page.close()
