@@ -24,19 +24,19 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.equilibrium.errors import Error
-from asterism.pattern.drawing.records import MM_OF_UNITS, NoUnitError
 from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_names, serve
 from asterism.studio.child import StartedProcess
-from asterism.studio.drawing import read_drawing
+from asterism.studio.drawing import SentDrawing
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.examples import PICTURES
 from asterism.studio.file_names import MAX_NAME_CHARACTERS, FileNameError, file_below
 from asterism.studio.page_data import failure_data
+from asterism.studio.reading import read_apart
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.studio import Studio
 from asterism.studio.tab import MAX_TABS, Tab
-from asterism.studio.target import read_target
-from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
+from asterism.studio.target import Target
+from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind
 
 PAGE = Path(__file__).parent / "page"
 # Windows may have other types for these in its registry, and a module of another type is not run.
@@ -115,25 +115,19 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
                         return JSONResponse({"problem": {"text": text}}, 413)
                     stream.write(part)
             try:
-                if kind is UploadKind.TARGET:
-                    surface = await asyncio.to_thread(read_target, path, name)
+                content = await read_apart(request, kind, path, name)
+                if isinstance(content, Target):
                     number = request.query_params.get("document", "")
                     studio.open_document(int(number) if number.isdecimal() else None)
-                    studio.parts.load(surface)
-                    return JSONResponse({"target": studio.parts.data()})
-                if kind is UploadKind.DRAWING:
-                    units = request.query_params.get("units")
-                    drawing = await asyncio.to_thread(read_drawing, path, name, units)
-                    return JSONResponse({"drawing": drawing.data(studio.drawings.add(drawing))})
-                return JSONResponse(await asyncio.to_thread(read_upload, kind, path, name))
-            except NoUnitError:
-                return JSONResponse({"units": list(MM_OF_UNITS)})  # a question
-            except Exception as error:
-                problem = failure_data(error, None, "a file of a page")
-                status = 422 if isinstance(error, Error) else 500
-                return JSONResponse(
-                    {"problem": {**problem, "text": problem["text"].replace(f"{path}: ", f"{name}: ")}}, status
-                )
+                    studio.parts.load(content)
+                    content = {"target": studio.parts.data()}
+                elif isinstance(content, SentDrawing):
+                    number = studio.drawings.add(content)
+                    content = {"drawing": await asyncio.to_thread(content.data, number)}
+            except Error as error:
+                content = 422, {"problem": failure_data(error, None, "a file of a page")}
+            status, data = content if isinstance(content, tuple) else (200, content)
+            return JSONResponse(data, status)
 
     async def target(request: Request) -> Response:
         if studio.parts.target is None:

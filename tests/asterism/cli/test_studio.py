@@ -91,7 +91,12 @@ def until(page: ClientConnection, kind: str) -> dict:
             return json.loads(message)
 
 
-def test_it_serves_its_page_and_keeps_unsaved_work_at_ctrl_c(running: tuple[subprocess.Popen[str], str], folder: Path):
+@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
+def test_it_serves_its_page_and_keeps_unsaved_work_at_its_end(
+    name: str, running: tuple[subprocess.Popen[str], str], folder: Path
+):
+    if not hasattr(signal, name):
+        pytest.skip("there is no such signal")
     process, url = running
     with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:
         assert "default-src 'self'" in answer.headers["content-security-policy"] and b"<html" in answer.read()
@@ -110,7 +115,7 @@ def test_it_serves_its_page_and_keeps_unsaved_work_at_ctrl_c(running: tuple[subp
     with page_of(url) as page:
         page.send('{"type": "hello"}')
         until(page, "document")
-        process.send_signal(signal.SIGINT)
+        process.send_signal(getattr(signal, name))
         out, err = process.communicate(timeout=PATIENCE_S)
     # a slow start gives a sign of life
     assert process.returncode == 0 and not [line for line in err.splitlines() if "still computing" not in line]
