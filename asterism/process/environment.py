@@ -5,6 +5,31 @@ from __future__ import annotations
 import os
 import sys
 
+from asterism.equilibrium.errors import Error
+
+# addresses that the libraries need; with less, OpenBLAS may ask for memory for ever
+MIN_MEMORY_BYTES = 2_000_000_000
+
+
+class EnvironmentLimit(Error):
+    """The environment allows too little."""
+
+    exit_status = 1
+
+
+def check_memory() -> None:
+    """Raise EnvironmentLimit if the shell limits the memory of its processes to less than the libraries need."""
+    try:
+        import resource
+    except ImportError:  # Windows has no such limits
+        return
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit != resource.RLIM_INFINITY and limit < MIN_MEMORY_BYTES:
+        needed = MIN_MEMORY_BYTES / 1e9
+        raise EnvironmentLimit(
+            f"a process may use {limit / 1e9:.1f} GB of memory here, it needs {needed:g} GB: see ulimit -v"
+        )
+
 
 def mend_environment() -> None:
     """Open the standard streams that are closed, and replace settings with which libraries refuse to load.

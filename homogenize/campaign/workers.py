@@ -127,6 +127,8 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
                 while not arrivals.is_empty():
                     if arrivals.has_ready():
                         for future, result in arrivals.next_batch(block=False):
+                            if isinstance(result, distributed.CancelledError):
+                                raise CampaignError("the scheduler is gone; finished samples are kept")
                             yield number[future.key], result
                         last_seen = time.monotonic()
                     elif client.scheduler_info()["workers"]:

@@ -91,3 +91,12 @@ def test_names_are_printed_safely(folder: Path) -> None:
     assert refused.returncode == 2 and r"asterism: \x1b[31m\u202ed.toml: x = 1" in refused.stderr
     made = run(folder, "new", "dome", "-o", "\u202edome.toml")
     assert made.returncode == 0 and made.stdout.startswith(r"\u202edome.toml: run")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit addresses")
+def test_a_tight_limit_of_memory_is_named(folder: Path) -> None:
+    limit = "import resource\nresource.setrlimit(resource.RLIMIT_AS, (10**9, 10**9))"
+    refused = run(folder, "simulate", "d.toml", before=limit)
+    assert refused.returncode == 1
+    line = "asterism: a process may use 1.0 GB of memory here, it needs 2 GB: see ulimit -v\n"
+    assert refused.stderr == line

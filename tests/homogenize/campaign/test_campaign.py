@@ -247,6 +247,35 @@ def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypat
     assert len(list(tmp_path.iterdir())) >= 1
 
 
+# a cluster in a process of its own, which prints its address
+CLUSTER = """
+import time, distributed
+if __name__ == "__main__":
+    cluster = distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)
+    print(cluster.scheduler_address, flush=True)
+    time.sleep(100)
+"""
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_killed_is_named(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    cluster = subprocess.Popen([sys.executable, "-c", CLUSTER], stdout=subprocess.PIPE, text=True)
+
+    def kill(progress: CampaignProgress) -> None:
+        if progress.done == 1:
+            cluster.kill()
+
+    try:
+        assert cluster.stdout is not None
+        address = cluster.stdout.readline().strip()
+        with pytest.raises(CampaignError, match="the scheduler is gone; finished samples are kept"):
+            run_campaign(material(), tmp_path, dask=address, respond=fake.slow, report=kill)
+    finally:
+        cluster.kill()
+        cluster.communicate()
+
+
 @pytest.mark.usefixtures("one_process")
 def test_a_folder_that_another_run_took_away_is_made_again(tmp_path: Path) -> None:
     """A run that ends before its first cell leaves no empty folder, but others may be about to write there."""
