@@ -122,8 +122,8 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
                     studio.parts.load(content)
                     content = {"target": studio.parts.data()}
                 elif isinstance(content, SentDrawing):
-                    number = studio.drawings.add(content)
-                    content = {"drawing": await asyncio.to_thread(content.data, number)}
+                    data = await asyncio.to_thread(content.data, studio.drawings.add(content))
+                    content = {"drawing": data}
             except Error as error:
                 content = 422, {"problem": failure_data(error, None, "a file of a page")}
             status, data = content if isinstance(content, tuple) else (200, content)

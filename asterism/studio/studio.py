@@ -395,8 +395,8 @@ class Upkeep:
         if document is not None and (is_gone := not document.path.exists()) != self._is_gone:
             self._is_gone, self._autosaved = is_gone, None
             if is_gone:
-                text = f"{shown_path(document.path)} was deleted or moved; Save writes it again."
-                self._studio.tell({"type": "note", "text": text})
+                note = f"{shown_path(document.path)} was deleted or moved; Save writes it again."
+                self._studio.tell({"type": "note", "text": note})
             self._studio.tell_document()
         if watch is None or document is None or (text := await asyncio.to_thread(watch.changed_text)) is None:
             return

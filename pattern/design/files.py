@@ -40,7 +40,7 @@ def read_bytes(path: Path, max_bytes: int = MAX_DESIGN_BYTES) -> bytes:
 
 def is_deep(value: Any) -> bool:
     """Whether tables and lists stand in each other more than `MAX_DEPTH` times."""
-    level = [[value]]
+    level: list[Any] = [[value]]
     for _ in range(MAX_DEPTH):
         inner = (part for each in level for part in (each.values() if isinstance(each, dict) else each))
         level = [part for part in inner if isinstance(part, dict | list)]
