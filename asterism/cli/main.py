@@ -16,7 +16,7 @@ import sys
 from types import FrameType
 from typing import NoReturn
 
-from asterism.process.environment import check_memory, mend_environment
+from asterism.process.environment import memory_problem, mend_environment
 
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -86,6 +86,8 @@ def _print_all_names() -> None:
 
 def _run() -> int:
     """Run the command of the command line, and return its exit status."""
+    if (problem := memory_problem()) is not None:
+        _stop(problem, 1)
     import typer
 
     from asterism.cli.app import app
@@ -94,7 +96,6 @@ def _run() -> int:
     # error of the option parser for a wrong command line; some versions of typer contain their own click
     usage_error: type[Exception] = typer.BadParameter.__mro__[1]
     try:
-        check_memory()
         status = app(standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()

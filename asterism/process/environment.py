@@ -5,30 +5,21 @@ from __future__ import annotations
 import os
 import sys
 
-from asterism.equilibrium.errors import Error
-
 # addresses that the libraries need; with less, OpenBLAS may ask for memory for ever
 MIN_MEMORY_BYTES = 2_000_000_000
 
 
-class EnvironmentLimit(Error):
-    """The environment allows too little."""
-
-    exit_status = 1
-
-
-def check_memory() -> None:
-    """Raise EnvironmentLimit if the shell limits the memory of its processes to less than the libraries need."""
+def memory_problem() -> str | None:
+    """One line if the shell limits the memory of its processes to less than the libraries need; None otherwise."""
     try:
         import resource
     except ImportError:  # Windows has no such limits
-        return
+        return None
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if limit != resource.RLIM_INFINITY and limit < MIN_MEMORY_BYTES:
-        needed = MIN_MEMORY_BYTES / 1e9
-        raise EnvironmentLimit(
-            f"a process may use {limit / 1e9:.1f} GB of memory here, it needs {needed:g} GB: see ulimit -v"
-        )
+    if limit == resource.RLIM_INFINITY or limit >= MIN_MEMORY_BYTES:
+        return None
+    needed = MIN_MEMORY_BYTES / 1e9
+    return f"a process may use {limit / 1e9:.1f} GB of memory here, it needs {needed:g} GB: see ulimit -v"
 
 
 def mend_environment() -> None:

@@ -98,11 +98,18 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
             _check_no_folder(directory / name)
             with open(Path(folder, name), "rb+") as stream:
                 os.fsync(stream.fileno())  # some file systems report a full disk at this point only
-        for name in SUMMARIES & {*names}:  # whoever is killed from here on leaves no old summary beside new files
-            if (directory / name).exists():
-                os.replace(directory / name, Path(folder, f"{_EARLIER}{name}"))
+        # whoever is killed from here on leaves no old summary beside new files
+        earlier = [name for name in SUMMARIES & {*names} if (directory / name).exists()]
+        for name in earlier:
+            os.replace(directory / name, Path(folder, f"{_EARLIER}{name}"))
         for name in names:
-            os.replace(Path(folder, name), directory / name)
+            try:
+                os.replace(Path(folder, name), directory / name)
+            except OSError:
+                if name == names[0]:  # all earlier files are there
+                    for summary in earlier:
+                        os.replace(Path(folder, f"{_EARLIER}{summary}"), directory / summary)
+                raise
         for file in list(directory.iterdir()):
             if stale and re.fullmatch(stale, file.name) and file.name not in names and file.is_file():
                 file.unlink()
