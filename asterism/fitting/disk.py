@@ -8,15 +8,21 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.fitting.errors import TargetError, place_text
+from asterism.pattern.geometry.clusters import clusters
 from asterism.pattern.geometry.normals import triangle_normals
 
 # vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself
 WELD_SHARE = 1e-6
 # a triangle with less area than this part of its squared longest side has no area
 MIN_AREA_SHARE = 1e-7
+# triangles without area are left out if there are at most so many, and at most this share of all
+MAX_FLAT, MAX_FLAT_SHARE = 1000, 0.01
+# corners of two pieces nearer to each other than this part of the extent were meant to be one
+MAX_GAP_SHARE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +33,12 @@ class Disk:
     ----------
     vertices : (V, 3) mm.
     triangles : (T, 3), counterclockwise seen from the side of the normals.
+    flat : number of triangles without area that were left out.
     """
 
     vertices: Floats
     triangles: Ints
+    flat: int = 0
 
     @cached_property
     def border(self) -> Ints:
@@ -64,8 +72,8 @@ def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
     Raises
     ------
     TargetError
-        The triangles are no disk: several pieces, closed, holes, a handle, one side only, edges of three triangles, or
-        a border that touches itself.
+        The triangles are no disk: many without area, several pieces, closed, holes, a handle, one side only, edges of
+        three triangles, or a border that touches itself.
 
     Examples
     --------
@@ -76,7 +84,7 @@ def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
     vertices, triangles = _welded(vertices, triangles)
     if len(triangles) == 0:
         raise TargetError(name, "holds no triangles: a target is a triangulated surface")
-    _check_areas(vertices, triangles, name)
+    triangles, flat = _without_flat(vertices, triangles, name)
     edges = np.sort(_directed_edges(triangles), axis=1)
     unique, count = np.unique(edges, axis=0, return_counts=True)
     if count.max() > 2:
@@ -85,43 +93,77 @@ def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
     pieces, piece = connected_components(_graph(unique, len(vertices)), directed=False)
     if pieces > 1:
         share = np.bincount(piece[triangles[:, 0]], minlength=pieces)
-        raise TargetError(
-            name, f"has {pieces} pieces, the largest with {share.max()} of {len(triangles)} triangles: keep one piece"
-        )
+        held = f"has {pieces} pieces, the largest with {share.max()} of {len(triangles)} triangles"
+        raise TargetError(name, f"{held}: {_gap(vertices, piece, int(share.argmax())) or 'keep one piece'}")
     triangles = _equally_oriented(triangles, name)
     _check_border(vertices, triangles, unique, name)
-    return Disk(vertices, triangles)
+    return Disk(vertices, triangles, flat)
+
+
+def _gap(vertices: Floats, piece: Ints, largest: int) -> str:
+    """Words on corners of two pieces that nearly coincide; empty if no other piece is near the largest."""
+    others = vertices[piece != largest]
+    distance = cKDTree(vertices[piece == largest]).query(others)[0]
+    if distance.min() > MAX_GAP_SHARE * np.ptp(vertices, axis=0).max():
+        return ""
+    return f"corners are {distance.min():.2g} mm apart at {place_text(others[distance.argmin()])}, weld them"
 
 
 def _welded(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
     """Vertices in their order, without copies and unused ones, and triangles without those that have a vertex twice."""
     if len(triangles) == 0:
         return vertices, triangles
-    used = np.unique(triangles)
+    used, corners = np.unique(triangles, return_inverse=True)
     step = WELD_SHARE * max(float(np.ptp(vertices[used], axis=0).max()), 1e-300)
+    # cells of a grid first: any number of vertices may stand at one place
     keys = np.round((vertices[used] - vertices[used].min(axis=0)) / step).astype(np.int64)
     _, first, same = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    number = np.zeros(len(vertices), dtype=np.int64)
-    number[used] = rank[same.ravel()]
-    triangles = number[triangles]
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
-    points = vertices[used][first[order]]
-    kept, triangles = np.unique(triangles, return_inverse=True)
+    near, points = clusters(vertices[used][first[order]], step)
+    triangles = near[rank[same.ravel()]][corners.reshape(-1, 3)]
+    kept, triangles = np.unique(_proper(triangles), return_inverse=True)
     return points[kept], np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
 
 
-def _check_areas(vertices: Floats, triangles: Ints, name: str) -> None:
+def _without_flat(vertices: Floats, triangles: Ints, name: str) -> tuple[Ints, int]:
+    """The triangles without those that have no area, if these are few, and their number.
+
+    Three corners lie on a line: the middle one becomes a corner of the triangle beyond the edge of the others.
+    """
+    is_flat = _is_flat(vertices, triangles)
+    count = int(np.count_nonzero(is_flat))
+    if count == 0:
+        return triangles, 0
+    is_near = np.isin(triangles, triangles[is_flat]).any(axis=1)
+    near = triangles[is_near]
+    few = count <= min(max(MAX_FLAT_SHARE * len(triangles), 10), MAX_FLAT, len(triangles) / 2)
+    for _ in range(10 * count if few else 0):
+        flat = np.flatnonzero(_is_flat(vertices, near))
+        if len(flat) == 0:
+            return np.concatenate([triangles[~is_near], near]), count
+        corners, near = near[flat[0]], np.delete(near, flat[0], axis=0)
+        apart = vertices[np.roll(corners, -1)] - vertices[np.roll(corners, 1)]
+        start, middle, end = np.roll(corners, 1 - int(np.linalg.norm(apart, axis=1).argmax()))
+        beyond = np.isin(near, [start, end]).sum(axis=1) == 2
+        halves = [np.where(near[beyond] == corner, middle, near[beyond]) for corner in (start, end)]
+        near = _proper(np.concatenate([near[~beyond], *halves]))
+    place = place_text(vertices[triangles[is_flat.argmax()]].mean(axis=0))
+    raise TargetError(name, f"{count} of {len(triangles)} triangles have no area, the first at {place}")
+
+
+def _is_flat(vertices: Floats, triangles: Ints) -> Bools:
     corners = vertices[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     area = 0.5 * np.linalg.norm(triangle_normals(vertices, triangles), axis=1)
-    flat = np.flatnonzero(area < MIN_AREA_SHARE * longest**2)
-    if len(flat):
-        place = place_text(corners[flat[0]].mean(axis=0))
-        raise TargetError(name, f"{len(flat)} of {len(triangles)} triangles have no area, the first at {place}")
+    return np.asarray(area < MIN_AREA_SHARE * longest**2)
+
+
+def _proper(triangles: Ints) -> Ints:
+    """The triangles without those that have a vertex twice."""
+    a, b, c = triangles.T
+    return triangles[(a != b) & (b != c) & (c != a)]
 
 
 def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> None:

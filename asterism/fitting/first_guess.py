@@ -15,7 +15,7 @@ import shapely
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
 from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
-from asterism.fitting.reach import Reach, choose_stretch, target_reach
+from asterism.fitting.reach import Reach, check_size, choose_stretch, target_reach
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
@@ -107,7 +107,10 @@ def guess_design(
     menus = [StarMenu.of(law, available, width) for available in sorted(law.stretches)]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
     lattice = law.material.lattice
-    target_map = placed(flat, _log_size(flat, menu), lattice)
+    log_size = _log_size(flat, menu)
+    unplaced = TargetMap.of(flat, log_size, 0.0, np.zeros(2), lattice.spacing_mm)
+    check_size(target.name, unplaced, menu, menus, abs(float(np.linalg.det(lattice.vectors))))
+    target_map = placed(flat, log_size, lattice)
     outline = choose_outline(target_map, needles)
     if border is None:
         border = needles is None and _saddle_share(target) > MIN_HELD_SADDLE_SHARE

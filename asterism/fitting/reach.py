@@ -12,6 +12,8 @@ from asterism.fitting.errors import ReachError, place_text
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.star_cells import MAX_STARS_OF_DESIGN
 
 # a needed ratio up to this multiple of the available one is tried, with a warning: the sheet strains a little
 MAX_RATIO_EXCESS = 1.06
@@ -48,6 +50,32 @@ def choose_stretch(needed_ratio: float, menus: Sequence[StarMenu]) -> StarMenu:
     """The menu of the smallest stretch that gives the ratio of contractions; that of the largest ratio otherwise."""
     fitting = [menu for menu in menus if menu.ratio >= needed_ratio]
     return min(fitting, key=lambda menu: menu.stretch) if fitting else max(menus, key=lambda menu: menu.ratio)
+
+
+def check_size(name: str, target_map: TargetMap, menu: StarMenu, menus: Sequence[StarMenu], cell_mm2: float) -> None:
+    """Refuse a target that needs more stars than a design can have, before they are placed.
+
+    Parameters
+    ----------
+    menu, menus : of the chosen stretch, and of all stretches of the law, for the message.
+    cell_mm2 : printed area of a star.
+
+    Raises
+    ------
+    ReachError
+        A target that contracts too differently needs a large print; others are large themselves.
+    """
+    stars = abs(polygon_area(target_map.printed[target_map.flat.disk.border])) / cell_mm2
+    if stars <= MAX_STARS_OF_DESIGN:
+        return
+    needed = _needed_ratio(target_map)
+    if needed > MAX_RATIO_EXCESS * menu.ratio:
+        raise ReachError(f"{name}: {_too_much(target_map, needed, menu, menus)}")
+    raise ReachError(
+        f"{name}: needs about {stars:.0f} stars {menu.spacing_mm:.1f} mm apart, a design has at most "
+        f"{MAX_STARS_OF_DESIGN}: make the target {np.ceil(10 * np.sqrt(stars / MAX_STARS_OF_DESIGN)) / 10:.1f} times "
+        "smaller, or cut it into parts"
+    )
 
 
 def target_reach(
@@ -101,14 +129,17 @@ def target_reach(
         warnings.append(
             f"{100 * wrong:.0f} % of the target curves to the other side than its stars can: hold it with needles"
         )
-    logs = target_map.log_contraction
-    needed = float(np.exp(np.ptp(logs)))
+    needed = _needed_ratio(target_map)
     if needed > menu.ratio:
         line = _too_much(target_map, needed, menu, menus)
         if needed > MAX_RATIO_EXCESS * menu.ratio and not nearest:
             raise ReachError(f"{name}: {line}")
         warnings.append(line)
     return Reach(needed, menu.ratio, float(size[sharpest]), limit, wrong, tuple(warnings))
+
+
+def _needed_ratio(target_map: TargetMap) -> float:
+    return float(np.exp(np.ptp(target_map.log_contraction)))
 
 
 def _too_much(target_map: TargetMap, needed: float, menu: StarMenu, menus: Sequence[StarMenu]) -> str:

@@ -45,7 +45,7 @@ class TargetSurface:
     name : for messages and for the name of the design.
     motion : (3, 3) rotation of that pose, times the scale if the target was scaled.
     shift_mm : (3,) a point x of the file, in mm, stands at `motion @ x + shift_mm`.
-    notes : what was made coarser, one line each.
+    notes : what was left out or made coarser, one line each.
     weight : (V,) of the places at the vertices of the disk; None if all count alike.
 
     Examples
@@ -88,6 +88,7 @@ class TargetSurface:
         """
         vertices, corners = _arrays(vertices_mm, triangles, name)
         disk = disk_of(vertices, corners, name)
+        flat = f"{disk.flat} triangle{'s' * (disk.flat > 1)} without area: left out" if disk.flat else ""
         disk, note = _decimated(disk, name)
         crossings = self_intersections(disk.vertices, disk.triangles)
         if crossings:
@@ -103,7 +104,7 @@ class TargetSurface:
             disk = disk.turned_over()
         rotation, shift = _upright_pose(disk)
         posed = Disk(disk.vertices @ rotation.T + shift, disk.triangles)
-        return cls(posed, name, scale * rotation, shift, (note,) if note else ())
+        return cls(posed, name, scale * rotation, shift, tuple(filter(None, (flat, note))))
 
     @classmethod
     def of_heights(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import logging
 import re
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,9 +19,10 @@ SCAN_FORMATS = (".obj", ".stl", ".ply")
 MAX_SCAN_POINTS = 20_000
 # largest coordinate, in the unit of the file
 MAX_SCAN_COORDINATE = 1e9
-# types of numbers in a header of PLY, in both spellings
-_PLY_TYPES = ("char", "uchar", "short", "ushort", "int", "uint", "float", "double")
-_PLY_BIT_TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64")
+# types of numbers in a header of PLY, in both spellings, as numpy calls them
+_TYPES = ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
+_PLY_TYPES = dict(zip(("char", "uchar", "short", "ushort", "int", "uint", "float", "double"), _TYPES, strict=True))
+_PLY_TYPES |= zip(("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"), _TYPES, strict=True)
 
 
 @dataclass(frozen=True)
@@ -124,31 +125,12 @@ def surface_samples(vertices: Floats, triangles: Ints, count: int, rng: np.rando
 
 def _read(path: Path) -> tuple[Floats, Ints]:
     """Vertices and triangles of all parts of a file, polygons cut into triangles."""
-    import trimesh  # slow to import
-
     check_file(path)
-    kind, content = path.suffix[1:].upper(), path.read_bytes()
-    # the parser accepts damaged files, and reads other places from them
-    {"OBJ": _check_obj, "STL": _check_stl, "PLY": _check_ply}[kind](path, content)
-    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
-    try:
-        with path.open("rb") as stream, np.errstate(all="ignore"):
-            loaded: Any = trimesh.load(stream, file_type=kind.lower(), process=False)
-    except (ImportError, UnicodeDecodeError):  # trimesh tries to import a package that guesses encodings
-        raise ScanError(path, f"cannot be read as {kind}: it is not text") from None
-    except Exception:  # the parser's texts are for programmers
-        raise ScanError(path, f"cannot be read as {kind}: the file is damaged or cut short") from None
-    parts: list[Any] = list(loaded.dump()) if isinstance(loaded, trimesh.Scene) else [loaded]
-    vertices, triangles = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)]
-    before = 0
-    for part in parts:
-        vertices.append(np.asarray(part.vertices, dtype=float).reshape(-1, 3))
-        triangles.append(np.asarray(getattr(part, "faces", []), dtype=np.int64).reshape(-1, 3) + before)
-        before += len(vertices[-1])
-    points, corners = np.concatenate(vertices), np.concatenate(triangles)
-    if len(corners) and not 0 <= corners.min() <= corners.max() < before:
+    read = {".obj": _read_obj, ".stl": _read_stl, ".ply": _read_ply}[path.suffix.lower()]
+    points, corners = read(path, path.read_bytes().removeprefix(b"\xef\xbb\xbf"))
+    if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
         raise ScanError(path, "has triangles with corners that it does not hold")
-    if before == 0:
+    if len(points) == 0:
         raise ScanError(path, "holds no points")
     if not np.isfinite(points).all() or np.abs(points).max() > MAX_SCAN_COORDINATE:
         raise ScanError(path, "holds points that are not finite numbers, or too far away")
@@ -156,98 +138,182 @@ def _read(path: Path) -> tuple[Floats, Ints]:
 
 
 def _lines(content: bytes) -> Iterator[tuple[int, list[bytes]]]:
-    """Numbers and words of the lines of a text, without comments and empty lines."""
-    for number, line in enumerate(content.splitlines(), 1):
+    """Numbers and words of the lines of a text, without comments and empty lines; a wrapped line ends with a stroke."""
+    number = 1
+    for line in re.sub(rb"\\[ \t]*(\r\n|\r|\n)", b"\v", content).splitlines():
         if words := line.split(b"#")[0].split():
             yield number, words
+        number += 1 + line.count(b"\v")
 
 
-def _check_obj(path: Path, content: bytes) -> None:
-    """Every vertex has three numbers, or the parser takes them from the next lines; faces have vertices that exist."""
+def _read_obj(path: Path, content: bytes) -> tuple[Floats, Ints]:
+    """Places and faces: groups, materials, normals and textures are read over."""
+    from trimesh.geometry import triangulate_quads  # slow to import
+
     if b"\0" in content:
         raise ScanError(path, "cannot be read as OBJ: it is not text")
-    vertices = sum(words[0] == b"v" for _, words in _lines(content))
+    places: list[list[float]] = []
+    faces: list[list[int]] = []
+    count = sum(words[0] == b"v" for _, words in _lines(content))
+    allowed = f"vertices are numbered from 1 to {count}" if count else "the file has no vertices"
     for line, words in _lines(content):
         if words[0] == b"v":
-            _check_place(path, line, words[1:])
+            places.append(_place(path, line, words[1:]))
         elif words[0] == b"f":
             if len(words) < 4:
                 raise ScanError(path, f"line {line}: a face needs 3 corners, not {len(words) - 1}")
-            for corner in words[1:]:  # such as 7 or 7/2/3; -1 is the last vertex
+            face = []
+            for corner in words[1:]:  # such as 7 or 7/2/3; -1 is the last vertex before
                 try:
                     vertex = int(corner.split(b"/")[0])
                 except ValueError:
                     raise ScanError(path, f"line {line}: {_shown(corner)} is no number of a vertex") from None
-                if not 1 <= abs(vertex) <= vertices:
-                    allowed = f"vertices are numbered from 1 to {vertices}" if vertices else "the file has no vertices"
+                face.append(vertex - 1 if vertex > 0 else len(places) + vertex if vertex else -1)
+                if not 0 <= face[-1] < count:
                     raise ScanError(path, f"line {line}: the face has the vertex {vertex}, but {allowed}")
+            faces.append(face)
+    return np.array(places, dtype=float).reshape(-1, 3), np.asarray(triangulate_quads(faces)).reshape(-1, 3)
 
 
-def _check_place(path: Path, line: int, words: list[bytes]) -> None:
+def _place(path: Path, line: int, words: list[bytes]) -> list[float]:
     """A vertex begins with three numbers; a fourth is a weight, and six are a place and a colour."""
     if len(words) < 3:
         raise ScanError(path, f"line {line}: a vertex needs 3 numbers, not {len(words)}")
-    _check_numbers(path, f"line {line}", words[:3])
+    return _numbers(path, f"line {line}", words[:3])
 
 
-def _check_numbers(path: Path, where: str, words: list[bytes]) -> None:
+def _numbers(path: Path, where: str, words: list[bytes]) -> list[float]:
+    numbers = []
     for word in words:
         try:
-            float(word)
+            numbers.append(float(word))
         except ValueError:
             raise ScanError(path, f"{where}: {_shown(word)} is not a number") from None
+    return numbers
 
 
-def _check_stl(path: Path, content: bytes) -> None:
-    """A binary file is as long as its number of triangles requires; a text has whole triangles and its last line."""
-    if b"\0" not in content[:1000] and content.lstrip()[:5].lower() == b"solid":
+def _read_stl(path: Path, content: bytes) -> tuple[Floats, Ints]:
+    """The triangles of a text, whose last line must be there, or of a binary file, which may hold more bytes."""
+    # 80 bytes of text, the number of triangles, and 50 bytes for each of them
+    count, present = int.from_bytes(content[80:84], "little"), (len(content) - 84) / 50
+    if present != count and b"\0" not in content[:1000] and content.lstrip()[:5].lower() == b"solid":
         if b"endsolid" not in content.lower():
             raise ScanError(path, "cannot be read as STL: the file is cut short, its last line is missing")
-        corners = 0
+        places: list[list[float]] = []
+        before = 0
         for line, words in _lines(content):
             if words[0].lower() == b"vertex":
-                corners += 1
-                _check_place(path, line, words[1:])
+                places.append(_place(path, line, words[1:]))
             elif words[0].lower() == b"endloop":
-                if corners != 3:
-                    raise ScanError(path, f"line {line}: a triangle needs 3 vertices, not {corners}")
-                corners = 0
-        return
-    # 80 bytes of text, the number of triangles, and 50 bytes for each of them
-    if len(content) < 84:
-        raise ScanError(path, f"cannot be read as STL: it has {len(content)} bytes, a header has 84")
-    count, present = int.from_bytes(content[80:84], "little"), (len(content) - 84) // 50
-    if present < count:
-        raise ScanError(path, f"cannot be read as STL: it holds {present} of {count} triangles; is the file cut short?")
+                if len(places) != before + 3:
+                    raise ScanError(path, f"line {line}: a triangle needs 3 vertices, not {len(places) - before}")
+                before = len(places)
+        vertices = np.array(places[:before], dtype=float).reshape(-1, 3)
+    else:
+        if len(content) < 84:
+            raise ScanError(path, f"cannot be read as STL: it has {len(content)} bytes, a header has 84")
+        if present < count:
+            problem = f"it holds {int(present)} of {count} triangles; is the file cut short?"
+            raise ScanError(path, f"cannot be read as STL: {problem}")
+        facet = [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
+        vertices = np.frombuffer(content, facet, count, 84)["corners"].reshape(-1, 3).astype(float)
+    return vertices, np.arange(len(vertices)).reshape(-1, 3)
 
 
-def _check_ply(path: Path, content: bytes) -> None:
-    """A header names types that exist; a text has as many lines as its header announces, and each is complete."""
-    head, separator, body = content.partition(b"end_header")
-    if content[:3] != b"ply" or not separator:
+def _read_ply(path: Path, content: bytes) -> tuple[Floats, Ints]:
+    """Places and faces of a text, or of a binary file; what else its header announces is read over."""
+    from trimesh.geometry import triangulate_quads  # slow to import
+
+    parts = re.match(rb"(ply\s.*?[\r\n])end_header[ \t]*(?:\r\n|\r|\n|$)(.*)", content, re.DOTALL)
+    if parts is None:
         raise ScanError(path, "cannot be read as PLY: it must begin with ply, and its header must end with end_header")
-    for kind in re.findall(rb"^property\s+(?:list\s+(?:\S+)\s+)?(\S+)", head, re.MULTILINE):
-        if kind.decode(errors="replace") not in _PLY_TYPES + _PLY_BIT_TYPES:
-            problem = f"its header has the type {_shown(kind)}; there are {', '.join(_PLY_TYPES)}"
-            raise ScanError(path, f"cannot be read as PLY: {problem}")
-    if not re.search(rb"^format\s+ascii", head, re.MULTILINE):
-        return
+    form, elements = "", list[_Element]()
+    for line in parts[1].decode(errors="replace").splitlines():
+        match line.split():
+            case ["format", form, *_]:
+                pass
+            case ["element", name, count] if count.isdecimal():
+                elements.append(_Element(name, int(count), []))
+            case ["property", *kinds, name] if elements and len(kinds) == (3 if kinds[:1] == ["list"] else 1):
+                if odd := next((kind for kind in kinds if kind != "list" and kind not in _PLY_TYPES), None):
+                    known = ", ".join(list(_PLY_TYPES)[:8])
+                    raise ScanError(path, f"cannot be read as PLY: its header has the type {odd!r}; there are {known}")
+                elements[-1].properties.append((name, [_PLY_TYPES[kind] for kind in kinds if kind != "list"]))
+    orders = {"binary_little_endian": "<", "binary_big_endian": ">"}
+    if form == "ascii":
+        found = _ply_text(path, elements, parts[2])
+    elif form in orders:
+        found = _ply_binary(path, elements, parts[2], orders[form])
+    else:
+        raise ScanError(path, f"cannot be read as PLY: its format is {form!r}; there are ascii, {', '.join(orders)}")
+    columns = [found.get(("vertex", name), []) for name in "xyz"]
+    faces = found.get(("face", "vertex_indices"), found.get(("face", "vertex_index"), []))
+    if len({len(column) for column in columns}) > 1:
+        raise ScanError(path, "cannot be read as PLY: its vertices need x, y and z")
+    corners = triangulate_quads([face for face in faces if len(face) > 2])
+    return np.column_stack(columns).astype(float).reshape(-1, 3), np.asarray(corners, dtype=np.int64).reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class _Element:
+    """What a header of PLY announces: properties have one type, or if they are lists that of their length first."""
+
+    name: str
+    count: int
+    properties: list[tuple[str, list[str]]]
+
+
+_Columns = dict[tuple[str, str], Sequence[Any]]
+
+
+def _ply_text(path: Path, elements: list[_Element], body: bytes) -> _Columns:
+    """The values of each element and property in a text, one line an element."""
     lines = [line.split() for line in body.splitlines() if line.strip()]
-    elements = re.findall(rb"^element\s+(\S+)\s+(\d+)\s*((?:^(?:property|comment)[^\n]*\n)*)", head, re.MULTILINE)
-    announced = sum(int(count) for _, count, _ in elements)
+    announced = sum(element.count for element in elements)
     if len(lines) < announced:
         problem = f"it holds {len(lines)} of {announced} lines; is the file cut short?"
         raise ScanError(path, f"cannot be read as PLY: {problem}")
-    rest = iter(lines)
-    for name, count, properties in elements:
-        kinds = re.findall(rb"^property\s+(list)?", properties, re.MULTILINE)
-        for number, words in zip(range(1, int(count) + 1), rest, strict=False):
-            where = f"{name.decode(errors='replace')} {number}"
-            _check_numbers(path, where, words)
-            # a list begins with its length; lists among other numbers may stand anywhere in the line
-            needed = 1 + int(float(words[0])) if kinds == [b"list"] else len(words) if b"list" in kinds else len(kinds)
-            if len(words) != needed:
-                raise ScanError(path, f"{where}: has {len(words)} numbers, the file announces {needed}")
+    rest, found = iter(lines), defaultdict[tuple[str, str], list[Any]](list)
+    for element in elements:
+        for number in range(1, element.count + 1):
+            where = f"{element.name} {number}"
+            row = _numbers(path, where, next(rest))
+            at = 0
+            for name, kinds in element.properties:
+                many = int(row[at]) if len(kinds) == 2 and at < len(row) else 0
+                found[element.name, name].append(
+                    row[at + 1 : at + 1 + many] if len(kinds) == 2 else sum(row[at : at + 1])
+                )
+                at += 1 + many
+            if at != len(row):
+                raise ScanError(path, f"{where}: has {len(row)} numbers, the file announces {at}")
+    return dict(found)
+
+
+def _ply_binary(path: Path, elements: list[_Element], body: bytes, order: str) -> _Columns:
+    """The values of each element and property in a binary file, which may hold more bytes at its end."""
+    found: _Columns = {}
+    start = 0
+
+    def take(kind: str, count: int) -> np.ndarray:
+        nonlocal start
+        start += count * np.dtype(kind).itemsize
+        if not 0 <= count <= start <= len(body):
+            raise ScanError(path, "cannot be read as PLY: the file is damaged or cut short")
+        return np.frombuffer(body, order + kind, count, start - count * np.dtype(kind).itemsize)
+
+    for element in elements:
+        if all(len(kinds) == 1 for _, kinds in element.properties):
+            row = np.dtype([(name, order + kinds[0]) for name, kinds in element.properties])
+            table = take("V1", element.count * row.itemsize).view(row)
+            found |= {(element.name, name): table[name] for name, _ in element.properties}
+            continue
+        for name, _ in element.properties:
+            found[element.name, name] = []
+        for _ in range(element.count):
+            for name, kinds in element.properties:
+                found[element.name, name].append(take(kinds[-1], int(take(kinds[0], 1)[0]) if len(kinds) == 2 else 1))
+    return found
 
 
 def _shown(word: bytes) -> str:

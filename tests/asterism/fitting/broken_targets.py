@@ -77,17 +77,46 @@ def scaled(mesh: wrong.Mesh, factor: float) -> wrong.Mesh:
     return factor * mesh[0], mesh[1]
 
 
-def flat_triangle() -> wrong.Mesh:
-    """A dome with a triangle whose corners lie on a line."""
+def flat_triangles() -> wrong.Mesh:
+    """A dome with triangles whose corners lie on a line."""
     vertices, triangles = dome()
-    vertices = np.concatenate([vertices, [0.5 * (vertices[0] + vertices[1])]])
-    return vertices, np.concatenate([triangles, [[0, 1, len(vertices) - 1]]])
+    middles = 0.5 * (vertices[:60] + vertices[1:61])
+    number = np.arange(60)
+    flat = np.column_stack([number, number + 1, len(vertices) + number])
+    return np.concatenate([vertices, middles]), np.concatenate([triangles, flat])
+
+
+def apart(gap: float) -> wrong.Mesh:
+    """Two halves of a dome with a gap between."""
+    vertices, triangles = dome()
+    is_left = vertices[triangles].mean(axis=1)[:, 0] < 0.0
+    other = np.concatenate([vertices, vertices + np.array([gap, 0.0, 0.0])])
+    return other, np.concatenate([triangles[is_left], triangles[~is_left] + len(vertices)])
 
 
 def spike() -> wrong.Mesh:
     vertices, triangles = dome()
     heights = vertices[:, 2] + 9.0 * np.exp(-((np.linalg.norm(vertices[:, :2], axis=1) / 8.0) ** 2))
     return np.column_stack([vertices[:, :2], heights]), triangles
+
+
+def finger(height: float) -> wrong.Mesh:
+    """A plate with a tube on it that is closed at its end: flat, the end would be a millionth of the plate."""
+    turns, rings = (
+        24,
+        np.concatenate([[[60.0 - 2.0 * k, 0.0] for k in range(25)], [[10.0, 4.0 * k] for k in range(21)]]),
+    )
+    rings = np.concatenate([rings, [[10.0 - 2.0 * k, height] for k in range(1, 5)]])
+    angle = 2.0 * np.pi * np.arange(turns) / turns
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.ones(turns)])
+    vertices = np.concatenate([*(ring * [radius, radius, z] for radius, z in rings), [[0.0, 0.0, height]]])
+    row, along = (part.ravel() for part in np.meshgrid(np.arange(len(rings) - 1), np.arange(turns), indexing="ij"))
+    a, b = row * turns + along, row * turns + (along + 1) % turns
+    top = (len(rings) - 1) * turns + np.arange(turns)
+    cap = np.column_stack([top, np.roll(top, -1), np.full(turns, len(vertices) - 1)])
+    return vertices, np.concatenate(
+        [np.column_stack([a, b, b + turns]), np.column_stack([a, b + turns, a + turns]), cap]
+    )
 
 
 def obj(*lines: str) -> Callable[[Path], Any]:
@@ -165,7 +194,8 @@ BROKEN_FILES = (
     BrokenTarget("moebius.ply", surface(wrong.moebius_strip), "has one side only"),
     BrokenTarget("handle.ply", surface(wrong.open_torus), "has a handle"),
     BrokenTarget("fin.ply", surface(wrong.fin), "3 triangles share the edge at"),
-    BrokenTarget("degenerate.ply", surface(flat_triangle), "1 of 3201 triangles have no area, the first at"),
+    BrokenTarget("degenerate.ply", surface(flat_triangles), "60 of 3260 triangles have no area, the first at"),
+    BrokenTarget("apart.stl", surface(lambda: apart(0.01)), "corners are 0.01 mm apart at (0.0, "),
     BrokenTarget("crossing.ply", surface(wrong.crossing_sheet), "passes through itself"),
     BrokenTarget("islands.npy", array(ISLANDS), "has 2 pieces", FIELD),
     BrokenTarget("window.npy", array(WINDOW), "has 1 hole", FIELD),
@@ -174,5 +204,8 @@ BROKEN_FILES = (
     BrokenTarget("inches.stl", surface(dome), "mm large, allowed are 10 to 4000 mm", ("--unit", "m")),
     BrokenTarget("small.stl", surface(lambda: scaled(dome(), 0.5)), "has room for", status=1),
     BrokenTarget("spike.stl", surface(spike), "the target curves by 1/", status=1),
+    BrokenTarget("finger.stl", surface(lambda: finger(80.0)), "must differ by a ratio", status=1),
+    BrokenTarget("hall.stl", surface(lambda: scaled(dome(), 18.0)), "make the target 1.6 times smaller", status=1),
+    BrokenTarget("finger.stl", surface(lambda: finger(80.0)), "must differ by a ratio", ("--nearest",), status=1),
     BrokenTarget("hemisphere.stl", surface(lambda: spherical_cap(88.0, 110.0)), "must differ by a ratio", status=1),
 )  # fmt: skip

@@ -9,11 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fitting.disk import disk_of
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
+from asterism.fitting.target import TargetSurface
 from tests.asterism.fitting.broken_targets import dome
 
 WIDTH, RISE = 90.0, 12.0
@@ -174,3 +177,31 @@ def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatc
     monkeypatch.setitem(sys.modules, "rhino3dm", None)
     with pytest.raises(TargetError, match=r'needs rhino3dm: pip install "asterism-fabric\[cad\]"'):
         load_target(tmp_path / "whole.3dm")
+
+
+def test_a_few_triangles_without_area_are_left_out_with_a_word(tmp_path: Path) -> None:
+    """Inside, at the border, and one whose long edge belongs to another one."""
+    vertices, triangles = (part.tolist() for part in dome(points=9))
+    for number, share in ((40, 0.5), (0, 0.3), (90, 0.4), (len(triangles) + 4, 0.5)):
+        a, b, c = triangles[number]
+        vertices.append(((1.0 - share) * np.array(vertices[a]) + share * np.array(vertices[b])).tolist())
+        middle = len(vertices) - 1
+        triangles[number] = [middle, b, c]
+        triangles += [[a, middle, c], [a, b, middle]]
+    trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "dome.obj", digits=12)
+    target, whole = load_target(tmp_path / "dome.obj"), TargetSurface.of_triangles(*dome(points=9))
+    assert target.notes == ("4 triangles without area: left out",)
+    assert len(disk_of(np.array(vertices), np.array(triangles), "dome").triangles) == 128 + 7
+    area, expected = (trimesh.Trimesh(one.disk.vertices, one.disk.triangles).area for one in (target, whole))
+    assert area == pytest.approx(expected, rel=1e-9)
+
+
+def test_corners_that_nearly_coincide_are_welded(tmp_path: Path) -> None:
+    """Also where a grid of places would part them."""
+    vertices, triangles = dome(points=9)
+    soup, numbers = vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+    moved = soup + np.random.default_rng(0).uniform(-5e-6, 5e-6, soup.shape)
+    trimesh.Trimesh(moved, numbers, process=False).export(tmp_path / "soup.obj")
+    welded, whole = load_target(tmp_path / "soup.obj"), TargetSurface.of_triangles(soup, numbers)
+    assert np.array_equal(welded.disk.triangles, whole.disk.triangles)
+    assert np.allclose(welded.disk.vertices, whole.disk.vertices, atol=1e-4)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import struct
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from asterism.measure.compare.errors import ScanError
-from asterism.measure.compare.scan import read_scan
+from asterism.measure.compare.scan import read_scan, read_surface
 
 PLY = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
 
@@ -124,3 +125,103 @@ def test_a_binary_stl_that_is_cut_short_is_refused(tmp_path: Path) -> None:
     file.write_bytes(content[:500])
     with pytest.raises(ScanError, match="8 of 20 triangles"):
         read_scan(file)
+
+
+GRID = np.array([(9.0 * x, 9.0 * y, 0.1 * x * y) for x in range(5) for y in range(5)])
+FACES = np.array([(5 * x + y, 5 * x + y + 5, 5 * x + y + 6) for x in range(4) for y in range(4)])
+
+
+def obj_text(begin: str = "", face: str = "f {} {} {}", end: str = "\n") -> bytes:
+    lines = [begin, *("v {} {} {}".format(*place) for place in GRID), *(face.format(*f) for f in FACES + 1)]
+    return end.join([*lines, ""]).encode("latin-1")
+
+
+def ply_text(end: str = "\n", blank: str = " ", comment: str = "comment Gr\xf6\xdfe") -> bytes:
+    head = ["ply", "format ascii 1.0", comment, f"element vertex {len(GRID)}", "property float x", "property float y"]
+    head += ["property float z", f"element face {len(FACES)}", "property list uchar int vertex_indices", "end_header"]
+    lines = [*head, *("{} {} {}".format(*p) for p in GRID), *("3 {} {} {}".format(*f) for f in FACES)]
+    return end.join([line.replace(" ", blank) for line in lines] + [""]).encode("latin-1")
+
+
+def ply_binary(end: bytes = b"\n", order: str = "<") -> bytes:
+    name = {"<": b"binary_little_endian", ">": b"binary_big_endian"}[order]
+    head = ply_text().replace(b"ascii", name).partition(b"end_header\n")[0] + b"end_header\n"
+    faces = b"".join(struct.pack(f"{order}B3i", 3, *face) for face in FACES.tolist())
+    return head.replace(b"\n", end) + GRID.astype(f"{order}f4").tobytes() + faces
+
+
+def stl_binary(name: bytes = b"") -> bytes:
+    facets = b"".join(struct.pack("<12fH", 0, 0, 1, *GRID[face].ravel(), 0) for face in FACES)
+    return name.ljust(80, b" ") + struct.pack("<I", len(FACES)) + facets
+
+
+def stl_text(name: str = "a") -> bytes:
+    loops = ["".join("vertex {} {} {}\n".format(*place) for place in GRID[face]) for face in FACES]
+    facets = "".join(f"facet normal 0 0 1\nouter loop\n{loop}endloop\nendfacet\n" for loop in loops)
+    return f"solid {name}\n{facets}endsolid {name}\n".encode("latin-1")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("comment.obj", obj_text("# Gr\xf6\xdfe")),
+        ("group.obj", obj_text("mtllib Gr\xfcn.mtl\no Fl\xe4che\nusemtl Gr\xfcn")),
+        ("wrapped.obj", obj_text(face="f {} \\\n {} {}")),
+        ("wrapped-in-windows.obj", obj_text(face="f {} {} \\\r\n{}", end="\r\n")),
+        ("tabs.obj", obj_text(face="\tf\t{}\t{}\t{}\t")),
+        ("old-mac.obj", obj_text(end="\r")),
+        ("mark.obj", b"\xef\xbb\xbf" + obj_text().lstrip()),
+        ("textures.obj", obj_text("vt 0 0\nvn 0 0 1", face="f {}/1/1 {}/1/1 {}/1/1")),
+        ("comment.ply", ply_text()),
+        ("tabs.ply", ply_text(blank="\t")),
+        ("windows.ply", ply_text(end="\r\n")),
+        ("old-mac.ply", ply_text(end="\r")),
+        ("picture.ply", ply_text(comment="comment TextureFile none.png")),
+        ("trailing.ply", ply_text() + b"1 2 3\n\x1a"),
+        ("binary.ply", ply_binary()),
+        ("binary-windows.ply", ply_binary(b"\r\n")),
+        ("binary-trailing.ply", ply_binary() + bytes(70)),
+        ("binary-big.ply", ply_binary(order=">") + bytes(3)),
+        ("binary.stl", stl_binary()),
+        ("called-solid.stl", stl_binary(b"solid part")),
+        ("trailing.stl", stl_binary() + bytes(70)),
+        ("text.stl", stl_text("Fl\xe4che")),
+        ("text-trailing.stl", stl_text() + bytes(70)),
+        ("tabs.stl", stl_text().replace(b" ", b"\t")),
+    ],
+)
+def test_files_that_programs_write_are_read(name: str, content: bytes, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content)
+    vertices, triangles = read_surface(tmp_path / name)
+    assert np.allclose(vertices[triangles], GRID[FACES], atol=1e-5)
+
+
+def test_faces_count_backwards_from_where_they_stand(tmp_path: Path) -> None:
+    blocks = ["".join(f"v {x} {y} {z}\n" for x, y, z in GRID[face]) + "f -3 -2 -1\n" for face in FACES]
+    (tmp_path / "a.obj").write_text("".join(blocks))
+    vertices, triangles = read_surface(tmp_path / "a.obj")
+    assert np.allclose(vertices[triangles], GRID[FACES])
+
+
+def test_polygons_of_a_binary_ply_may_differ(tmp_path: Path) -> None:
+    head = ply_binary().partition(b"end_header\n")[0].replace(b"face 32", b"face 16")
+    head = head.replace(b"property list", b"property uchar red\nproperty list") + b"end_header\n"
+    faces = [[0, 5, 6, 1], [1, 6, 7], [2, 7, 8, 9, 4]] + [[10, 15, 16]] * (len(FACES) - 3)
+    packed = b"".join(struct.pack(f"<BB{len(face)}i", 9, len(face), *face) for face in faces)
+    (tmp_path / "a.ply").write_bytes(head + GRID.astype("<f4").tobytes() + packed)
+    _, triangles = read_surface(tmp_path / "a.ply")
+    assert sorted(triangles.tolist())[:3] == [[0, 5, 6], [1, 6, 7], [2, 7, 8]] and len(triangles) == 6 + len(FACES) - 3
+
+
+def test_a_line_after_wrapped_ones_keeps_its_number(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_bytes(obj_text(face="f {} \\\n {} {}") + b"f 1 2 x\n")
+    with pytest.raises(ScanError, match=f"line {1 + len(GRID) + 2 * len(FACES) + 1}: 'x' is no number of a vertex"):
+        read_surface(tmp_path / "a.obj")
+
+
+def test_materials_take_no_time(tmp_path: Path) -> None:
+    faces = "".join(f"usemtl m{k}\nf 1 6 7\n" for k in range(30_000))
+    (tmp_path / "a.obj").write_bytes(obj_text() + faces.encode())
+    start = time.process_time()
+    assert read_scan(tmp_path / "a.obj").triangles == 30_016
+    assert time.process_time() - start < 10.0
