@@ -28,10 +28,12 @@ class SentDrawing:
     ----------
     name : of the file.
     lines : in mm, y upwards.
+    left_out : what of the file is not read, in words.
     """
 
     name: str
     lines: tuple[FileLine, ...]
+    left_out: str
 
     @property
     def layers(self) -> tuple[str, ...]:
@@ -52,6 +54,7 @@ class SentDrawing:
             "number": number,
             "name": self.name,
             "size_mm": size.tolist(),
+            "left_out": self.left_out,
             "layers": [_layer_data(name, self.lines_of([name]), tolerance) for name in self.layers],
         }
 
@@ -103,11 +106,12 @@ def read_drawing(path: Path, name: str, units: str | None = None) -> SentDrawing
     if units is not None and units not in MM_OF_UNITS:
         raise UploadError(f"the unit must be one of {', '.join(MM_OF_UNITS)}")
     try:
-        return SentDrawing(name, read_lines(path, IMPORT_CURVE_MM, MM_OF_UNITS.get(units or "")).lines)
+        drawing = read_lines(path, IMPORT_CURVE_MM, MM_OF_UNITS.get(units or ""))
     except NoUnitError:
         raise
     except DrawingError as error:
         raise UploadError(f"{name}: {error}") from None
+    return SentDrawing(name, drawing.lines, drawing.left_out)
 
 
 def rings(lines: Iterable[FileLine]) -> list[Floats]:

@@ -39,10 +39,12 @@ class Drawing:
     ----------
     lines : in the order of the file.
     has_unit : the file says the unit of its numbers.
+    left_out : what is not read, in words: `2 texts, 1 picture`.
     """
 
     lines: tuple[FileLine, ...]
     has_unit: bool
+    left_out: str = ""
 
     @property
     def size_mm(self) -> Floats:
@@ -91,7 +93,8 @@ def read_drawing(
             lines.append(replace(line, points=points, layer=layer, width_mm=width))
             if len(lines) > _MAX_LINES:
                 raise DrawingError(f"holds more than {_MAX_LINES} lines")
-    rest = ", ".join(f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items())
+    parts = (f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items())
+    rest = _one_line(", ".join(parts))
     if not lines:
         raise DrawingError("holds no line with a stroke" + (f"; left out: {rest}" if rest else ""))
     size = _size(lines)
@@ -104,9 +107,8 @@ def read_drawing(
     if rest:
         layers = len({line.layer for line in lines})
         read = f"read {len(lines)} line{'s'[: len(lines) > 1]} in {layers} layer{'s'[: layers > 1]}, {_in_words(size)}"
-        said = f"{path.name}: {read}; left out: {rest}"
-        warnings.warn("".join(c if c.isprintable() else " " for c in said), DrawingWarning, stacklevel=2)
-    return Drawing(tuple(lines), source.mm is not None)
+        warnings.warn(_one_line(f"{path.name}: {read}; left out: {rest}"), DrawingWarning, stacklevel=2)
+    return Drawing(tuple(lines), source.mm is not None, rest)
 
 
 def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[Floats]:
@@ -144,6 +146,10 @@ def box_middle(lines: Iterable[FileLine]) -> Floats:
 
 def _size(lines: Iterable[FileLine]) -> Floats:
     return np.asarray(np.ptp(np.concatenate([line.points for line in lines]), axis=0))
+
+
+def _one_line(text: str) -> str:
+    return "".join(c if c.isprintable() else " " for c in text)
 
 
 def _in_words(size: Floats) -> str:

@@ -132,12 +132,18 @@ def test_supports_that_another_outline_does_not_reach_are_left_out_with_a_line(t
 
 
 def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestClient, page: Page) -> None:
-    content = dxf(lambda space: space.add_line((-2, 0), (2, 0), dxfattribs={"layer": "ribs"}), unit=0)
+    def draw(space: Any) -> None:
+        space.add_line((-2, 0), (2, 0), dxfattribs={"layer": "ribs"})
+        for invisible in (0, 1):
+            space.add_text("a", dxfattribs={"invisible": invisible})
+
+    content = dxf(draw, unit=0)
     headers = {"origin": f"http://{HOST}", "x-name": "ribs.dxf"}
     asked = client.post(f"/{TOKEN}/upload?kind=drawing", content=content, headers=headers).json()
     assert asked["units"] == ["mm", "cm", "in", "px", "pt"]
     told = client.post(f"/{TOKEN}/upload?kind=drawing&units=cm", content=content, headers=headers).json()["drawing"]
     assert told["name"] == "ribs.dxf" and told["size_mm"] == [40.0, 0.0]
+    assert told["left_out"] == "2 texts"
     (layer,) = told["layers"]
     assert layer["name"] == "ribs" and layer["count"] == 1 and layer["widths_mm"] is None and not layer["has_rings"]
     page.until("document")

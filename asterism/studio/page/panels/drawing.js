@@ -182,7 +182,8 @@ export function openDrawing({ store, edits, actions }, drawing) {
       if (document.revision === before) return; // refused; the line says why
       element.close();
       actions.fitSoon(before);
-      toast(`${drawing.name} is on the sheet.`, { action: { text: "Undo", run: actions.undo } });
+      const leftOut = drawing.left_out ? `; left out: ${drawing.left_out}` : "";
+      toast(`${drawing.name} is on the sheet${leftOut}.`, { action: { text: "Undo", run: actions.undo } });
     });
   }
   let stop = () => {};
@@ -205,6 +206,7 @@ export function openDrawing({ store, edits, actions }, drawing) {
       {},
       picture,
       h("p", { class: "hint", testid: "drawing-size" }, `${size(drawing.size_mm, 1)}, ${plural(layers.length, "layer")}`),
+      drawing.left_out ? hint(`Left out: ${drawing.left_out}.`) : null,
       sheetRow,
       labelled("Place on the sheet", origin.element),
       strokes.element,

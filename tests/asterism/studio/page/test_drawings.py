@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -63,14 +64,20 @@ def test_layers_of_a_drawing_become_rods_and_outline_and_are_undone(shared: Stud
 
 def test_a_dropped_drawing_without_a_unit_is_asked_for_it(shared: StudioPage) -> None:
     shared.open("gallery-star")
-    content = dxf(lambda space: space.add_lwpolyline([(-2, 0), (2, 0), (3, 2)]), unit=0).decode()
-    shared.page.evaluate(DROP, ["ribs.dxf", content])
+
+    def draw(space: Any) -> None:
+        space.add_lwpolyline([(-2, 0), (2, 0), (3, 2)])
+        space.add_text("a")
+
+    shared.page.evaluate(DROP, ["ribs.dxf", dxf(draw, unit=0).decode()])
     shared.item("drawing-unit").select_option("cm")
     shared.item("drawing-unit-go").click()
     shared.item("drawing-dialog").wait_for()
     assert shared.item("drawing-size").inner_text() == "50.0 × 20.0 mm, 1 layer"
+    shared.page.get_by_text("Left out: 1 text.").wait_for()
     shared.item("drawing-go").click()
     shared.wait("studio.document.design.rods?.import[0].file === 'ribs.dxf'")
+    shared.page.get_by_text("ribs.dxf is on the sheet; left out: 1 text.").wait_for()
     assert shared.get("studio.document.plan.rods.length") == 2  # cut at the corner
     shared.page.evaluate(DROP, ["notes.txt", "none"])
     shared.page.get_by_text("notes.txt is no drawing").wait_for()
