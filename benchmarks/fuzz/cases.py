@@ -12,6 +12,7 @@ import numpy as np
 
 from asterism.pattern.design.files import table_text
 from benchmarks.fuzz.mutations import Rng, json_text, mutated_archive, mutated_bytes, mutated_cells, mutated_table, pick
+from benchmarks.fuzz.nested import write_nested
 
 # the seed of all cases; a case is this seed with its number
 SEED = 20251125
@@ -103,10 +104,10 @@ class Case:
     words: tuple[str, ...]
 
 
-def make_case(number: int, kit: Path, folder: Path) -> Case:
-    """Write the files of a case into an empty folder, and return it."""
+def make_case(number: int, kit: Path, folder: Path, kind: str | None = None) -> Case:
+    """Write the files of a case into an empty folder, and return it; by default of any kind."""
     rng = np.random.default_rng([SEED, number])
-    kind = pick(rng, KINDS)
+    kind = kind or pick(rng, KINDS)
     return Case(number, kind, tuple(MAKERS[kind](rng, kit, folder)))
 
 
@@ -234,6 +235,13 @@ def _drawings(rng: Rng, kit: Path, folder: Path) -> list[str]:
     return ["compare", str(kit / "shape"), name, "--view", pick(rng, ["above", "front", "side"])]
 
 
+def _nested(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    """A drawing of nested groups or blocks, whose lines are compared with those of another reader."""
+    drawing = write_nested(int(rng.integers(2**31)), folder)
+    (folder / "design.json").write_text(json_text(DESIGNS["star"] | {"border": {"file": drawing.name}}))
+    return ["export", "design.json"]
+
+
 def _shapes(rng: Rng, kit: Path, folder: Path) -> list[str]:
     """Results of an earlier command that are damaged."""
     shutil.copytree(kit / "shape", folder / "shape")
@@ -314,13 +322,13 @@ def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
 
 MAKERS: dict[str, Callable[[Rng, Path, Path], list[str]]] = {
     "design": _designs, "material": _materials, "strips": _strips, "law": _laws, "scan": _scans, "target": _targets,
-    "drawing": _drawings, "shape": _shapes, "profile": _profiles, "sweep": _sweeps, "comparison": _comparisons,
-    "option": _options,
+    "drawing": _drawings, "nested": _nested, "shape": _shapes, "profile": _profiles, "sweep": _sweeps,
+    "comparison": _comparisons, "option": _options,
 }  # fmt: skip
 # how often each kind comes
 KINDS = (
     ["design"] * 8
     + ["option"] * 4
-    + ["strips", "scan", "drawing"] * 2
+    + ["strips", "scan", "drawing", "nested"] * 2
     + ["material", "law", "shape", "profile", "target", "sweep", "comparison"]
 )

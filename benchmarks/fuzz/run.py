@@ -21,6 +21,7 @@ import numpy as np
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.campaign.workers import SubmitAll
 from benchmarks.fuzz.cases import Case, make_case, make_kit
+from benchmarks.fuzz.nested import difference
 
 # in one case of this many, pictures are drawn and sweeps have processes of their own; in the others pictures are blank
 # and sweeps compute in the process of the case, since a picture takes half a second and a new process seconds
@@ -42,7 +43,9 @@ class Outcome:
     failures: tuple[str, ...]
 
 
-def run_cases(numbers: Iterable[int], tell: Callable[[Outcome], None] | None = None) -> list[Outcome]:
+def run_cases(
+    numbers: Iterable[int], tell: Callable[[Outcome], None] | None = None, kind: str | None = None
+) -> list[Outcome]:
     """Run the cases of these numbers, one after the other, on a system that can copy a running process."""
     outcomes = []
     with tempfile.TemporaryDirectory() as room:
@@ -53,7 +56,7 @@ def run_cases(numbers: Iterable[int], tell: Callable[[Outcome], None] | None = N
         for number in numbers:
             folder = Path(room) / "case"
             folder.mkdir()
-            outcomes.append(_run(number, kit, folder))
+            outcomes.append(_run(number, kit, folder, kind))
             shutil.rmtree(folder)
             if tell:
                 tell(outcomes[-1])
@@ -74,8 +77,8 @@ def _load_all() -> None:
     import asterism.verification.run  # noqa: F401
 
 
-def _run(number: int, kit: Path, folder: Path) -> Outcome:
-    case = make_case(number, kit, folder)
+def _run(number: int, kit: Path, folder: Path, kind: str | None) -> Outcome:
+    case = make_case(number, kit, folder, kind)
     before = files_in(folder)
     errors = folder.parent / "errors.txt"
     # processes that end after their case, as Python's tracker of locks does, write into the old file
@@ -173,6 +176,9 @@ def failures(case: Case, status: int, errors: str, folder: Path, before: set[str
     for path in sorted(folder / name for name in new):
         if path.is_file():
             yield from _of_file(path)
+    for drawing in folder.glob("nested.*"):
+        if words := difference(drawing):
+            yield f"{drawing.name}: {words}"
 
 
 def _of_file(path: Path) -> Iterator[str]:
