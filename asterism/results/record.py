@@ -176,6 +176,29 @@ def is_record(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, Record)
 
 
+def misfit(record: Record) -> str:
+    """The first key whose value does not have the declared type; empty if all have it, or are null."""
+    types = value_types(type(record))
+    return next((name for name, kind in types.items() if not _fits(kind, vars(record).get(name))), "")
+
+
+def _fits(kind: Any, value: Any) -> bool:
+    origin, inner = get_origin(kind), get_args(kind)
+    if value is None or kind is Any:
+        return True
+    if origin in (Union, UnionType):
+        return any(_fits(each, value) for each in inner)
+    if isinstance(value, Record):
+        return is_record(kind) and not misfit(value)
+    if origin is list:
+        return isinstance(value, list | tuple) and all(_fits(inner[0], each) for each in value)
+    if origin is dict:
+        return isinstance(value, Mapping) and all(_fits(inner[1], each) for each in value.values())
+    if kind in (int, float):
+        return isinstance(value, (int, kind)) and not isinstance(value, bool)
+    return isinstance(value, kind) if isinstance(kind, type) else True
+
+
 def _typed(kind: Any, value: Any) -> Any:
     """A value from a file, with records in place of dictionaries; unchanged if it does not have the type."""
     if isinstance(value, Record):

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.results.files import VERIFICATION_MODEL
+from asterism.results.record import misfit
 from asterism.shape.shape import Shape, shape_record
 
 # name of the shape in the folder of a preview or a simulation
@@ -51,6 +52,10 @@ def read_shape(path: str | Path) -> Shape:
     centres = np.flatnonzero(star >= 0)
     rods, rod_fields = _rods(sheet.with_name("rods.vtu"), printed)
     summary = _summary(sheet.with_name("summary.json"), sheet.stem)
+    record = shape_record(summary)
+    if wrong := misfit(record):
+        problem = "must have the type that asterism writes"
+        raise DesignError(wrong, problem, record[wrong], file=sheet.with_name("summary.json"))
     return Shape(
         printed=printed,
         positions=np.asarray(mesh.points, dtype=np.float64),
@@ -61,7 +66,7 @@ def read_shape(path: str | Path) -> Shape:
         point_fields={k: np.asarray(v) for k, v in mesh.point_data.items() if k not in ("printed_mm", "star")},
         cell_fields={name: np.asarray(values[0]) for name, values in mesh.cell_data.items()},
         rod_fields=rod_fields,
-        summary=shape_record(summary),
+        summary=record,
         held=_is_held(summary),
     )
 
@@ -110,7 +115,7 @@ def _read(path: Path) -> meshio.Mesh:
 
 def _printed(mesh: meshio.Mesh, path: Path) -> Floats:
     printed = np.asarray(mesh.point_data.get("printed_mm", ()), dtype=np.float64)
-    if printed.shape != (len(mesh.points), 3) or not np.isfinite(mesh.points).all():
+    if printed.shape != (len(mesh.points), 3) or not np.isfinite([printed, mesh.points]).all():
         raise DesignError("", "must hold finite points with printed_mm, as asterism writes them", file=path)
     return printed[:, :2].copy()
 
@@ -119,6 +124,8 @@ def _cells(mesh: meshio.Mesh, kind: str, path: Path) -> Ints:
     cells = mesh.cells_dict.get(kind)
     if cells is None or len(mesh.cells) != 1 or len(cells) == 0:
         raise DesignError("", f"must hold {kind}s and nothing else", file=path)
+    if not 0 <= cells.min() <= cells.max() < len(mesh.points):
+        raise DesignError("", f"must hold {kind}s of points from 0 to {len(mesh.points) - 1}", file=path)
     return np.asarray(cells, dtype=np.int64)
 
 
@@ -127,6 +134,10 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
         return {}
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError:
+        raise DesignError("", "is not UTF-8 text", file=path) from None
+    except RecursionError:
+        raise DesignError("", "is nested too deeply", file=path) from None
     except (OSError, ValueError) as error:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
     if isinstance(summary, dict) and summary.get("model") == VERIFICATION_MODEL:

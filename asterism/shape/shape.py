@@ -95,9 +95,13 @@ class Shape:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "summary", shape_record(self.summary))
-        corners, last = np.asarray(self.triangles), len(self.printed) - 1
-        if corners.dtype.kind not in "iu" or (corners.size and not 0 <= corners.min() <= corners.max() <= last):
-            raise Error(f"triangles: must be whole numbers of vertices, 0 to {last}")
+        count, triangles = len(self.printed), np.asarray(self.triangles)
+        if np.shape(self.printed) != (count, 2) or np.shape(self.positions) != (count, 3):
+            raise DesignError("positions", "must have the shape (V, 3), and printed (V, 2)")
+        if triangles.shape[1:] != (3,) or not np.issubdtype(triangles.dtype, np.integer):
+            raise DesignError("triangles", "must be whole numbers of the shape (T, 3)")
+        if triangles.size and not 0 <= triangles.min() <= triangles.max() < count:
+            raise DesignError("triangles", f"must be numbers of vertices from 0 to {count - 1}")
 
     @cached_property
     def layout(self) -> Layout | None:

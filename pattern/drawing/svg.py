@@ -29,7 +29,8 @@ from asterism.pattern.geometry.flattening import flattened
 
 _LENGTH_UNITS = ("mm", "cm", "in", "pt", "pc")
 # all widths and heights that SVG allows
-_SIZE = re.compile(rf"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?|auto)?")
+_NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
+_SIZE = re.compile(rf"((?!-){_NUMBER}({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?|auto)?")
 # points of a curve at which its turn is measured
 _CURVE_SAMPLES = 64
 # a stroke is stretched unevenly if its widths along x and y differ by more than this part
@@ -168,7 +169,10 @@ def _viewport(own: dict[str, str], size: tuple[float, float]) -> tuple[str, tupl
     width, height = _length(own, "width", size[0], "100%"), _length(own, "height", size[1], "100%")
     if "viewBox" not in own:
         return f"translate({x!r},{y!r})", (width, height)
-    box = [float(text) for text in re.split(r"[\s,]+", own["viewBox"].strip())]
+    texts = re.split(r"[\s,]+", own["viewBox"].strip())
+    box = [float(text) for text in texts if re.fullmatch(_NUMBER, text)]
+    if len(box) != len(texts) or len(box) != 4 or min(box[2:]) <= 0.0:
+        raise DrawingError(f"has the viewBox {own['viewBox']!r}: must be four numbers, the last two above 0")
     aspect = own.get("preserveAspectRatio")
     return str(svg.Viewbox.viewbox_transform(x, y, width, height, *box, aspect)), (box[2], box[3])
 

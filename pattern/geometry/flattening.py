@@ -11,6 +11,8 @@ from jaxtyping import Float
 MAX_PIECE_TURN_RAD = np.radians(4.0)
 # pieces over those that constant curvature would need
 SPARE_PIECES = 1.2
+# smallest distance of a curve from its polyline over the size of the curve
+MIN_PRECISION = 1e-8
 
 
 def flattened(
@@ -33,6 +35,8 @@ def flattened(
     28
     """
     places = curve(samples)
+    # numbers beyond reason have no use for more points
+    curve_mm = max(curve_mm, MIN_PRECISION * float(np.ptp(places, axis=0).max()))
     step = np.diff(places, axis=0)
     length = np.linalg.norm(step, axis=1)
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))

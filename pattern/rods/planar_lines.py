@@ -15,6 +15,9 @@ from asterism.pattern.rods.graph import CORNER_DEG
 
 # mm: places closer than this are one, but for rounding
 SAME_PLACE_MM = 1e-6
+# more have no room on a sheet, and take minutes
+MAX_MEETINGS = 100_000
+_SHAPES_AT_ONCE = 100
 
 
 @dataclass(frozen=True)
@@ -164,9 +167,7 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
     owner = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
     number = np.concatenate([np.arange(len(line) - 1) for line in lines])
     shapes = shapely.linestrings(segments)
-    first, second = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=SAME_PLACE_MM)
-    keep = first < second
-    first, second = first[keep], second[keep]
+    first, second = _near_pairs(shapes)
     last = np.array([len(line) - 2 for line in lines])
     ring = np.array([is_closed(line) for line in lines])
     same, gap = owner[first] == owner[second], np.abs(number[first] - number[second])
@@ -188,6 +189,20 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
             owners.append(int(owner[k]))
             parts.append(float(number[k]) + part)
     return places, owners, parts
+
+
+def _near_pairs(shapes: np.ndarray) -> tuple[Ints, Ints]:
+    """Numbers of two shapes that touch within rounding, the smaller one first."""
+    tree, pairs, count = shapely.STRtree(shapes), [np.empty((2, 0), dtype=np.int64)], 0
+    for start in range(0, len(shapes), _SHAPES_AT_ONCE):
+        found = tree.query(shapes[start : start + _SHAPES_AT_ONCE], predicate="dwithin", distance=SAME_PLACE_MM)
+        found[0] += start
+        pairs.append(found[:, found[0] < found[1]])
+        count += pairs[-1].shape[1]
+        if count > MAX_MEETINGS + 2 * len(shapes):
+            raise DesignError("rods", f"lines must meet at most {MAX_MEETINGS} times: draw fewer, or shorter ones")
+    first, second = np.concatenate(pairs, axis=1)
+    return first, second
 
 
 def _meeting(first: Floats, second: Floats) -> Floats | None:

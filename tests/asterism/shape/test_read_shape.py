@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -87,3 +89,50 @@ def test_what_is_not_a_shape_is_named(results: Path, tmp_path: Path) -> None:
     (results / "summary.json").write_text("{")
     with pytest.raises(DesignError, match=r"summary\.json: cannot be read as JSON"):
         read_shape(results)
+
+
+def test_a_wrong_corner_or_place_in_a_vtu_is_named(shape: Shape, results: Path) -> None:
+    """What no program but an editor writes."""
+    for corner in (-1, len(shape.positions)):
+        triangles = shape.triangles.copy()
+        triangles[3, 1] = corner
+        mesh = meshio.read(results / "shape.vtu")
+        mesh.cells[0].data = triangles
+        meshio.vtu.write(str(results / "shape.vtu"), mesh)
+        with pytest.raises(DesignError, match=r"shape\.vtu: must hold triangles of points from 0 to"):
+            read_shape(results)
+    mesh.cells[0].data = shape.triangles
+    mesh.point_data["printed_mm"][5, 0] = np.nan
+    meshio.vtu.write(str(results / "shape.vtu"), mesh)
+    with pytest.raises(DesignError, match=r"shape\.vtu: must hold finite points"):
+        read_shape(results)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        ('{"name": "Gr\xf6\xdfe"}'.encode("latin-1"), "is not UTF-8 text"),
+        (b'{"a": ' * 3000 + b"1" + b"}" * 3000, "is nested too deeply"),
+        (b'{"is_minimum": "yes"}', "is_minimum = 'yes': must have the type that asterism writes"),
+        (b'{"energy_n_mm": [1.0]}', "energy_n_mm = [1.0]: must have"),
+        (b'{"energy_parts_n_mm": {"bend": true}}', "energy_parts_n_mm = {'bend': True}: must have"),
+    ],
+)
+def test_a_summary_of_another_kind_is_named(content: bytes, problem: str, results: Path) -> None:
+    (results / "summary.json").write_bytes(content)
+    with pytest.raises(DesignError) as caught:
+        read_shape(results)
+    assert str(caught.value).startswith(f"{results / 'summary.json'}: {problem}")
+
+
+def test_a_shape_made_by_hand_has_whole_triangles_of_its_vertices(shape: Shape) -> None:
+    for triangles, problem in (
+        (shape.triangles + 1, "numbers of vertices from 0 to"),
+        (shape.triangles - 1, "numbers of vertices"),
+        (shape.triangles.astype(float), "must be whole numbers"),
+        (shape.triangles[:, :2], "of the shape"),
+    ):
+        with pytest.raises(DesignError, match=f"triangles: .*{problem}"):
+            replace(shape, triangles=triangles)
+    with pytest.raises(DesignError, match="positions: must have the shape"):
+        replace(shape, positions=shape.positions[:-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 import tomllib
 from itertools import pairwise
 from pathlib import Path
@@ -344,6 +345,43 @@ def test_numbers_that_are_no_places_are_refused(place: float, tmp_path: Path) ->
                 read(svg(tmp_path, f'<g id="ribs">{LINE} id="p1" d="{d}"/></g>'))
     with pytest.raises(DrawingError, match="is 1e\\+06 x 0 mm large: at most 200 m"):
         read(dxf(tmp_path, lambda space: space.add_line((0, 0), (1e6, 0))))
+
+
+def test_shapes_beyond_reason_are_refused_at_once(tmp_path: Path) -> None:
+    def spline(space: Any, place: float) -> None:
+        curve = space.add_spline(degree=3)
+        curve.control_points, curve.knots = [(0, 0, 0), (place, 1, 0), (2, 2, 0), (5, 5, 0), (6, 6, 0)], range(9)
+
+    start = time.process_time()
+    for draw in (
+        lambda space: space.add_circle((0, 0), 1e300),
+        lambda space: space.add_arc((0, 0), 1e308, 0, 90),
+        lambda space: space.add_lwpolyline([(0, 0, 0, 0, 1e154), (10, 0)]),
+        lambda space: spline(space, float("nan")),
+    ):
+        with pytest.raises(DrawingError, match=r"holds (what is no line|places that .*): [A-Z]+ \w+ in layer '0'"):
+            read(dxf(tmp_path, draw))
+    for size in (1e7, 1e8, 1e9, 1e12, 1e300):
+        with pytest.raises(DrawingError, match=r"no sensible numbers: Circle in layer|at most 200 m are allowed"):
+            read(svg(tmp_path, f'<circle r="{size}" fill="none" stroke="#000"/>'))
+        with pytest.raises(DrawingError, match=r"no sensible numbers: CIRCLE|at most 200 m are allowed"):
+            read(dxf(tmp_path, lambda space, size=size: space.add_circle((0, 0), size)))
+    assert time.process_time() - start < 20.0
+
+
+@pytest.mark.parametrize("box", ["0 0 0 0", "0 0 10", "a b c d", "0 0 nan 80"])
+def test_a_view_box_is_four_numbers(box: str, tmp_path: Path) -> None:
+    with pytest.raises(DrawingError, match=f"has the viewBox '{box}': must be four numbers, the last two above 0"):
+        read(svg(tmp_path, RECTANGLE, f'width="100mm" height="80mm" viewBox="{box}"'))
+
+
+@pytest.mark.parametrize("code", [".", "x", "0x4", "9" * 5000])
+def test_a_unit_code_may_be_anything(code: str, tmp_path: Path) -> None:
+    path = dxf(tmp_path, sides)
+    path.write_text(path.read_text().replace("$INSUNITS\n 70\n4\n", f"$INSUNITS\n 70\n{code}\n"))
+    with pytest.raises(DrawingError) as caught:
+        read(path)
+    assert len(str(caught.value)) < 400
 
 
 @pytest.mark.parametrize(

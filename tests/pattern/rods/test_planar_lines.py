@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
@@ -69,3 +71,12 @@ def test_a_line_that_crosses_itself() -> None:
 def test_lines_on_each_other_are_refused_by_name_and_place() -> None:
     with pytest.raises(DesignError, match=r"line0 and line1 lie on each other at \[.*\]: draw the line once"):
         cut(line((0, 0), (10, 0)), line((2, 0), (7, 0)))
+
+
+def test_a_scribble_is_refused_before_all_its_crossings_are_computed() -> None:
+    """200 million of them would take more than the memory."""
+    scribble = np.random.default_rng(0).uniform(-45.0, 45.0, (20_000, 2))
+    start = time.process_time()
+    with pytest.raises(DesignError, match="lines must meet at most 100000 times"):
+        cut_lines([scribble], 0.1, 0.6, ["scribble"])
+    assert time.process_time() - start < 20.0
