@@ -12,7 +12,6 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.normals import triangle_normals

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM
-from asterism.pattern.drawing.read import DRAWING_FORMATS, closed_curves
+from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM, stored_line
+from asterism.pattern.drawing.read import DRAWING_FORMATS, Drawing, closed_curves
 from asterism.pattern.drawing.read import read_drawing as read_lines
 from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, FileLine, NoUnitError
 from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
@@ -20,60 +20,34 @@ from asterism.studio.requests import LayerUse, PlaceDrawing
 from asterism.studio.uploads import MAX_CORNERS, UploadError
 
 
-@dataclass(frozen=True)
-class SentDrawing:
-    """The visible lines of a file.
-
-    Attributes
-    ----------
-    name : of the file.
-    lines : in mm, y upwards.
-    left_out : what of the file is not read, in words.
-    """
-
-    name: str
-    lines: tuple[FileLine, ...]
-    left_out: str
-
-    @property
-    def layers(self) -> tuple[str, ...]:
-        """Names of the layers, in the order of the file."""
-        return tuple(dict.fromkeys(line.layer for line in self.lines))
-
-    def lines_of(self, layers: Iterable[str]) -> list[FileLine]:
-        """The lines of some layers."""
-        chosen = set(layers)
-        return [line for line in self.lines if line.layer in chosen]
-
-    def data(self, number: int) -> dict[str, Any]:
-        """Name, size, and layers with their widths and simplified lines, for the page."""
-        size = np.ptp(np.concatenate([line.points for line in self.lines]), axis=0)
-        # pictures of a drawing are simplified by this part of its size
-        tolerance = float(size.max()) / 500
-        return {
-            "number": number,
-            "name": self.name,
-            "size_mm": size.tolist(),
-            "left_out": self.left_out,
-            "layers": [_layer_data(name, self.lines_of([name]), tolerance) for name in self.layers],
-        }
+def drawing_data(drawing: Drawing, number: int) -> dict[str, Any]:
+    """Name, size, and layers with their widths and simplified lines, for the page."""
+    # pictures of a drawing are simplified by this part of its size
+    tolerance = float(drawing.size_mm.max()) / 500
+    return {
+        "number": number,
+        "name": drawing.name,
+        "size_mm": drawing.size_mm.tolist(),
+        "left_out": drawing.left_out,
+        "layers": [_layer_data(name, drawing.lines_of([name]), tolerance) for name in drawing.layers],
+    }
 
 
 class Drawings:
     """The last drawings that pages have sent, by number."""
 
     def __init__(self) -> None:
-        self._kept: dict[int, SentDrawing] = {}
+        self._kept: dict[int, Drawing] = {}
         self._count = 0
 
-    def add(self, drawing: SentDrawing) -> int:
+    def add(self, drawing: Drawing) -> int:
         """Keep a drawing; its number."""
         self._count += 1
         self._kept[self._count] = drawing
         self._kept.pop(self._count - 4, None)
         return self._count
 
-    def get(self, number: int) -> SentDrawing:
+    def get(self, number: int) -> Drawing:
         """The drawing of a number.
 
         Raises
@@ -86,7 +60,7 @@ class Drawings:
         return drawing
 
 
-def read_drawing(path: Path, name: str, units: str | None = None) -> SentDrawing:
+def read_drawing(path: Path, name: str, units: str | None = None) -> Drawing:
     """The drawing in a file.
 
     Parameters
@@ -106,12 +80,11 @@ def read_drawing(path: Path, name: str, units: str | None = None) -> SentDrawing
     if units is not None and units not in MM_OF_UNITS:
         raise UploadError(f"the unit must be one of {', '.join(MM_OF_UNITS)}")
     try:
-        drawing = read_lines(path, IMPORT_CURVE_MM, MM_OF_UNITS.get(units or ""))
+        return replace(read_lines(path, IMPORT_CURVE_MM, MM_OF_UNITS.get(units or "")), name=name)
     except NoUnitError:
         raise
     except DrawingError as error:
         raise UploadError(f"{name}: {error}") from None
-    return SentDrawing(name, drawing.lines, drawing.left_out)
 
 
 def rings(lines: Iterable[FileLine]) -> list[Floats]:
@@ -139,7 +112,7 @@ OUTLINE_KEYS = ("rings", "rectangle_mm", "polygon_mm", "file", "layer", "origin"
 
 
 def with_drawing(
-    table: Mapping[str, Any], drawing: SentDrawing, choice: PlaceDrawing, outline: Floats
+    table: Mapping[str, Any], drawing: Drawing, choice: PlaceDrawing, outline: Floats
 ) -> tuple[dict[str, Any], str]:
     """The table of a design with a drawing, and a line on what another outline has left out.
 
@@ -181,9 +154,8 @@ def with_drawing(
 
 
 def _with_rods(
-    table: dict[str, Any], drawing: SentDrawing, layers: dict[str, LayerUse], shift: Floats, choice: PlaceDrawing
+    table: dict[str, Any], drawing: Drawing, layers: dict[str, LayerUse], shift: Floats, choice: PlaceDrawing
 ) -> dict[str, Any]:
-    lines = drawing.lines_of(layers)
     sizes: dict[str, dict[str, Any]] = {name: {"thickness_mm": layer.thickness} for name, layer in layers.items()}
     entry: dict[str, Any] = {"file": drawing.name, "layers": sizes}
     if choice.strokes:
@@ -207,14 +179,9 @@ def _with_rods(
                 rods[key] = value
                 for size in sizes.values():
                     del size[key]
-    entry["lines"] = [_stored(line, shift, choice.strokes) for line in lines]
+    entry["lines"] = [stored_line(line, shift, choice.strokes) for line in drawing.lines_of(layers)]
     shown["rods"] = {**rods, "import": [*rods.get("import", ()), entry]}
     return shown
-
-
-def _stored(line: FileLine, shift: Floats, has_width: bool) -> dict[str, Any]:
-    stored = {"points_mm": np.round(line.points - shift, _DIGITS).tolist(), "layer": line.layer}
-    return stored | ({"width_mm": round(line.width_mm, _DIGITS)} if has_width and line.width_mm else {})
 
 
 def _border(table: Mapping[str, Any], rim: str | None, outer: list[Floats]) -> dict[str, Any]:

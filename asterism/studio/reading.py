@@ -22,7 +22,7 @@ _READER = "asterism.studio.reading:run_reader"
 
 
 async def read_apart(request: Request, kind: UploadKind, path: Path, name: str) -> Any:
-    """What is in a file: a `SentDrawing`, a `Target`, or data for the page; a pair of status and data where it fails.
+    """What is in a file: a `Drawing`, a `Target`, or data for the page; a pair of status and data where it fails.
 
     Raises
     ------

@@ -24,9 +24,10 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.equilibrium.errors import Error
+from asterism.pattern.design.drawings import Drawing
 from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_names, serve
 from asterism.studio.child import StartedProcess
-from asterism.studio.drawing import SentDrawing
+from asterism.studio.drawing import drawing_data
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.examples import PICTURES
 from asterism.studio.file_names import MAX_NAME_CHARACTERS, FileNameError, file_below
@@ -121,8 +122,8 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
                     studio.open_document(int(number) if number.isdecimal() else None)
                     studio.parts.load(content)
                     content = {"target": studio.parts.data()}
-                elif isinstance(content, SentDrawing):
-                    data = await asyncio.to_thread(content.data, studio.drawings.add(content))
+                elif isinstance(content, Drawing):
+                    data = await asyncio.to_thread(drawing_data, content, studio.drawings.add(content))
                     content = {"drawing": data}
             except Error as error:
                 content = 422, {"problem": failure_data(error, None, "a file of a page")}

@@ -48,20 +48,23 @@ def with_drawings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             drawings[key] = drawings.get(key) or read_drawing(path, *key[1:])
         except DrawingError as error:
             raise DesignError(f"{place}.file", str(error), path.name) from None
-        lines = drawings[key].lines
-        rings = [] if stored == "lines" else _rings(place, table, lines)
+        drawing = drawings[key]
+        rings = [] if stored == "lines" else _rings(place, table, drawing)
         is_moved = table.get("origin", "middle") == "middle"
         if place == "border" and is_moved:
             outline[key[0]] = np.array([rings[0].min(axis=0), rings[0].max(axis=0)]).mean(axis=0)
         elif is_moved:
-            layers = _layers(table, stored, lines)
-            chosen.setdefault(key[0], []).extend(line for line in lines if line.layer in layers)
-        read.append((place, table, stored, key[0] if is_moved else None, lines, rings))
+            layers = table.get("layers" if stored == "lines" else "layer")
+            layers = [layers] if isinstance(layers, str) else layers if isinstance(layers, dict) else drawing.layers
+            chosen.setdefault(key[0], []).extend(drawing.lines_of(layers))
+        read.append((place, table, stored, key[0] if is_moved else None, drawing, rings))
     middles = {path: box_middle(those) for path, those in chosen.items() if those} | outline
-    for place, table, stored, moved, lines, rings in read:
+    for place, table, stored, moved, drawing, rings in read:
         shift = middles.get(moved, np.zeros(2)) if moved else np.zeros(2)
         if stored == "lines":
-            table[stored] = [_stored_line(line, shift, place, table) for line in lines]
+            layers = table.get("layers")
+            _check_strokes(place, table, drawing.lines_of(layers if isinstance(layers, dict) else drawing.layers))
+            table[stored] = [stored_line(line, shift) for line in drawing.lines]
             continue
         shifted = [np.round(ring - shift, 6).tolist() for ring in rings]
         table[stored] = shifted[0] if place == "border" else shifted
@@ -86,26 +89,16 @@ def _tables(data: dict[str, Any]) -> list[tuple[str, dict[str, Any], str]]:
     return found
 
 
-def _layers(table: Mapping[str, Any], stored: str, lines: Iterable[FileLine]) -> set[str]:
-    """The layers that a table chooses: by default all."""
-    layers = table.get("layers") if stored == "lines" else {table["layer"]} if table.get("layer") is not None else None
-    return set(layers) if isinstance(layers, dict | set) else {line.layer for line in lines}
-
-
-def _rings(place: str, table: Mapping[str, Any], lines: tuple[FileLine, ...]) -> list[Floats]:
+def _rings(place: str, table: Mapping[str, Any], drawing: Drawing) -> list[Floats]:
     """The closed curves of the layer that a table chooses, or of all layers; an outline is the largest, and the first.
 
     Open lines are joined within a layer.
     """
-    layers = list(dict.fromkeys(line.layer for line in lines))
+    curves = {name: closed_curves(drawing.lines_of([name])) for name in drawing.layers}
     layer = table.get("layer")
-    of_layers = [line for line in lines if layer in (None, line.layer)]
-    rings = [line.points[:-1] for line in of_layers if line.is_closed]
-    for name in layers:
-        rings += closed_curves(line for line in of_layers if line.layer == name and not line.is_closed)
+    rings = [curve for name, of_layer in curves.items() if layer in (None, name) for curve in of_layer]
     if not rings:
-        closed = [name for name in layers if closed_curves(line for line in lines if line.layer == name)]
-        known = ", ".join(sorted(closed)) or "none"
+        known = ", ".join(sorted(name for name in curves if curves[name])) or "none"
         field = "file" if layer is None else "layer"
         raise DesignError(f"{place}.{field}", f"must have a closed line; layers with one: {known}", table[field])
     if place == "border":
@@ -127,15 +120,15 @@ def _holes(rings: list[Any], file: str) -> list[dict[str, Any]]:
     return [{"polygon_mm": ring} for ring in inner]
 
 
-def _stored_line(line: FileLine, shift: Floats, place: str, table: Mapping[str, Any]) -> dict[str, Any]:
+def stored_line(line: FileLine, shift: Floats, has_width: bool = True) -> dict[str, Any]:
     """Points, layer, and the width of the stroke, if there is one."""
-    layers = table.get("layers")
-    if (
-        table.get("width") == "stroke"
-        and line.unevenness > 1.0
-        and (not isinstance(layers, dict) or line.layer in layers)
-    ):
+    width = {"width_mm": round(line.width_mm, 6)} if has_width and line.width_mm is not None else {}
+    return {"points_mm": np.round(line.points - shift, 6).tolist(), "layer": line.layer, **width}
+
+
+def _check_strokes(place: str, table: Mapping[str, Any], lines: Iterable[FileLine]) -> None:
+    """Refuse widths of strokes that a transform has stretched."""
+    uneven = (line for line in lines if line.unevenness > 1.0)
+    if table.get("width") == "stroke" and (line := next(uneven, None)):
         problem = f"{line.name} is drawn with a stroke stretched {line.unevenness:.2g} to 1: remove the transform"
         raise DesignError(f"{place}.file", problem, table["file"])
-    width = {} if line.width_mm is None else {"width_mm": round(line.width_mm, 6)}
-    return {"points_mm": np.round(line.points - shift, 6).tolist(), "layer": line.layer, **width}

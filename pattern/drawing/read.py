@@ -37,14 +37,26 @@ class Drawing:
 
     Attributes
     ----------
-    lines : in the order of the file.
+    name : of the file.
+    lines : in mm, y upwards, in the order of the file.
     has_unit : the file says the unit of its numbers.
     left_out : what is not read, in words: `2 texts, 1 picture`.
     """
 
+    name: str
     lines: tuple[FileLine, ...]
     has_unit: bool
     left_out: str = ""
+
+    @property
+    def layers(self) -> tuple[str, ...]:
+        """Names of the layers, in the order of the file."""
+        return tuple(dict.fromkeys(line.layer for line in self.lines))
+
+    def lines_of(self, layers: Iterable[str]) -> list[FileLine]:
+        """The lines of some layers."""
+        chosen = set(layers)
+        return [line for line in self.lines if line.layer in chosen]
 
     @property
     def size_mm(self) -> Floats:
@@ -108,7 +120,7 @@ def read_drawing(
         layers = len({line.layer for line in lines})
         read = f"read {len(lines)} line{'s'[: len(lines) > 1]} in {layers} layer{'s'[: layers > 1]}, {_in_words(size)}"
         warnings.warn(_one_line(f"{path.name}: {read}; left out: {rest}"), DrawingWarning, stacklevel=2)
-    return Drawing(tuple(lines), source.mm is not None, rest)
+    return Drawing(path.name, tuple(lines), source.mm is not None, rest)
 
 
 def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[Floats]:
