@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -247,7 +247,7 @@ def _read_ply(path: Path, content: bytes) -> tuple[Floats, Ints]:
     else:
         raise ScanError(path, f"cannot be read as PLY: its format is {form!r}; there are ascii, {', '.join(orders)}")
     columns = [found.get(("vertex", name), []) for name in "xyz"]
-    faces = found.get(("face", "vertex_indices"), found.get(("face", "vertex_index"), []))
+    faces = next((found["face", name] for name in ("vertex_indices", "vertex_index") if ("face", name) in found), [])
     if len({len(column) for column in columns}) > 1:
         raise ScanError(path, "cannot be read as PLY: its vertices need x, y and z")
     corners = triangulate_quads([face for face in faces if len(face) > 2])
@@ -263,7 +263,7 @@ class _Element:
     properties: list[tuple[str, list[str]]]
 
 
-_Columns = dict[tuple[str, str], Sequence[Any]]
+_Columns = dict[tuple[str, str], Any]
 
 
 def _ply_text(path: Path, elements: list[_Element], body: bytes) -> _Columns:
