@@ -127,7 +127,13 @@ def _read(path: Path) -> tuple[Floats, Ints]:
     """Vertices and triangles of all parts of a file, polygons cut into triangles."""
     check_file(path)
     read = {".obj": _read_obj, ".stl": _read_stl, ".ply": _read_ply}[path.suffix.lower()]
-    points, corners = read(path, path.read_bytes().removeprefix(b"\xef\xbb\xbf"))
+    try:
+        points, corners = read(path, path.read_bytes().removeprefix(b"\xef\xbb\xbf"))
+    except ScanError:
+        raise
+    except (ArithmeticError, LookupError, TypeError, ValueError):  # a list in place of a number, and the like
+        kind = path.suffix[1:].upper()
+        raise ScanError(path, f"cannot be read as {kind}: the file is damaged or cut short") from None
     if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
         raise ScanError(path, "has triangles with corners that it does not hold")
     if len(points) == 0:
@@ -247,7 +253,9 @@ def _read_ply(path: Path, content: bytes) -> tuple[Floats, Ints]:
     else:
         raise ScanError(path, f"cannot be read as PLY: its format is {form!r}; there are ascii, {', '.join(orders)}")
     columns = [found.get(("vertex", name), []) for name in "xyz"]
-    faces = next((found["face", name] for name in ("vertex_indices", "vertex_index") if ("face", name) in found), [])
+    faces: Any = next(
+        (found["face", name] for name in ("vertex_indices", "vertex_index") if ("face", name) in found), []
+    )
     if len({len(column) for column in columns}) > 1:
         raise ScanError(path, "cannot be read as PLY: its vertices need x, y and z")
     corners = triangulate_quads([face for face in faces if len(face) > 2])

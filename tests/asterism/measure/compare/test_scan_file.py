@@ -213,6 +213,27 @@ def test_polygons_of_a_binary_ply_may_differ(tmp_path: Path) -> None:
     assert sorted(triangles.tolist())[:3] == [[0, 5, 6], [1, 6, 7], [2, 7, 8]] and len(triangles) == 6 + len(FACES) - 3
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"property float x", b"property list uchar float x"),
+        (b"property list uchar int vertex_indices", b"property int vertex_indices"),
+        (b"property float y", b"property float x"),
+        (b"\n3 0 5 6", b"\nnan 0 5 6"),
+        (b"\n3 0 5 6", b"\n3 0 inf 6"),
+        (b"\n3 0 5 6", b"\n3 0 5 99"),
+        (b"element vertex 25", b"element vertex 99999999999"),
+        (b"ascii", b"text"),
+    ],
+)
+@pytest.mark.parametrize("content", [ply_text(), ply_binary()], ids=["text", "binary"])
+def test_odd_headers_and_lists_of_a_ply_end_in_one_line(content: bytes, old: bytes, new: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.ply").write_bytes(content.replace(old, new, 1))
+    if old in content:
+        with pytest.raises(ScanError, match=r"a\.ply: "):
+            read_surface(tmp_path / "a.ply")
+
+
 def test_a_line_after_wrapped_ones_keeps_its_number(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_bytes(obj_text(face="f {} \\\n {} {}") + b"f 1 2 x\n")
     with pytest.raises(ScanError, match=f"line {1 + len(GRID) + 2 * len(FACES) + 1}: 'x' is no number of a vertex"):
