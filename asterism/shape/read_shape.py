@@ -52,10 +52,6 @@ def read_shape(path: str | Path) -> Shape:
     centres = np.flatnonzero(star >= 0)
     rods, rod_fields = _rods(sheet.with_name("rods.vtu"), printed)
     summary = _summary(sheet.with_name("summary.json"), sheet.stem)
-    record = shape_record(summary)
-    if wrong := misfit(record):
-        problem = "must have the type that asterism writes"
-        raise DesignError(wrong, problem, record[wrong], file=sheet.with_name("summary.json"))
     return Shape(
         printed=printed,
         positions=np.asarray(mesh.points, dtype=np.float64),
@@ -66,7 +62,7 @@ def read_shape(path: str | Path) -> Shape:
         point_fields={k: np.asarray(v) for k, v in mesh.point_data.items() if k not in ("printed_mm", "star")},
         cell_fields={name: np.asarray(values[0]) for name, values in mesh.cell_data.items()},
         rod_fields=rod_fields,
-        summary=record,
+        summary=shape_record(summary),
         held=_is_held(summary),
     )
 
@@ -142,6 +138,8 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
     if isinstance(summary, dict) and summary.get("model") == VERIFICATION_MODEL:
         summary = summary.get(of)
+    if isinstance(summary, dict) and (wrong := misfit(shape_record(summary))):
+        raise DesignError(wrong, "must have the type that asterism writes", summary[wrong], file=path)
     if isinstance(summary, dict) and of.startswith("minimum-"):
         summary = _of_minimum(summary, of)
     if isinstance(summary, dict) and not isinstance(summary.get("design", {}), dict):
