@@ -24,7 +24,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.equilibrium.errors import Error
-from asterism.pattern.design.drawings import Drawing
+from asterism.pattern.drawing.read import Drawing
 from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_names, serve
 from asterism.studio.child import StartedProcess
 from asterism.studio.drawing import drawing_data
