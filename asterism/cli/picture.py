@@ -34,10 +34,10 @@ def picture(
     """Draw results as FOLDER-VIEW.png beside their folders, all at one scale."""
     from io import BytesIO
 
-    from asterism.draw.release import release_gif
     from asterism.draw.view_picture import check_picture, fitting_scale, view_image
     from asterism.results.files import check_writable, write_file
     from asterism.shape.read_shape import read_shape
+    from asterism.shape.release_picture import release_gif
 
     width, height = two_sizes(size, "--size")
     pixels = (int(width), int(height)) if (width, height) == (width // 1, height // 1) else (0, 0)

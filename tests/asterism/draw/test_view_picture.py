@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.draw.release import FRAMES, released
 from asterism.draw.view_picture import View, fitting_scale, view_image
 from asterism.reports.write_results import write_results
+from asterism.shape.release_picture import FRAMES, released
 from asterism.shape.shape import Shape
 from tests.asterism.commands import command
 from tests.asterism.sheets import dome, sheet

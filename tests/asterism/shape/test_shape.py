@@ -127,5 +127,5 @@ def test_rod_edges_run_from_the_centre_to_the_tip() -> None:
 
 @pytest.mark.parametrize("wrong", [99, -1, 0.5])
 def test_triangles_are_numbers_of_vertices(wrong: float) -> None:
-    with pytest.raises(Error, match="triangles: must be whole numbers of vertices, 0 to 3"):
+    with pytest.raises(Error, match="triangles: must be"):
         Shape(np.zeros((4, 2)), np.zeros((4, 3)), np.array([[0, 1, wrong]]), np.full(4, -1), (), np.empty(0, int))
