@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from asterism.homogenize.law.law import Law
     from asterism.homogenize.law.law_file import load_law
     from asterism.homogenize.law.material import load_material
-    from asterism.homogenize.law.motif_law import MotifLaw
-    from asterism.homogenize.law.motif_law_file import load_motif_law
     from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare, write_comparison
@@ -67,7 +65,6 @@ _HOMES = {
     "Error": ("asterism.equilibrium.errors", "Error"),
     "Fit": ("asterism.fitting.fit", "Fit"),
     "Law": ("asterism.homogenize.law.law", "Law"),
-    "MotifLaw": ("asterism.homogenize.law.motif_law", "MotifLaw"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
     "Sweep": ("asterism.sweeps.sweep", "Sweep"),
@@ -82,7 +79,6 @@ _HOMES = {
     "load_design": ("asterism.pattern.layout.load_design", "load_design"),
     "load_law": ("asterism.homogenize.law.law_file", "load_law"),
     "load_material": ("asterism.homogenize.law.material", "load_material"),
-    "load_motif_law": ("asterism.homogenize.law.motif_law_file", "load_motif_law"),
     "load_target": ("asterism.fitting.load_target", "load_target"),
     "new": ("asterism.pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
@@ -110,7 +106,6 @@ __all__ = [
     "Error",
     "Fit",
     "Law",
-    "MotifLaw",
     "Preview",
     "Shape",
     "Sweep",
@@ -126,7 +121,6 @@ __all__ = [
     "load_design",
     "load_law",
     "load_material",
-    "load_motif_law",
     "load_target",
     "new",
     "new_strips",

@@ -27,6 +27,8 @@ ROOT = Path(__file__).parents[1]
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
 for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+# cells are kept with the tests' other files, for all workers and runs
+os.environ.setdefault("ASTERISM_CELLS", str(ROOT / ".pytest_cache" / "cells"))
 # pictures are made without a display, also where a test draws on its own
 os.environ.setdefault("MPLBACKEND", "Agg")
 # a shell that starts the tests in the background has them ignore Ctrl-C, and with them every program they start

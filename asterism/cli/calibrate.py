@@ -36,32 +36,29 @@ def calibrate(
 ) -> None:
     """Compute the law of a material from many unit cells, or of the stars or the motif of one design from a few.
 
-    The command continues an interrupted run: finished cells stay beside the law, in LAW.samples. The exit status is 1
-    if too many cells have no equilibrium, or no cell of a motif stands for its sheet.
+    Cells are kept for all designs, so that an interrupted run continues and previews need no cell of it. The exit
+    status is 1 if too many cells have no equilibrium, or no cell of a motif stands for its sheet.
     """
+    from asterism.homogenize.campaign.cells_folder import cells_folder
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.homogenize.law.any_law import AnyLaw
-    from asterism.homogenize.law.motif_plan import MotifPlan
     from asterism.laws import calibrate as calibration
-    from asterism.laws.design_law import is_design, law_output_path
+    from asterism.laws.design_law import is_design, law_output_path, plan_from_file
+    from asterism.laws.law_text import law_lines
     from asterism.pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
     check_law_name(path)
     check_workers(jobs, dask)
-    chosen = calibration.plan_from_file(file, material, run.warn)
+    plan = plan_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     workers = jobs or default_jobs()
     try:
-        with run.resumable(calibration.samples_folder(path), "cells"):
-            if isinstance(chosen, MotifPlan):
-                law: AnyLaw = calibration.calibrate_motif(chosen, path, workers, dask, line, run.hand_over())
-            else:
-                law = calibration.calibrate(chosen, path, workers, dask, line, run.hand_over())
+        with run.resumable(cells_folder(), "cells"):
+            law = calibration.calibrate(plan, path, workers, dask, line, run.hand_over())
     except DesignError as error:
         raise error.within(material or file or "") from None
-    run.lines(calibration.calibration_lines(law, path))
+    run.lines([*law_lines(law), f"{path}: the law; its cells stay in {cells_folder()}"])
     if is_design(file):
         other = f" --material {quote(str(material))}" if material else ""
         run.lines([f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}"])

@@ -32,7 +32,7 @@ def compare_designs(
     Differences are those from the first design. A design without a shape is on the page with the reason.
     """
     from asterism.exact.cost import exact_cost
-    from asterism.homogenize.law.any_law import load_any_law
+    from asterism.homogenize.law.law_file import load_law
     from asterism.laws.replace_material import read_design
     from asterism.reports.compare_designs import MAX_COMPARED_DESIGNS
     from asterism.reports.compare_designs import compare_designs as write
@@ -45,7 +45,7 @@ def compare_designs(
     plans = [read_design(file, material, run.warn) for file in designs]
     stems = [file.stem for file in designs]
     path = output or designs[0].with_name("-".join(dict.fromkeys(stems)) + ".html")
-    own_law = load_any_law(law) if law else None
+    own_law = load_law(law) if law else None
     if exact:
         run.cost(exact_cost(max(plans, key=lambda plan: exact_cost(plan).seconds), shapes=len(plans)))
     with run.computing():

@@ -67,7 +67,7 @@ def export(
     plan = with_material(load_design(design), material, run.warn)  # before slower imports: many mistakes are here
 
     from asterism.exact.cost import exact_cost
-    from asterism.laws.design_law import any_law_for_design
+    from asterism.laws.design_law import law_from_file
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
     from asterism.print.write import export_file_names
@@ -77,7 +77,7 @@ def export(
     names = export_file_names(has_shape=preview or simulate or shape is not None)
     directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, *names)
     check_shape_request(directory, shape, preview, simulate)
-    sheet = any_law_for_design(plan, law, design, material) if preview or law else None
+    sheet = law_from_file(plan, law, design, material) if preview or law else None
     if simulate:
         run.cost(exact_cost(plan, BOTH_STARTS, shapes=2))
     with run.computing():

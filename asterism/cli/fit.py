@@ -90,6 +90,7 @@ def fit(
     from asterism.fitting.fit import fit as compute
     from asterism.fitting.load_target import load_target
     from asterism.homogenize.law.law_file import load_law
+    from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text
     from asterism.print.profiles import load_printer
     from asterism.reports.fit_files import write_fit
@@ -111,6 +112,8 @@ def fit(
     run.warn(*surface.notes)
     chosen_printer = load_printer(printer) if rounding else None
     chosen_law = None if law is None else load_law(law)
+    if isinstance(chosen_law, MotifLaw):
+        raise Mistake(f"--law: {law} is the law of a motif, not of stars")
     with run.computing():
         fitted = compute(
             surface,

@@ -1,4 +1,4 @@
-"""`asterism law`: the content of a law, and the unit cell of a motif."""
+"""`asterism law`: the content of a law, and the kept cells."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import typer
 
 from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import output_option
-from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
+from asterism.cli.common.run import Run, command
 
 app = typer.Typer(
-    help="Show a law, or solve the cell of a motif.",
+    help="Show a law, or forget the kept cells.",
     invoke_without_command=True,
 )
 
@@ -20,7 +20,7 @@ app = typer.Typer(
 @app.callback()
 def _needs_a_command(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
-        raise Mistake("law: needs a command: show or cell")
+        raise Mistake("law: needs a command: show or forget")
 
 
 @command
@@ -40,28 +40,13 @@ def show(
 
 
 @command
-def cell(
-    run: Run,
-    file: Annotated[Path, typer.Argument(help="Design with a motif, [[rods.motif]].")],
-    edge: Annotated[
-        float | None, typer.Option(min=0.1, max=100.0, help="Edges of the cell's mesh, mm (default: of the design).")
-    ] = None,
-) -> int:
-    """Solve the unit cell of a motif: rest metric, stiffness and natural curvatures of an endless sheet.
+def forget(run: Run) -> None:
+    """Remove the cells that previews and calibrations have kept on this machine."""
+    from asterism.homogenize.campaign.cells_folder import cells_folder, forget_oldest
 
-    The exit status is 1 if one cell does not stand for the sheet, which a cell of 2 x 2 motifs decides.
-    """
-    from asterism.laws.motif_cell import motif_cell, motif_cell_rows
-    from asterism.pattern.design.errors import DesignError
-
-    try:
-        with run.computing():
-            responses = motif_cell(file, edge, run.say)
-    except DesignError as error:
-        raise error.within(file) from None
-    run.table(motif_cell_rows(responses), doubts=responses.doubts)
-    return DONE if responses.comparison.has_law else NO_ANSWER
+    folder = cells_folder()
+    run.lines([f"{forget_oldest(folder, 0)} cells removed from {folder}"])
 
 
-for function in (show, cell):
+for function in (show, forget):
     app.command()(function)

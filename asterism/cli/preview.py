@@ -33,14 +33,14 @@ def preview(
 
     chosen = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.laws.design_law import any_law_for_design
+    from asterism.laws.design_law import law_from_file
     from asterism.previews.run import preview as compute
     from asterism.print.bed_placement import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.words import doubts
 
     directory = results_folder(design, output, design.with_suffix(""))
-    chosen_law = any_law_for_design(chosen, law, design, material)
+    chosen_law = law_from_file(chosen, law, design, material)
     with run.computing():
         shape = compute(chosen, chosen_law, side, run.say)
         files = write_results(shape, directory)

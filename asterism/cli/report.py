@@ -33,7 +33,7 @@ def report(
     plan = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
     from asterism.homogenize.errors import LawError
-    from asterism.laws.design_law import any_law_for_design
+    from asterism.laws.design_law import law_from_file
     from asterism.reports.design_report import report as write
 
     if law and results:
@@ -46,7 +46,7 @@ def report(
         beside=design.with_suffix(""),
         printer=printer,
         plastic=plastic,
-        law=any_law_for_design(plan, law, design, material) if law else None,
+        law=law_from_file(plan, law, design, material) if law else None,
         say=run.warn,
     )
     run.lines([f"{path}: layout 1:{written.scale:g}; shape: {written.source}"])

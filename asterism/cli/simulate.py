@@ -64,7 +64,7 @@ def simulate(
     from asterism.discrete.energies.contact import ipc_toolkit
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
-    from asterism.laws.design_law import any_law_for_design
+    from asterism.laws.design_law import law_from_file
     from asterism.reports.write_results import write_results
     from asterism.results.words import doubts
     from asterism.verification.both_starts import BOTH_STARTS
@@ -85,7 +85,7 @@ def simulate(
     check_backend(backend)
     if changed.solver.contact:
         ipc_toolkit()
-    given_law = any_law_for_design(changed, law, design, material) if law is not None else None
+    given_law = law_from_file(changed, law, design, material) if law is not None else None
     directory = results_folder(design, output, design.with_suffix(""))
     default_starts = BOTH_STARTS if changed.rods is None else 1
     run.cost(exact_cost(changed, default_starts if starts is None else starts))

@@ -51,7 +51,7 @@ def sweep(
     has a shape.
     """
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.homogenize.law.any_law import load_any_law
+    from asterism.homogenize.law.law_file import load_law
     from asterism.laws.replace_material import read_design
     from asterism.results.files import check_folder
     from asterism.sweeps.cost import sweep_cost
@@ -71,7 +71,7 @@ def sweep(
     check_folder(folder)
     count = len(sampled(parameters, samples, seed))
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs(), law is not None))
-    own_law = load_any_law(law) if law else None
+    own_law = load_law(law) if law else None
     with run.resumable(folder, "designs"):
         with SweepProgressLine(run.hand_over()) as progress:
             result = sweep_design(

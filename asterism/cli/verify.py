@@ -48,7 +48,7 @@ def verify(
 
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
-    from asterism.laws.design_law import any_law_for_design
+    from asterism.laws.design_law import law_from_file
     from asterism.reports.verification_page import write_verification
     from asterism.results.words import doubts
     from asterism.verification.run import verify as compute
@@ -64,7 +64,7 @@ def verify(
     check_backend(backend)
     # a folder of its own: simulate and preview write to a folder with the design's name
     directory = results_folder(design, output, design.with_name(f"{design.stem}-verified"))
-    chosen_law = any_law_for_design(chosen, law, design, material)  # check the law before the computation
+    chosen_law = law_from_file(chosen, law, design, material)  # check the law before the computation
     run.cost(exact_cost(chosen, shapes=2))
     with run.computing(compile_ahead="discrete"):
         line = shlex.join(["asterism", *sys.argv[1:]])

@@ -20,8 +20,6 @@ REFINEMENT_EXPONENT = 0.9
 LARGE_VERTICES = 58_000
 SECONDS_AT_LARGE = 25.0
 LARGE_EXPONENT = 2.0
-# graded meshes take more iterations on the finest mesh
-GRADED_FACTOR = 4.0
 # of sheets that meet themselves; other sheets take twice as long with contact
 CONTACT_FACTOR = 8.0
 # a further start explores the coarse mesh, and the lowest minima are carried to the fine mesh
@@ -64,12 +62,12 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     --------
     >>> from asterism.pattern import gallery
     >>> exact_cost(gallery.load("tube")).vertices
-    3363
+    3632
     """
     outline = sheet_outline(design) if design.border.rods is None else print_layout(design).outline
     vertices = mesh_vertices(design.usual_edge_mm, outline)
     seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
     seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)
-    seconds *= (GRADED_FACTOR if design.graded_meshes else 1.0) * (CONTACT_FACTOR if design.solver.contact else 1.0)
+    seconds *= CONTACT_FACTOR if design.solver.contact else 1.0
     seconds *= (1.0 + FURTHER_START_FACTOR * (starts - 1)) * shapes
     return Cost(round(vertices), BASE_MB + MB_A_VERTEX * vertices, seconds)

@@ -98,7 +98,11 @@ class ExactCorrection:
             if self.distance is None or self.distance.weighted_percent <= EXACT_GOAL_PERCENT:
                 break
             if columns is None:
-                state, columns = self._columns(sizes.design(base), rounding is None)
+                try:
+                    state, columns = self._columns(sizes.design(base), rounding is None)
+                except ValueError:  # a star may snap, so that the shape has no derivatives
+                    self.search.say("the exact shape is too near to another one to be corrected further")
+                    break
                 columns *= sizes.units
             normal = columns.T @ columns + weight
             normal += EXACT_DAMPING * float(np.diag(normal).max()) * np.eye(len(normal))

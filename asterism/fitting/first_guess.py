@@ -21,7 +21,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_POISSON
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.planar import distance_to_outline, inside
@@ -65,7 +65,7 @@ class FirstGuess:
 
 def guess_design(
     target: TargetSurface,
-    law: Law,
+    law: StarLaw,
     stretch: float | None = None,
     needles: int | None = None,
     nearest: bool = False,
@@ -106,7 +106,7 @@ def guess_design(
     width = float(np.clip(FITTED_WIDTH_MM, thinnest, widest)) if width_mm is None else float(width_mm)
     menus = [StarMenu.of(law, available, width) for available in sorted(law.stretches)]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
-    lattice = law.material.lattice
+    lattice = law.plan.design.lattice
     log_size = _log_size(flat, menu)
     unplaced = TargetMap.of(flat, log_size, 0.0, np.zeros(2), lattice.spacing_mm)
     check_size(target.name, unplaced, menu, menus, abs(float(np.linalg.det(lattice.vectors))))
@@ -175,20 +175,19 @@ def _log_size(flat: FlatDisk, menu: StarMenu) -> float:
     return -middle - 0.5 * float(u.max() + u.min())
 
 
-def _design(target: TargetSurface, law: Law, menu: StarMenu, outline: OutlineChoice, border: bool) -> Design:
+def _design(target: TargetSurface, law: StarLaw, menu: StarMenu, outline: OutlineChoice, border: bool) -> Design:
     """The design without its star sizes."""
-    material = law.material.model_dump(mode="json", by_alias=True, exclude_none=True)
+    cell = law.plan.design.to_dict()
     data = {
         "name": _title(target.name),
-        "fabric": material["fabric"] | {"stretch": menu.stretch},
-        "plastic": material["plastic"],
-        "lattice": law.material.lattice.model_dump(mode="json", exclude_unset=True),
+        "fabric": cell["fabric"] | {"stretch": menu.stretch},
+        "plastic": cell["plastic"],
+        "lattice": cell["lattice"],
         "stars": {"length_mm": float(np.round(np.mean(MIDDLE_ARMS_MM), 1)), "width_mm": menu.width_mm},
         "border": {
             "polygon_mm": outline.corners.round(FITTED_SIZE_DECIMALS).tolist(),
             "star_margin_mm": FITTED_STAR_MARGIN_MM,
         },
-        "mesh": {"edge_mm": law.edge_mm},
     }
     if border:
         places = outline.places.round(FITTED_SIZE_DECIMALS)

@@ -21,7 +21,7 @@ from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.search import FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
@@ -80,7 +80,7 @@ MAX_QUIET_DISTANCE_PERCENT = 4.0
 
 def fit(
     target: TargetSurface,
-    law: Law | None = None,
+    law: StarLaw | None = None,
     stretch: float | None = None,
     needles: int | None = None,
     printer: Printer | None = None,
@@ -151,7 +151,7 @@ def fit(
     if not (is_whole(corrections) and 0 <= corrections <= MAX_ASKED_CORRECTIONS):
         raise ValueError(f"corrections = {corrections!r}: must be a whole number from 0 to {MAX_ASKED_CORRECTIONS}")
     if law is not None:
-        check_type(law, Law, "load_law reads one from a file")
+        check_type(law, StarLaw, "load_law reads one from a file")
     law, tell = law or paper_law(), say or ignore_line
     if weight is not None:
         target = weighted_target(target, weight)

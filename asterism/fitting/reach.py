@@ -11,7 +11,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError, place_text
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target_map import TargetMap
-from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.star_cells import MAX_STARS_OF_DESIGN
 

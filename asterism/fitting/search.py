@@ -16,7 +16,7 @@ from asterism.equilibrium.errors import Error
 from asterism.fitting.bounded_step import bounded_step
 from asterism.fitting.residual import Residual, SheetState
 from asterism.fitting.star_unknowns import StarUnknowns
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
@@ -74,7 +74,7 @@ class FitSearch:
     """
 
     base: Design
-    law: Law
+    law: StarLaw
     residual: Residual
     diameter_mm: float
     unknowns: StarUnknowns

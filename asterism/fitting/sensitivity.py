@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.homogenize.law.any_law import AnyLaw
 from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
@@ -43,7 +43,7 @@ def sensitivity(
     design: Design,
     of: Literal["height_mm"] | Callable[[Shape], ArrayLike] = "height_mm",
     by: SizeName = "length_mm",
-    law: AnyLaw | None = None,
+    law: Law | None = None,
 ) -> Sensitivity:
     """Compute how a quantity of the preview changes with one size of each star.
 

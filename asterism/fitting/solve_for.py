@@ -11,7 +11,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError
 from asterism.fitting.star_menu import MIN_FITTED_ARM_MM
 from asterism.homogenize.law.axes import AXES
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -35,7 +35,7 @@ def solve_for(
     wanted: Wanted,
     value: float,
     change: Changed = "length_mm",
-    law: Law | None = None,
+    law: StarLaw | None = None,
     say: Say | None = None,
 ) -> Design:
     """Scale one size of all stars so that the preview has a wanted height or radius.
@@ -88,7 +88,7 @@ class _Search:
     """The search for one factor of the sizes."""
 
     def __init__(
-        self, design: Design, wanted: Wanted, value: float, change: Changed, law: Law, say: Say | None
+        self, design: Design, wanted: Wanted, value: float, change: Changed, law: StarLaw, say: Say | None
     ) -> None:
         self._base, self._wanted, self._value, self._law = design, wanted, value, law
         self._change, self._tell = change, say or ignore_line

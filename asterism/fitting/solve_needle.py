@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError, place_text
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
@@ -35,7 +35,7 @@ def solve_for_point(
     at_mm: Sequence[float],
     point_mm: Sequence[float],
     needle: int = 0,
-    law: Law | None = None,
+    law: StarLaw | None = None,
     say: Say | None = None,
 ) -> Design:
     """Move one needle so that a printed point of the sheet comes to a wanted point in space.

@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_table import LawTable
+from asterism.homogenize.law.star_law import StarLaw
 
 # mm, shortest arms of a fitted design: shorter ones hardly differ from bare fabric
 MIN_FITTED_ARM_MM = 2.0
@@ -44,9 +43,9 @@ class StarMenu:
     allowed: np.ndarray
 
     @classmethod
-    def of(cls, law: Law, stretch: float, width_mm: float) -> StarMenu:
+    def of(cls, law: StarLaw, stretch: float, width_mm: float) -> StarMenu:
         """The menu of a law; `ForeignLaw` if it has no table for the stretch."""
-        table: LawTable = law.at(stretch)
+        table = law.at(stretch)
         ranges = table.size_ranges
         low, high = ranges["length_mm"]
         lengths = np.linspace(max(low, MIN_FITTED_ARM_MM), high, _LENGTHS)

@@ -1,4 +1,4 @@
-"""A picture of a law: its quantities over the length of the arms, and its errors."""
+"""A picture of a law: of stars over the length of the arms, with errors; of a motif over directions and sizes."""
 
 from __future__ import annotations
 
@@ -12,58 +12,93 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
-from asterism.draw.style import INK, PALE, add_grid, style_axes
-from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable
+from asterism.draw.style import PALE, add_grid, style_axes
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.plan import Size, stretch_text
+from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
+from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.law_text import middle_sizes, table_title
 
-CURVE_LABELS = {
+STAR_CHARTS = {
     "lam": "length over printed length, flat",
     "kappa": "natural curvature, 1/mm",
     "bending": "bending stiffness, N mm",
     "a11": "membrane stiffness, N/mm",
 }
+MOTIF_CHARTS = {
+    "stretch": "length over printed length, flat",
+    "rolled": "curvature of a tube, 1/mm",
+    "bending": "bending stiffness, N mm",
+    "membrane": "membrane stiffness, N/mm",
+}
+Colour = tuple[float, float, float, float]
 # curvatures up to this one have a linear scale, larger ones a logarithmic scale
 LINEAR_CURVATURE_PER_MM = 2e-3
+# curves of one chart of a motif
+CURVES = 6
+# relative, of a cell's size to a curve's
+SAME_SIZE = 1e-6
+INCHES_A_CHART, INCHES_A_ROW = 4.2, 3.7
+INCHES_ABOVE = 1.2
 
 
-def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw a law as PNG.
+def draw_law(law: StarLaw | MotifLaw, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw a law as PNG."""
+    law_figure(law).savefig(path_or_file, format="png", dpi=100)
 
-    Each stretch has a row of charts: curves over the length for all thicknesses, and the errors.
+
+def law_figure(law: StarLaw | MotifLaw) -> Figure:
+    """The charts of a law.
+
+    Each stretch of stars has a row of charts: curves over the length for all thicknesses, and the errors. The first row
+    of a motif has the directions of the print across, the second row the first size that varies, along the principal
+    axes of the flat sheet. Motifs of one cell have no second row.
     """
-    rows = len(law.tables)
-    height = 1.2 + 3.7 * rows
-    figure = Figure(figsize=(20, height), dpi=100, facecolor="white")
-    FigureCanvasAgg(figure)
-    room = {"left": 0.035, "right": 0.99, "bottom": 0.5 / height + 0.02, "top": 1 - 1.2 / height}
-    grid = figure.add_gridspec(rows, len(CURVE_LABELS) + 1, wspace=0.24, hspace=0.42, **room)
+    return _star_figure(law) if isinstance(law, StarLaw) else _motif_figure(law)
+
+
+def _star_figure(law: StarLaw) -> Figure:
+    note = "dots: cells; curves: the law; dotted curves: outside its range, or stars that are not scale-separated"
+    figure, charts = _charts(law, "law of the star pattern", len(law.tables), len(STAR_CHARTS) + 1, note)
     for number, table in enumerate(law.tables):
-        for column, (name, label) in enumerate(CURVE_LABELS.items()):
-            axes = figure.add_subplot(grid[number, column])
-            _curves(axes, table, name)
-            _tidy(axes, label, "length of the arms, mm")
+        for column, (name, label) in enumerate(STAR_CHARTS.items()):
+            axes = charts[number][column]
+            _star_curves(axes, table, name)
+            style_axes(axes, label, "length of the arms, mm", size=9, side="right")
             if column == 0:
-                axes.legend(title="thickness", fontsize=7, title_fontsize=7, frameon=False)
-        axes = figure.add_subplot(grid[number, len(CURVE_LABELS)])
-        _errors(axes, law.residuals[f"{table.stretch:g}"])
-        _tidy(axes, "error of single cells, %", "")
-        figure.text(0.012, 1 - (0.9 + 3.72 * number) / height, table_title(table), fontsize=10, color=INK)
-    title = f"{law.material.name}: law of the star pattern"
-    write_title(figure, 0.012, 1 - 0.35 / height, title, 14)
-    note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"
-    note += "; dots: cells; curves: the law; dotted curves: outside its range, or stars that are not scale-separated"
-    figure.text(0.012, 1 - 0.6 / height, note, fontsize=9, color=PALE)
-    figure.savefig(path_or_file, format="png", dpi=100)
+                title = f"{table_title(table)}; thickness"
+                axes.legend(title=title, fontsize=7, title_fontsize=7, frameon=False)
+        errors = charts[number][-1]
+        _star_errors(errors, table, law.residuals[stretch_text(table.stretch)]["held_out"])
+        style_axes(errors, "error of held-out cells, %", "", size=9, side="right")
+    return figure
 
 
-def _curves(axes: Axes, table: LawTable, name: str) -> None:
+def _charts(law: StarLaw | MotifLaw, title: str, rows: int, columns: int, note: str) -> tuple[Figure, list[list[Axes]]]:
+    """A figure with title, note and empty charts."""
+    height = INCHES_ABOVE + INCHES_A_ROW * rows
+    figure = Figure(figsize=(INCHES_A_CHART * columns, height), dpi=100, facecolor="white")
+    FigureCanvasAgg(figure)
+    room = {"left": 0.035, "right": 0.99, "bottom": 0.5 / height + 0.02, "top": 1 - INCHES_ABOVE / height}
+    grid = figure.add_gridspec(rows, columns, wspace=0.24, hspace=0.42, **room)
+    charts = [[figure.add_subplot(grid[row, column]) for column in range(columns)] for row in range(rows)]
+    for axes in (each for row in charts for each in row):
+        add_grid(axes)
+    write_title(figure, 0.012, 1 - 0.35 / height, f"{law.plan.design.name}: {title}", 14)
+    cells = "1 cell" if len(law.samples) == 1 else f"{len(law.samples)} cells"
+    text = f"{cells}, mesh edges of {law.edge_mm:g} mm; {note}"
+    figure.text(0.012, 1 - 0.6 / height, text, fontsize=9, color=PALE)
+    return figure, charts
+
+
+def _star_curves(axes: Axes, table: StarTable, name: str) -> None:
     lengths, thicknesses = table.axis_nodes[:2]
     middle = tuple(len(nodes) // 2 for nodes in table.axis_nodes[2:])
     column = QUANTITY_NAMES.index(name)
     many = np.linspace(lengths[0], lengths[-1], 300)
     for j, thickness in enumerate(thicknesses):
-        colour = colormaps["viridis"](0.9 * j / max(len(thicknesses) - 1, 1))
+        colour = _colour(j, len(thicknesses))
         row = table(many, thickness, *middle_sizes(table))
         value = row.value[name]
         stated = row.inside & ~row.not_scale_separated
@@ -82,26 +117,112 @@ def _curves(axes: Axes, table: LawTable, name: str) -> None:
             axes.set_ylim(-LINEAR_CURVATURE_PER_MM, LINEAR_CURVATURE_PER_MM)
 
 
-def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
-    """Errors of held-out cells as dots; median and rms of left-out cells as bars."""
-    entry = residuals["held_out"]
-    cells = [cell for cell in entry["cells"] if cell["inside"] and not cell["tight"]]
-    for x, name in enumerate(QUANTITY_NAMES):
+def _star_errors(axes: Axes, table: StarTable, held_out: dict[str, Any]) -> None:
+    """Errors of held-out cells as dots."""
+    cells = [cell for cell in held_out["cells"] if cell["inside"] and not cell["tight"]]
+    for x, name in enumerate(table.error_names):
         errors = [max(abs(cell["error_percent"][name]), 1e-3) for cell in cells]
-        axes.plot([x - 0.2] * len(errors), errors, "o", color="#2a6f97", markersize=3, alpha=0.6)
-        if "leave_one_out" in residuals and (loo := residuals["leave_one_out"]["errors"].get(name)):
-            y = [max(loo[f"{kind}_percent"], 1e-3) for kind in ("median", "rms")]
-            axes.plot([x + 0.2] * 2, y, "_-", color="#c8553d", markersize=8, linewidth=1)
+        axes.plot([x] * len(errors), errors, "o", color="#2a6f97", markersize=3, alpha=0.6)
     axes.set_yscale("log")
     axes.set_ylim(1e-3, 300)
-    axes.set_xticks(range(len(QUANTITY_NAMES)), QUANTITY_NAMES, rotation=30, fontsize=7)
-    axes.plot([], [], "o", color="#2a6f97", markersize=3, label="held out")
-    axes.plot([], [], "_-", color="#c8553d", markersize=8, label="left out one by one: median to rms")
-    axes.legend(fontsize=7, frameon=False, loc="upper left")
+    axes.set_xticks(range(len(table.error_names)), table.error_names, rotation=30, fontsize=7)
 
 
-def _tidy(axes: Axes, title: str, below: str) -> None:
-    style_axes(axes, title, below, size=9, side="right")
-    add_grid(axes)
-    for side in ("left", "bottom"):
-        axes.spines[side].set_color("#c4c4cc")
+def _motif_figure(law: MotifLaw) -> Figure:
+    sizes = law.plan.sizes
+    varying = [number for number, size in enumerate(sizes) if size.varies]
+    rows = [_over_direction, _over_size][: 1 + bool(varying)]
+    note = "dots: tubes of the cells, rolled along the direction; curves: the law; dotted curves: sizes without a law"
+    if fixed := [f"{_name(law, size)} {_middle(size):g} mm" for n, size in enumerate(sizes) if n not in varying[:2]]:
+        note = f"{', '.join(fixed)}; {note}"
+    figure, charts = _charts(law, "law of the motif", len(rows), len(MOTIF_CHARTS), note)
+    for row, curves in zip(charts, rows, strict=True):
+        for axes, (name, title) in zip(row, MOTIF_CHARTS.items(), strict=True):
+            below = curves(axes, law, varying, name)
+            style_axes(axes, title, below, size=9, side="right")
+            if name != "stretch":
+                axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        if handles := row[0].get_legend_handles_labels()[0]:
+            row[0].legend(handles=handles, fontsize=7, frameon=False)
+    return figure
+
+
+def _over_direction(axes: Axes, law: MotifLaw, varying: list[int], name: str) -> str:
+    degrees = np.linspace(0.0, 180.0, 181)
+    turned = np.stack([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))], -1)
+    shown = _some(law.plan.sizes[varying[0]].nodes) if varying else (None,)
+    for number, value in enumerate(shown):
+        colour = _colour(number, len(shown))
+        sizes = _sizes(law, {} if value is None else {varying[0]: value})
+        found = law.tables[0](sizes)
+        values = getattr(values_along(found, turned), name)[0]
+        label = None if value is None else f"{_name(law, law.plan.sizes[varying[0]])} {value:g} mm"
+        axes.plot(degrees, values, color=colour, linewidth=1.3, linestyle="-" if found.inside[0] else ":", label=label)
+        if name in ("rolled", "bending"):
+            tubes = [tube for cell in _cells(law, sizes[0]) for tube in cell["directions"]]
+            key = "curvature" if name == "rolled" else "bending"
+            angles = [np.degrees(tube["direction_rad"]) % 180.0 for tube in tubes]
+            axes.plot(angles, [tube[key] for tube in tubes], "o", color=colour, markersize=3)
+    axes.set_xticks(range(0, 181, 30))
+    return "direction, degrees from x"
+
+
+def _over_size(axes: Axes, law: MotifLaw, varying: list[int], name: str) -> str:
+    across = law.plan.sizes[varying[0]]
+    many = np.geomspace(across.nodes[0], across.nodes[-1], 200)
+    others = _some(law.plan.sizes[varying[1]].nodes) if len(varying) > 1 else (None,)
+    for number, value in enumerate(others):
+        colour = _colour(number, len(others))
+        found = law.tables[0](_sizes(law, {varying[0]: many} | ({} if value is None else {varying[1]: value})))
+        values: Floats = getattr(values_along(found, stretch_axes(found.metric)), name)
+        label = "" if value is None else f"{_name(law, law.plan.sizes[varying[1]])} {value:g} mm, "
+        _both_axes(axes, many, values, found.inside, colour, label)
+    return f"{_name(law, across)}, mm"
+
+
+def _both_axes(axes: Axes, many: Floats, values: Floats, inside: Bools, colour: Colour, label: str) -> None:
+    """Curves along the smaller stretch and across it; dotted where the law does not cover the sizes."""
+    for column, (line, side) in enumerate((("-", "along the smaller stretch"), ("--", "across it"))):
+        stated = np.where(inside, values[:, column], np.nan)
+        axes.plot(many, stated, color=colour, linewidth=1.3, linestyle=line, label=f"{label}{side}")
+        axes.plot(many, np.where(inside, np.nan, values[:, column]), color=colour, linewidth=0.8, linestyle=":")
+
+
+def _sizes(law: MotifLaw, chosen: dict[int, float | Floats]) -> Floats:
+    """(n, A) sizes of the law: the middle nodes, but for the chosen ones."""
+    columns = [np.asarray(chosen.get(n, _middle(size)), float) for n, size in enumerate(law.plan.sizes)]
+    if not columns:
+        return np.empty((1, 0))
+    return np.stack([np.atleast_1d(column) for column in np.broadcast_arrays(*columns)], -1)
+
+
+def _cells(law: MotifLaw, sizes: Floats) -> list[dict[str, Any]]:
+    """The answers of the cells with these sizes."""
+    return [
+        each["sample"]
+        for each in law.samples
+        if each["sample"] is not None
+        and np.allclose([each[name] for name in law.plan.names], sizes, rtol=SAME_SIZE, atol=0.0)
+    ]
+
+
+def _name(law: MotifLaw, size: Size) -> str:
+    """'thickness', or 'thickness of lines 1, 3' if other lines have another one."""
+    name = size.key.removesuffix("_mm")
+    if len([each for each in law.plan.sizes if each.key == size.key]) == 1:
+        return name
+    return f"{name} of lines {', '.join(map(str, size.lines or ()))}"
+
+
+def _middle(size: Size) -> float:
+    return size.nodes[len(size.nodes) // 2]
+
+
+def _some(nodes: tuple[float, ...]) -> tuple[float, ...]:
+    """The first and the last node, and others between them."""
+    chosen = np.linspace(0, len(nodes) - 1, min(len(nodes), CURVES)).round().astype(int)
+    return tuple(nodes[number] for number in chosen)
+
+
+def _colour(number: int, count: int) -> Colour:
+    return colormaps["viridis"](0.9 * number / max(count - 1, 1))

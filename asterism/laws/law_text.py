@@ -3,54 +3,66 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import product
+from typing import Any
+
+import numpy as np
 
 from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_residuals import unstable_tubes
-from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable
+from asterism.homogenize.law.motif_law import MotifLaw, MotifTable
+from asterism.homogenize.law.plan import stretch_text
+from asterism.homogenize.law.residuals import unstable_tubes
+from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
+from asterism.homogenize.law.table import LawTable
+from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.law_record import law_record
-from asterism.previews.law_warnings import (
-    directions_warning,
-    held_out_warning,
-    mesh_warning,
-    pleat_warning,
-    symmetry_warning,
-)
+from asterism.previews.law_warnings import directions_warning, held_out_warning, pleat_warning, symmetry_warning
 from asterism.process.count_line import without_numbers
 from asterism.results.words import table_lines
 
-# approximate numbers of nodes of the first two axes in the table of values
+# nodes of each size in the table of values of a motif, about
+LISTED_NODES = 4
+# approximate numbers of nodes of the first two axes in the table of values of stars
 LISTED_LENGTHS = 4
 LISTED_THICKNESSES = 3
 # characters of a label in the first lines
-MATERIAL_COLUMN = 11
+LABEL_COLUMN = 11
+_MOTIF_HEADER = "lambda        angle  A along/across N/mm   D along/across N mm   curvature along/across 1/mm"
 
 
-def law_lines(law: Law) -> list[str]:
+def law_lines(law: StarLaw | MotifLaw) -> list[str]:
     """The law as lines of text."""
-    lines = []
+    lines = table_lines(law_record(law).table(), LABEL_COLUMN)
     for table in law.tables:
-        lines += ["", *_values(table), *_errors(law, table)]
-    head = table_lines(law_record(law).table(), MATERIAL_COLUMN)
-    return [*head, *lines, *_stability(law), *_warnings(law), *_problems(law)]
+        values = _star_values(table) if isinstance(table, StarTable) else _motif_values(table)
+        lines += ["", f"  {table_title(table)}", *values, *_errors(law, table)]
+    warnings = [held_out_warning(law)]
+    if isinstance(law, StarLaw):
+        lines += _stability(law)
+        warnings = [directions_warning(law), *warnings, symmetry_warning(law), pleat_warning(law)]
+    said = [f"  {line}" for line in warnings if line]
+    return [*lines, *([""] if said else []), *said, *_problems(law)]
 
 
-def middle_sizes(table: LawTable) -> tuple[float, ...]:
+def middle_sizes(table: StarTable) -> tuple[float, ...]:
     """The middle node of each axis after the first two, which text and pictures vary."""
     return tuple(float(nodes[len(nodes) // 2]) for nodes in table.axis_nodes[2:])
 
 
 def table_title(table: LawTable) -> str:
     """The stretch of a table and its middle sizes, such as "stretch 1.35, width 1.2 mm"."""
+    title = f"stretch {stretch_text(table.stretch)}"
+    if not isinstance(table, StarTable):
+        return title
     sizes = zip(AXES[2:], middle_sizes(table), strict=True)
-    return ", ".join([f"stretch {table.stretch:g}", *(f"{axis.name} {size:g} mm" for axis, size in sizes)])
+    return ", ".join([title, *(f"{axis.name} {size:g} mm" for axis, size in sizes)])
 
 
-def _values(table: LawTable) -> list[str]:
+def _star_values(table: StarTable) -> list[str]:
     lengths, thicknesses = table.axis_nodes[:2]
     (length_name, thickness_name) = (f"{axis.symbol} mm" for axis in AXES[:2])
     lines = [
-        f"  {table_title(table)}",
         f"    {length_name}   {thickness_name}  lambda lambda_n   kappa 1/mm  D N mm  A11 N/mm  A12 N/mm  c3 N mm2  "
         "offset mm",
     ]
@@ -67,25 +79,45 @@ def _values(table: LawTable) -> list[str]:
     return lines
 
 
-def _errors(law: Law, table: LawTable) -> list[str]:
-    lines = []
-    for kind, entry in law.residuals.get(f"{table.stretch:g}", {}).items():
-        if "errors" not in entry:
+def _motif_values(table: MotifTable) -> list[str]:
+    """Principal stretches of the flat sheet, and stiffness and curvature along the smaller one and across."""
+    names = [size.key.removesuffix("_mm") for size in table.plan.sizes]
+    lines = [f"    {'   '.join(f'{name} mm' for name in names)}   {_MOTIF_HEADER}"]
+    chosen = [nodes[:: max(1, (len(nodes) + 1) // LISTED_NODES)] for nodes in (size.nodes for size in table.plan.sizes)]
+    for sizes in product(*chosen):
+        found = table(np.array([sizes]).reshape(1, len(sizes)))
+        shown = "  ".join(f"{size:{len(name) + 3}.4g}" for name, size in zip(names, sizes, strict=True))
+        if not found.inside[0]:
+            lines.append(f"    {shown}   no law")
             continue
-        errors = entry["errors"]
-        title = f"  {kind.replace('_', ' ')}, {entry['count']} cells; error in % of the cell's value"
-        if entry.get("tight", {}).get("count"):
-            title += f"; {entry['tight']['count']} more are not scale-separated"
-        lines += ["", title + ("" if errors else ": none"), *([f"  {'':11} median    rms  largest"] if errors else [])]
-        for name in QUANTITY_NAMES if errors else ():
-            e = errors[name]
-            lines.append(
-                f"    {name:<10} {e['median_percent']:5.2f} {e['rms_percent']:6.2f} {e['largest_percent']:8.2f}"
-            )
+        axes = stretch_axes(found.metric)
+        x, y = axes[0, 0]
+        angle = round(float(np.degrees(np.arctan2(y, x)))) % 180
+        values = values_along(found, axes)
+        (smaller, larger), a, d, k = values.stretch[0], values.membrane[0], values.bending[0], values.curvature[0]
+        lines.append(
+            f"    {shown}   {smaller:.4f} {larger:.4f} {angle:3d} deg  {a[0]:8.4g} {a[1]:8.4g}     "
+            f"{d[0]:8.4g} {d[1]:8.4g}     {k[0]:8.5f} {k[1]:8.5f}"
+        )
     return lines
 
 
-def _stability(law: Law) -> list[str]:
+def _errors(law: Law[Any], table: LawTable) -> list[str]:
+    entry = law.residuals.get(stretch_text(table.stretch), {}).get("held_out", {})
+    errors = entry.get("errors")
+    if not errors:
+        return []
+    title = f"  held out, {entry['count']} cells; error in % of the cell's value"
+    if entry["tight"]["count"]:
+        title += f"; {entry['tight']['count']} more are not scale-separated"
+    lines = ["", title, f"  {'':11} median    rms  largest"]
+    for name in table.error_names:
+        e = errors[name]
+        lines.append(f"    {name:<10} {e['median_percent']:5.2f} {e['rms_percent']:6.2f} {e['largest_percent']:8.2f}")
+    return lines
+
+
+def _stability(law: StarLaw) -> list[str]:
     """Numbers of stable cells; cells.csv has the eigenvalues of each cell."""
     solved = [s["sample"] for s in law.samples if s["problem"] is None and s["length_mm"] > 0]
     if not solved:
@@ -103,20 +135,8 @@ def _stability(law: Law) -> list[str]:
     ]
 
 
-def _warnings(law: Law) -> list[str]:
-    warnings = (
-        directions_warning(law),
-        held_out_warning(law),
-        mesh_warning(law),
-        symmetry_warning(law),
-        pleat_warning(law),
-    )
-    lines = [line for line in warnings if line]
-    return ["", *(f"  {line}" for line in lines)] if lines else []
-
-
-def _problems(law: Law) -> list[str]:
-    """The reasons why cells have no equilibrium, without their numbers, and how often each occurs."""
+def _problems(law: Law[Any]) -> list[str]:
+    """The reasons why cells have no law, without their numbers, and how often each occurs."""
     reasons = Counter(without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
     lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
-    return ["", "  cells without an answer", *lines] if lines else []
+    return ["", "  cells without a law", *lines] if lines else []

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.layout.layout import Layout
@@ -70,7 +70,7 @@ class SliderBoard:
         A key is no slider, or the design does not have it.
     """
 
-    def __init__(self, design: Design, layout: Layout, law: Law, keys: Sequence[str] | None = None) -> None:
+    def __init__(self, design: Design, layout: Layout, law: StarLaw, keys: Sequence[str] | None = None) -> None:
         self._design, self._layout = design, layout
         sizes = layout.site_sizes_mm
         self._is_star = sizes[:, 0] > 0
@@ -123,7 +123,7 @@ class SliderBoard:
         place, height = checked.get("needle_scale", 1.0), checked.get("needle_height", 1.0)
         return design.model_copy(update={"pins": tuple(_moved(pins, place, height) for pins in design.pins)})
 
-    def _present(self, law: Law) -> list[Slider]:
+    def _present(self, law: StarLaw) -> list[Slider]:
         """All sliders that the design has."""
         design, out = self._design, []
         ranges = law.size_ranges(design.fabric.stretch_xy[0])

@@ -50,7 +50,7 @@ from asterism.fem.supports.loads import point_load
 from asterism.homogenize.cell.tube_directions import is_threefold, omitted_anisotropy
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import count_free_tilts
-from asterism.previews.law_warnings import mesh_warning, pleat_warning
+from asterism.previews.law_warnings import pleat_warning
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.other_forms import OtherForm, close_form, other_forms
 from asterism.previews.search_minima import amplitudes_percent
@@ -299,5 +299,5 @@ def _is_within_experience(state: StarState) -> bool:
     foreign = max(len(state.values.outside), len(state.values.strongly_anisotropic), inverted)
     lattice = state.design.lattice
     is_turned = is_threefold(lattice) and bool(omitted_anisotropy(lattice))
-    is_known = not (is_turned or mesh_warning(state.law) or pleat_warning(state.law))
+    is_known = not (is_turned or pleat_warning(state.law))
     return is_known and foreign <= MAX_FOREIGN_SHARE * len(state.layout.centres)

@@ -9,6 +9,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -38,13 +39,13 @@ class StarKind(PatternKind):
     def layout(self, design: Design) -> Layout:
         return layout(design)
 
-    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law:
-        return serving_law(design, plan)
+    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law[Any]:
+        return serving_law(design, plan, known, say)
 
     def check_law(self, law: Any) -> None:
-        check_type(law, Law, "load_law reads one from a file")
+        check_type(law, StarLaw, "load_law reads one from a file")
 
-    def values(self, design: Design, plan: Layout, law: Law, model: PreviewModel) -> StarValues:
+    def values(self, design: Design, plan: Layout, law: StarLaw, model: PreviewModel) -> StarValues:
         return star_values(design, plan, law, model)
 
     def sheet(self, design: Design, plan: Layout, triangles: int | None, model: PreviewModel) -> Sheet:

@@ -1,24 +1,30 @@
-"""The law of a preview to which none is given: the design's, the paper's, or the universal law."""
+"""The law of a preview to which none is given: the design's, the paper's, or one of cells solved now."""
 
 from __future__ import annotations
 
 from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any
 
-from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 from asterism.process.file_identity import file_identity
+from asterism.process.listeners import Say, ignore_line
+
+if TYPE_CHECKING:
+    from asterism.homogenize.campaign.campaign import SolveCell
 
 
 @cache
-def paper_law() -> Law:
+def paper_law() -> StarLaw:
     """The law that comes with the package, read once."""
     return load_law()
 
 
-def law_of(design: Design) -> Law:
+def law_of(design: Design) -> Law[Any]:
     """The law that the section `[material]` of a design names, or else the paper's.
 
     A file is read again only if it has changed: the designs of a sweep name the same one.
@@ -40,37 +46,50 @@ def law_of(design: Design) -> Law:
 
 
 @lru_cache(maxsize=4)
-def _law_in(path: str, identity: tuple[int, ...]) -> Law:
+def _law_in(path: str, identity: tuple[int, ...]) -> Law[Any]:
     return load_law(path)
 
 
-def serving_law(design: Design, plan: Layout | None = None) -> Law:
-    """The law that a design names, or else the paper's, or else the universal law if that serves for its stars.
+def serving_law(
+    design: Design,
+    plan: Layout | None = None,
+    known: object = None,
+    say: Say = ignore_line,
+    respond: SolveCell | None = None,
+) -> Any:
+    """The law that a design names, or else the paper's if it covers the stars, or else one of cells solved now.
+
+    Cells are kept (`homogenize.campaign.cells_folder`): each is solved once on a machine.
 
     Parameters
     ----------
     plan : layout of the design; computed if it is needed.
+    known : law of the preview before an edit. A law that covers the design stays; one of the same material and pattern
+        gets further cells.
+    say : called with a line before each cell that is solved.
+    respond : solves a cell, as of `run_campaign`.
+
+    Returns
+    -------
+    A `StarLaw` or a `MotifLaw`, as the design has stars or a motif.
 
     Raises
     ------
-    ForeignLaw
-        No law serves; the message says why neither the paper's nor the universal one does.
+    DesignError
+        There is no law of such a design.
     LawError
-        The file that the design names is not a law.
+        The file that the design names is no law for it, or the cells have no answer; the message has the reason.
     """
-    law = law_of(design)
-    if design.law_file is not None:
-        return law
-    try:
-        law.check(design)
-    except ForeignLaw as error:
-        # most previews do without, and start sooner
-        from asterism.previews.universal_choice import sizes_of_stars, universal_choice
+    named = law_of(design) if design.law_file is not None or design.rods is None else None
+    sx, sy = design.fabric.stretch_xy
+    if named is not None and (design.law_file is not None or not design.fabric.has_bending or sx != sy):
+        named.check(design)
+        return named
+    sheet = plan if plan is not None else print_layout(design)
+    before = known if isinstance(known, Law) and known is not named else None
+    for law in (named, before):
+        if law is not None and law.covers(design, sheet):
+            return law
+    from asterism.previews.learned_law import learned_law  # it loads the exact model
 
-        choice = universal_choice(design, sizes_of_stars(design, plan))
-        if choice.law is None:
-            raise ForeignLaw(f"{error}; {choice.statement}", field=error.field) from None
-        return choice.law
-    except LawError:  # fabrics of this kind have no law, as the preview says
-        pass
-    return law
+    return learned_law(design, sheet, before, say, respond)

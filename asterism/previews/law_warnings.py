@@ -16,48 +16,33 @@ from asterism.homogenize.cell.tube_directions import (
     omitted_anisotropy,
 )
 from asterism.homogenize.law.anisotropy import predicted_curvatures
-from asterism.homogenize.law.axes import AXES, sizes_text
 from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw
 from asterism.previews.model import PREVIEW_MODEL
 
 # rms over the held-out cells, above which a law warns
 MAX_HELD_OUT_ERROR_PERCENT = 5.0
-# between two meshes of one cell, above which a law warns; cells of three-armed stars stay below 12 %
-MAX_MESH_DIFFERENCE_PERCENT = 25.0
 # of the cells, above which a law warns; in the paper's law 1.4 % are unstable, none of them scale-separated
 MAX_UNSTABLE_SHARE = 0.1
 # of natural curvatures in directions that are equal by symmetry, above which a law warns
 MAX_ASYMMETRY_PERCENT = 10.0
-CHECKED_QUANTITIES = {"kappa": "curvature", "bending": "bending stiffness"}
+CHECKED_QUANTITIES = {"kappa": "curvature", "curvature": "curvature", "bending": "bending stiffness"}
 
 
-def held_out_warning(law: Law) -> str | None:
+def held_out_warning(law: Law[Any]) -> str | None:
     """A large error at the held-out cells, at the worst stretch."""
     largest: list[tuple[float, str]] = []
     for stretch, kinds in law.residuals.items():
         errors = kinds["held_out"]["errors"]
-        rms = {name: errors[name]["rms_percent"] for name in CHECKED_QUANTITIES if name in errors}
+        rms = {words: errors[name]["rms_percent"] for name, words in CHECKED_QUANTITIES.items() if name in errors}
         worst = max(rms.values(), default=0.0)
         if worst > MAX_HELD_OUT_ERROR_PERCENT:
-            words = " and ".join(f"{percent:.0f} % in {CHECKED_QUANTITIES[name]}" for name, percent in rms.items())
+            words = " and ".join(f"{percent:.0f} % in {what}" for what, percent in rms.items())
             largest.append((worst, f"at stretch {stretch} the law's error at its held-out cells is {words} (rms)"))
     return f"{max(largest)[1]}: a plan with more sizes makes it smaller" if largest else None
 
 
-def mesh_warning(law: Law) -> str | None:
-    """A large difference between the two meshes of one cell, at the worst cell."""
-    cells: list[dict[str, Any]] = [kinds.get("meshes", {}) for kinds in law.residuals.values()]
-    worst = max(cells, key=lambda each: each.get("largest_percent", 0.0), default={})
-    percent = worst.get("largest_percent", 0.0)
-    if percent <= MAX_MESH_DIFFERENCE_PERCENT:
-        return None
-    sizes = sizes_text([worst[axis.key] for axis in AXES], digits=4)
-    differ = "curls to the other side" if percent > 100.0 else f"curls by {percent:.0f} % more or less"
-    return f"the cell of {sizes} {differ} on a second mesh: the mesh edges are too long for such stars"
-
-
-def symmetry_warning(law: Law) -> str | None:
+def symmetry_warning(law: StarLaw) -> str | None:
     """Cells whose stars break the symmetry of star and lattice, so that equal directions curl differently."""
     percent = max(
         (kinds["symmetry"]["largest_percent"] for kinds in law.residuals.values() if "symmetry" in kinds), default=0.0
@@ -70,7 +55,7 @@ def symmetry_warning(law: Law) -> str | None:
     )
 
 
-def pleat_warning(law: Law) -> str | None:
+def pleat_warning(law: StarLaw) -> str | None:
     """Many cells whose natural tubes are unstable on 2 x 2 stars: adjacent stars rise and fall in turn."""
     tubes = [kinds["tubes"] for kinds in law.residuals.values() if "tubes" in kinds]
     count, unstable = (sum(each[name] for each in tubes) for name in ("count", "unstable"))
@@ -82,12 +67,12 @@ def pleat_warning(law: Law) -> str | None:
     )
 
 
-def directions_warning(law: Law) -> str | None:
+def directions_warning(law: StarLaw) -> str | None:
     """What the law leaves out, and how much previews misjudge natural curvatures by that; None if it is complete.
 
     The numbers are those of the worst direction of each cell that curls and is scale-separated.
     """
-    missing = omitted_anisotropy(law.material.lattice)
+    missing = omitted_anisotropy(law.plan.design.lattice)
     if missing is None:
         return None
     samples = [cell["sample"] for cell in law.samples if cell["problem"] is None and cell["length_mm"] > 0]
@@ -96,7 +81,7 @@ def directions_warning(law: Law) -> str | None:
     curled = [sample for sample, curl in zip(samples, curls, strict=True) if bounds[0] < curl < bounds[1]]
     if not curled:
         return missing
-    threefold = is_threefold(law.material.lattice)
+    threefold = is_threefold(law.plan.design.lattice)
     misfit = [curvature_misfit(s["natural_curvature"]) if threefold else _preview_misfit(s) for s in curled]
     percent = 100.0 * np.array(misfit)
     return (

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import Any
 
 from asterism.fem.search.mean_fields import Side
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -17,7 +18,7 @@ from asterism.shape.shape import Shape
 
 def preview(
     design: Design,
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     side: Side = "auto",
     say: Say | None = None,
     model: PreviewModel = PREVIEW_MODEL,
@@ -29,8 +30,7 @@ def preview(
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
-        material, or else the universal law where it serves. A warning then states how accurate that is. For a motif
-        the cells are solved, which takes seconds.
+        material where it covers the stars, or else one of cells that are solved now and kept.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.

@@ -16,7 +16,7 @@ from asterism.equilibrium.threads import one_blas_thread
 from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.mean_fields import Side, check_side, mean_fields, side_of
 from asterism.fem.shell.shell import Shell
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
@@ -152,10 +152,9 @@ class Preview:
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     law : law of the design's material, also after edits; by default the one that the design names, or else that of
-        the paper's material, or else the universal law where it serves, chosen again in each edit. The cells of a motif
-        are solved, once in a process, with a line to `say` for each direction of each cell. The first edit of a size of
-        its rods solves the cells around the new size; further edits within that range need none. Edits of pins, border
-        and places need none either; another motif, lattice, fabric or plastic has other cells.
+        the paper's material where it covers the stars, or else one of cells that are solved now, with a line to `say`
+        for each. Cells are kept for all designs. An edit beyond the sizes of the law solves the cells around the new
+        ones; edits of pins, border and places need none; another motif, lattice, fabric or plastic has other cells.
     side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
     triangles : approximate number of triangles of the shell's mesh, at most 10000; by default it follows from the
         stars.
@@ -193,7 +192,7 @@ class Preview:
     def __init__(
         self,
         design: Design,
-        law: AnyLaw | None = None,
+        law: Law[Any] | None = None,
         side: Side = "auto",
         triangles: int | None = None,
         say: Say | None = None,
@@ -226,7 +225,7 @@ class Preview:
 
     @property
     def law(self) -> Any:
-        """The law of the material, a `Law`; for a motif its `MotifLaw`."""
+        """The law of the material, a `StarLaw` or a `MotifLaw`."""
         return self.state.law
 
     @property

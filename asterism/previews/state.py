@@ -24,7 +24,7 @@ from asterism.fem.search.linear_response import Response
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.relax import energies_by_part
 from asterism.fem.shell.shell import Shell
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
@@ -153,5 +153,5 @@ class PreviewState(Generic[SheetT, LawT, ValuesT]):
         return self.layout.is_supported_in_plane
 
 
-StarState: TypeAlias = PreviewState[Sheet, Law, StarValues]
+StarState: TypeAlias = PreviewState[Sheet, StarLaw, StarValues]
 AnyPreviewState: TypeAlias = PreviewState[Any, Any, Any]

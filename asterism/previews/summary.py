@@ -38,7 +38,7 @@ def summary(
     numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
         "is_minimum": state.equilibrium.is_minimum and not overstretched,
         "law": {
-            "material": law.material.name,
+            "material": law.plan.design.name,
             "stretch": law.check(state.design).stretch,
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),

@@ -41,7 +41,6 @@ from asterism.previews.error_estimate import ErrorEstimate
 from asterism.previews.law_warnings import (
     directions_warning,
     held_out_warning,
-    mesh_warning,
     pleat_warning,
     symmetry_warning,
 )
@@ -168,9 +167,7 @@ def _about_stars(state: StarState) -> Iterator[str]:
     yield from site_warnings(state.layout)
     yield from sizing_warnings(state.design, state.layout)
     yield from _about_bonds(state)
-    if state.law.statement is not None:
-        yield state.law.statement
-    for line in (directions_warning, held_out_warning, mesh_warning, symmetry_warning, pleat_warning):
+    for line in (directions_warning, held_out_warning, symmetry_warning, pleat_warning):
         if text := line(state.law):
             yield text
     if values.not_scale_separated and not state.is_supported:  # supported sheets are as accurate with them

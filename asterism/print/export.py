@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Plastic
@@ -67,7 +67,7 @@ def export(
     shape: Shape | str | Path | None = None,
     preview: bool = False,
     simulate: bool = False,
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     first_layer_mm: float | None = None,
     layer_mm: float | None = None,
     plate_mm: float | None = None,
@@ -180,7 +180,7 @@ def printed_shape(
     job: Job,
     preview: bool,
     simulate: bool,
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     report: Callable[[str, Any], None] | None = None,
     say: Say | None = None,
 ) -> Found:

@@ -14,7 +14,7 @@ import numpy as np
 from asterism.draw.picture import small_png
 from asterism.draw.view_picture import View, fitting_scale, view_image
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -115,7 +115,7 @@ def compare_designs(
     exact: bool = False,
     printer: str | Printer = "ultimaker2",
     plastic: str | PlasticProfile = "tpu95a",
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     say: Say | None = None,
 ) -> DesignsComparison:
     """Write one page with several designs: pictures at one scale, sizes, print times, estimated errors, differences.
@@ -167,7 +167,7 @@ def compare_designs(
     return DesignsComparison(tuple(compared), numbers, differences)
 
 
-def _shape_of(design: Design, exact: bool, law: AnyLaw | None, say: Say) -> tuple[Shape | None, str]:
+def _shape_of(design: Design, exact: bool, law: Law[Any] | None, say: Say) -> tuple[Shape | None, str]:
     """The shape, or None and the reason."""
     if exact:
         from asterism.verification.both_starts import simulate  # its imports take seconds

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.print.job import Job, prepare
@@ -21,7 +21,7 @@ from asterism.shape.shape import Shape
 
 
 def shape_for_report(
-    design: Design, results: Path | None, beside: Path | None, say: Callable[[str], None], law: AnyLaw | None = None
+    design: Design, results: Path | None, beside: Path | None, say: Callable[[str], None], law: Law[Any] | None = None
 ) -> tuple[Shape | None, str]:
     """Return a shape of the design and its origin; None and the reason if no preview is available.
 
@@ -39,7 +39,7 @@ def shape_for_report(
         The results belong to another design, or cannot be read.
     """
     from asterism.homogenize.errors import ForeignLaw, LawError
-    from asterism.homogenize.law.motif_plan import without_motif_law
+    from asterism.homogenize.law.plan import without_law
     from asterism.previews.run import preview
     from asterism.process.compiling import announce_compiling
 
@@ -56,7 +56,7 @@ def shape_for_report(
         else:
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
-    if design.rods is not None and without_motif_law(design) is not None:
+    if design.rods is not None and without_law(design) is not None:
         say("the page has no picture: drawn lines that do not repeat have no preview; run asterism simulate first")
         return None, "not known: drawn lines that do not repeat have no preview"
     try:
@@ -106,7 +106,7 @@ def report(
     beside: str | Path | None = None,
     printer: str | Printer = "ultimaker2",
     plastic: str | PlasticProfile = "tpu95a",
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> DesignReport:
     """Write one A4 page about a design as PDF: parameters, picture, layout, needles, accuracy and material.

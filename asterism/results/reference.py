@@ -12,7 +12,6 @@ from asterism.results.records.exact import ExactRecord
 from asterism.results.records.export import ExportRecord
 from asterism.results.records.fit import FitRecord
 from asterism.results.records.law import LawRecord
-from asterism.results.records.motif_law import MotifLawRecord
 from asterism.results.records.preview import PreviewRecord
 from asterism.results.records.strips import StripFitRecord
 from asterism.results.records.sweep import SweepRecord
@@ -42,7 +41,6 @@ SUMMARIES: dict[type[Record], tuple[str, str]] = {
     FitRecord: ("Fit to a target", "`summary.json` of `asterism fit`, and `fit.summary` of `asterism.fit`."),
     SweepRecord: ("Sweep", "`summary.json` of `asterism sweep`, and `sweep.summary` of `asterism.sweep`."),
     LawRecord: ("Law", "`summary.json` of `asterism law show`."),
-    MotifLawRecord: ("Law of a motif", "`summary.json` of `asterism law show`, of the law of a motif."),
 }
 _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", NoneType: "null", Any: "any"}
 

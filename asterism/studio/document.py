@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from asterism.homogenize.law.motif_plan import RodSizeKey
+from asterism.homogenize.law.plan import RodSizeKey
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table, table_text

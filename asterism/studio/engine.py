@@ -27,7 +27,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.layout.painted_stars import with_painted_stars
-from asterism.previews.law_choice import law_of, paper_law, serving_law
+from asterism.previews.law_choice import law_of, paper_law
 from asterism.previews.session import Preview, SearchLimitError
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
@@ -324,15 +324,11 @@ class EngineLimits:
         if design.stars is None:
             self._key = key
             return Limits(seq, {}, ())  # cells of motifs are solved where the sizes are
-        ranges, statement = {}, None
-        self._key = None
-        try:
-            law = serving_law(design)
-            ranges, statement = law.size_ranges(design.fabric.stretch_xy[0]), law.statement
-            self._key = key
-        except (ForeignLaw, BlankSheetError):
-            pass  # the preview says so, and a law may serve other stars
-        return Limits(seq, ranges, law_of(design).stretches, statement)
+        self._key, law, ranges = None, law_of(design), {}
+        with suppress(ForeignLaw):  # cells of other fabrics are solved where the sizes are
+            ranges = law.check(design).size_ranges
+        self._key = key
+        return Limits(seq, ranges, tuple(each for each in law.stretches if isinstance(each, float)))
 
 
 def pattern_kinds(design: Design) -> tuple[bool, bool, bool]:

@@ -129,15 +129,13 @@ class Limits:
 
     Attributes
     ----------
-    law : ranges of sizes (mm) at the fabric's stretch; empty if no law serves.
+    law : ranges of sizes (mm) at the fabric's stretch; empty if its cells are solved when they are needed.
     stretches : those that the law of the design's material is calibrated for.
-    statement : how accurate the universal law is, where it stands in; else None.
     """
 
     seq: int
     law: dict[str, tuple[float, float]]
     stretches: tuple[float, ...]
-    statement: str | None = None
 
 
 @dataclass(frozen=True)

@@ -96,7 +96,6 @@ def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float
         },
         "law": None if limits is None else {key: list(ends) for key, ends in limits.law.items()},
         "stretches": [] if limits is None else list(limits.stretches),
-        "statement": None if limits is None else limits.statement,
         "rounding": rounding,
     }
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.law.motif_plan import RodSizeKey
+from asterism.homogenize.law.plan import RodSizeKey
 from asterism.studio.painted_field import Brush
 
 WholeNumber = Annotated[int, Field(ge=0, le=2**53)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from asterism.equilibrium.errors import Error
@@ -81,10 +81,11 @@ def _stars(design: Design) -> int:
 
 def _motif_cells(design: Design) -> int:
     """Number of cells of a preview's law; 1 if the design that is varied has no law itself."""
-    from asterism.homogenize.campaign.motif_design_plan import plan_for_motif  # it loads the exact model
+    from asterism.homogenize.campaign.design_plan import plan_for_design  # it loads the exact model
 
     try:
-        return len(replace(plan_for_motif(design), held_out=0).tasks())
+        plan, sheet = plan_for_design(design), print_layout(design)
+        return len(plan.tasks_for_sizes(plan.sizes_on(design, sheet)))
     except Error:
         return 1
 

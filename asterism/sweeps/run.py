@@ -12,10 +12,9 @@ from typing import Any, TextIO
 
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
-from asterism.homogenize.law.any_law import AnyLaw, any_law_digest
 from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.motif_plan import without_motif_law
+from asterism.homogenize.law.law_file import law_digest
+from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.process.count_line import CountLine
@@ -79,7 +78,7 @@ def sweep_design(
     folder: str | Path | None = None,
     jobs: int | None = None,
     dask: str | None = None,
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     report: Callable[[SweepProgress], None] | None = None,
 ) -> Sweep:
     """`asterism.sweep`: compute one design for many values of some of its entries.
@@ -115,8 +114,8 @@ def sweep_design(
         The folder cannot be written to.
     """
     check_type(design, Design, "load_design reads one from a file")
-    if law is not None and not isinstance(law, MotifLaw):
-        check_type(law, Law, "load_any_law reads one from a file")
+    if law is not None:
+        check_type(law, Law, "load_law reads one from a file")
     check_model(design, exact)
     parameters = sweep_parameters(design, vary)
     combinations = sampled(parameters, samples, seed)
@@ -127,7 +126,7 @@ def sweep_design(
         kept = KeptSamples(Path(kept_in), sweep_code_version())
         table = design.to_dict()
         tables = [varied(table, values) for values in combinations]
-        digest = None if law is None or exact else any_law_digest(law)
+        digest = None if law is None or exact else law_digest(law)
         inputs = [
             {"exact": exact, "law": digest if law is not None or exact else named_law(each), "design": each}
             for each in tables
@@ -148,11 +147,12 @@ def check_model(design: Design, exact: bool) -> None:
     SweepError
         The message names exact shapes as the way.
     """
-    if exact or design.rods is None or (refused := without_motif_law(design)) is None:
+    if exact or design.rods is None or (refused := without_law(design)) is None:
         return
-    field, reason = refused
-    if field.split(".")[0] in ("rods", "stars"):
-        raise SweepError(f"{field}: {reason.partition(';')[0]}; a sweep computes exact shapes with --exact")
+    if refused.field.split(".")[0] in ("rods", "stars"):
+        raise SweepError(
+            f"{refused.field}: {refused.allowed.partition(';')[0]}; a sweep computes exact shapes with --exact"
+        )
 
 
 def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:

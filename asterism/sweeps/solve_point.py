@@ -35,7 +35,7 @@ from asterism.equilibrium.errors import Error
 from asterism.homogenize.campaign.code_version import sources_hash
 from asterism.homogenize.campaign.kept_samples import Outcome, attempt
 from asterism.homogenize.errors import UnreadableLaw
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.process.file_identity import file_identity
 from asterism.shape.shape import Shape
@@ -115,13 +115,13 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
 
 
 @functools.lru_cache(maxsize=2)
-def _law(packed: bytes) -> AnyLaw:
+def _law(packed: bytes) -> Law[Any]:
     """A law that travelled with its designs, unpacked once in each process."""
-    law: AnyLaw = pickle.loads(packed)
+    law: Law[Any] = pickle.loads(packed)
     return law
 
 
-def packed_law(law: AnyLaw | None) -> bytes | None:
+def packed_law(law: Law[Any] | None) -> bytes | None:
     """A law on its way to the workers; None for that of the design or the paper's, which they read."""
     return None if law is None else pickle.dumps(law)
 

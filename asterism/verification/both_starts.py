@@ -9,7 +9,7 @@ from asterism.discrete.release.continuation import Report, prefixed_report
 from asterism.equilibrium.errors import Error
 from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
 from asterism.exact.simulation import exact_shape, shared_search
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
@@ -33,7 +33,7 @@ def simulate(
     say: Say | None = None,
     starts: int | None = None,
     near: Shape | None = None,
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
 ) -> Shape:
     """Compute an equilibrium of the exact model.
 

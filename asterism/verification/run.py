@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from asterism.discrete.release.continuation import Report
 from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.simulation import exact_shape, shared_search
-from asterism.homogenize.law.any_law import AnyLaw
+from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.kinds import kind_of
@@ -34,7 +35,7 @@ COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisa
 
 def verify(
     design: Design,
-    law: AnyLaw | None = None,
+    law: Law[Any] | None = None,
     backend: str = "auto",
     report: Report | None = None,
     say: Say | None = None,
@@ -49,8 +50,7 @@ def verify(
 
     Parameters
     ----------
-    law : law of the preview; by default the one that the design names, or else that of the paper's material, or else
-        the universal law.
+    law : law of the preview, as of `asterism.preview`.
     backend, report, say : as in `simulate`.
     released, near : exact shapes from the flat print and from the preview, if they are available already.
     shown : function that computes the shape to compare, instead of `preview`.

@@ -12,12 +12,12 @@ from typing import Any
 
 from asterism.exact.simulation import exact_shape
 from asterism.fem.shell.shell import Shell
+from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.workers import default_jobs
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_digest, load_law
 from asterism.laws.calibrate import calibrate
-from asterism.laws.design_law import material_for_design
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import plain
 from asterism.pattern.layout.build import layout
@@ -51,7 +51,7 @@ def law_for(design: Design, folder: Path) -> Law:
         if file.exists():
             return load_law(file)
         file.parent.mkdir(parents=True, exist_ok=True)
-        return calibrate(material_for_design(design), file, default_jobs())
+        return calibrate(plan_for_design(design), file, default_jobs())
     return paper_law()
 
 

@@ -114,7 +114,7 @@ class DiscreteModel(System):
     >>> plan = layout(design)
     >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
     >>> sorted(model.parts)
-    ['hinges', 'membrane', 'rod_bending', 'rod_stretch', 'rod_twist']
+    ['folds', 'membrane', 'membrane_sides', 'plate', 'rod_bending', 'rod_stretch', 'rod_twist']
     >>> energies = model.energies(model.printed_state())
     >>> energies["membrane"] > 10 * energies["rod_bending"] > 0 and abs(energies["rod_stretch"]) < 1e-12
     True

@@ -22,6 +22,9 @@ LEAST_VERTICES = 300
 EDGE_RATIO = sqrt(2.0)
 # a search to a tolerance makes no mesh of more vertices, but for a second one
 MAX_VERTICES = 25_000
+# edges between two adjacent stars on its finest mesh, for a tolerance of 1 % and more; all but the softest sheets are
+# within it on coarser ones
+FINEST_EDGES_PER_SPACING = 14.5
 # the shortest edge of a design
 MIN_EDGE_MM = 0.2
 # meshes in a row that the search passes over because their edges are too long for the rods
@@ -101,13 +104,20 @@ class Ladder:
             return True
         if self.tolerance_percent is None:
             return False
-        enough = number > 0 and EDGE_RATIO**2 * self.models[-1].n_vertices > MAX_VERTICES
-        return not enough and self._add_finer()
+        enough = EDGE_RATIO**2 * self.models[-1].n_vertices > MAX_VERTICES or self._next < self._finest_edge()
+        return not (enough and number > 0) and self._add_finer()
 
     def _coarsest_edge(self) -> float:
         """The edge of the coarsest mesh, mm."""
         of_small_sheet = sqrt(abs(polygon_area(self.layout.outline)) / (sqrt(0.75) * LEAST_VERTICES))
         return float(max(min(self.layout.spacing_mm / COARSEST_EDGES_PER_SPACING, of_small_sheet), MIN_EDGE_MM))
+
+    def _finest_edge(self) -> float:
+        """The edge of the finest mesh, mm: errors are about proportional to the edge to the power of 3/2."""
+        assert self.tolerance_percent is not None, "the search is to a tolerance"
+        return float(
+            self.layout.spacing_mm / FINEST_EDGES_PER_SPACING * min(self.tolerance_percent, 1.0) ** (2.0 / 3.0)
+        )
 
     def _add_finer(self) -> bool:
         """Add the next finer model; a mesh whose edges are too long for the rods is passed over."""

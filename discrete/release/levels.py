@@ -102,13 +102,17 @@ def solve_through_levels(
 
 
 def _goes_on(search: SharedSearch, levels: list[MeshLevel]) -> bool:
-    """Whether another mesh follows the last one of these levels; a second search ends where the first one did."""
+    """Whether another mesh follows the last one of these levels; a second search ends where the first one did.
+
+    The softest modes of a sheet without supports hardly change between the two coarsest meshes: it has three at least.
+    """
     number, ladder = len(levels) - 1, search.ladder
     if search.ends:
         return len(levels) < len(search.ends)
     if ladder.tolerance_percent is not None:
         error = error_of_levels(levels).percent
-        if error is not None and error <= ladder.tolerance_percent:
+        is_free = not len(ladder.layout.support_samples.printed)
+        if error is not None and error <= ladder.tolerance_percent and len(levels) > is_free + 1:
             return False
     return ladder.finer_than(number)
 

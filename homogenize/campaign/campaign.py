@@ -12,17 +12,28 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
+
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
 from asterism.homogenize.campaign.workers import solve_missing
+from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.cell.sample import solve_cell
-from asterism.homogenize.law.axes import sizes_text
-from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.plan import CellTask
+from asterism.homogenize.law.plan import CellTask, LawPlan
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 
-SolveCell = Callable[[Design, float], Any]
+
+class CellAnswer(Protocol):
+    """What the solution of a cell gives: plain data, and why they are no answer, in one line."""
+
+    def to_dict(self) -> dict[str, Any]: ...
+
+    @property
+    def failed(self) -> str | None: ...
+
+
+SolveCell = Callable[[Design, float], CellAnswer]
 
 
 @dataclass(frozen=True)
@@ -32,32 +43,19 @@ class SampleRecord:
     Attributes
     ----------
     task : the cell.
+    label : the cell, for messages.
     sample : the responses as plain data; None for a cell without an answer.
-    failed : why the cell has no answer, in one line.
+    failed : why the cell has no answer, or does not stand for a sheet, in one line.
     crashed : the reason is an unforeseen exception. The next run tries such a cell again.
     seconds : wall time of the cell.
     """
 
     task: CellTask
+    label: str
     sample: dict[str, Any] | None
     failed: str | None
     crashed: bool
     seconds: float
-
-    @property
-    def label(self) -> str:
-        """The cell, for messages."""
-        return f"stretch {self.task.stretch:g}, {sizes_text(self.task.sizes)}"
-
-
-class FinishedCell(Protocol):
-    """A record of any campaign: `label` names the cell, `failed` is the reason if it has no answer."""
-
-    @property
-    def label(self) -> str: ...
-
-    @property
-    def failed(self) -> str | None: ...
 
 
 @dataclass(frozen=True)
@@ -75,30 +73,33 @@ class CampaignProgress:
     total: int
     failed: int
     seconds_left: float | None
-    last: FinishedCell | None
+    last: SampleRecord | None
 
 
 def run_campaign(
-    material: Material,
+    plan: LawPlan,
     folder: Path,
     jobs: int = 1,
     dask: str | None = None,
     report: Callable[[CampaignProgress], None] | None = None,
-    respond: SolveCell = solve_cell,
+    respond: SolveCell | None = None,
+    tasks: Sequence[CellTask] | None = None,
 ) -> list[SampleRecord]:
     """Solve every cell of the plan that has no file in `folder` yet.
 
     Parameters
     ----------
     folder : of the samples; the campaign makes it. Files appear whole, as cells finish.
-    jobs : number of processes on this machine. The answers do not depend on it.
+    jobs : number of processes on this machine; 0 for this process alone. The answers do not depend on it.
     dask : address of a Dask scheduler, whose workers take the place of these processes.
     report : called at the beginning and after every cell.
-    respond : solves a cell. Other processes must be able to import it. Each function has samples of its own.
+    respond : solves a cell, in place of `solve_cell` or `motif_responses`. Other processes must be able to import it.
+        Each function has samples of its own.
+    tasks : those of the plan's cells that are needed; all by default.
 
     Returns
     -------
-    One record for each task, in the order of `material.tasks()`.
+    One record for each task, in their order.
 
     Raises
     ------
@@ -107,38 +108,51 @@ def run_campaign(
     AddressError
         The scheduler does not answer.
     ValueError
-        `jobs` is below 1.
+        `jobs` is below 0.
     """
-    if jobs < 1:
-        raise ValueError(f"jobs = {jobs}: must be at least 1")
+    if jobs < 0:
+        raise ValueError(f"jobs = {jobs}: must be at least 0")
     folder.mkdir(parents=True, exist_ok=True)
-    tasks, edge, kept = material.tasks(), material.plan.edge_mm, KeptSamples(folder, code_version())
-    known = {task: kept.read(_inputs(material, task, respond)) for task in tasks}
-    records = {task: _record(task, outcome) for task, outcome in known.items() if outcome is not None}
-    missing = _longest_first([task for task in tasks if task not in records])
-    send_report = report or (lambda progress: None)
-    begin = _progress(records, tasks, None, None)
-    cells = [
-        (_inputs(material, task, respond), (respond, material.design(task), edge, code_version())) for task in missing
-    ]
+    solve = respond or (motif_responses if plan.is_motif else solve_cell)
+    kept, send_report = KeptSamples(folder, code_version()), report or (lambda progress: None)
+    tasks = plan.tasks() if tasks is None else tasks
+    designs = {task: plan.cell_design(task) for task in tasks}
+    inputs = {task: cell_inputs(design, plan.edge_mm, respond) for task, design in designs.items()}
+    name = {task: kept.name(each) for task, each in inputs.items()}
+    # a cell is solved once, also if it is both a node and a test
+    first = {name[task]: task for task in reversed(tasks)}
+    known = {key: outcome for key, task in first.items() if (outcome := kept.read(inputs[task])) is not None}
+    # large cells take longest: if they begin first, all workers end at about the same time
+    missing = sorted((task for key, task in first.items() if key not in known), key=lambda t: t.sizes, reverse=True)
+
+    def record(task: CellTask) -> SampleRecord:
+        outcome = known[name[task]]
+        failed = outcome.failed or (None if outcome.sample is None else _doubt(outcome.sample))
+        return SampleRecord(task, plan.label(task), outcome.sample, failed, outcome.crashed, outcome.seconds)
+
+    failed = sum(record(task).failed is not None for key, task in first.items() if key in known)
+    begin = CampaignProgress(len(known), len(first), failed, None, None)
+    cells = [(inputs[task], (solve, designs[task], plan.edge_mm, code_version())) for task in missing]
     with closing(solve_missing(kept, _solve_one, cells, jobs, dask, lambda: send_report(begin))) as solved:
         for number, outcome, left in solved:
-            task = missing[number]
-            records[task] = _record(task, outcome)
-            send_report(_progress(records, tasks, left, records[task]))
-    return [records[task] for task in tasks]
+            known[name[missing[number]]] = outcome
+            last = record(missing[number])
+            failed += last.failed is not None
+            send_report(CampaignProgress(len(known), len(first), failed, left, last))
+    return [record(task) for task in tasks]
 
 
-def _record(task: CellTask, outcome: Outcome) -> SampleRecord:
-    return SampleRecord(task, outcome.sample, outcome.failed, outcome.crashed, outcome.seconds)
+def cell_inputs(design: Design, edge_mm: float, respond: SolveCell | None = None) -> dict[str, Any]:
+    """All that the answer of a cell depends on, beside the code."""
+    data = design.to_dict()
+    parts = {name: data.get(name) for name in ("fabric", "plastic", "lattice", "stars", "rods")}
+    other = {} if respond is None else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
+    return {**parts, "edge_mm": edge_mm, "graded": design.mesh.graded, **other}
 
 
-def _inputs(material: Material, task: CellTask, respond: SolveCell) -> dict[str, Any]:
-    design = material.design(task).to_dict()
-    parts = {name: design[name] for name in ("fabric", "plastic", "lattice", "stars")}
-    other = {} if respond is solve_cell else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
-    graded = {"graded": True} if material.plan.graded else {}
-    return {**parts, "edge_mm": material.plan.edge_mm, **graded, **other}
+def _doubt(sample: dict[str, Any]) -> str | None:
+    """Why the answer of a cell does not stand for a sheet."""
+    return next(iter(sample.get("doubts", ())), None)
 
 
 def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) -> Outcome:
@@ -150,17 +164,5 @@ def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) ->
         answer = respond(design, edge_mm)
         return answer.to_dict(), answer.failed
 
-    # stars that cannot be printed or meshed
-    return attempt(solve, DesignError, MeshError)
-
-
-def _longest_first(tasks: Sequence[CellTask]) -> list[CellTask]:
-    """Long arms take longest. If they begin first, all workers end at about the same time."""
-    return sorted(tasks, key=lambda task: (-task.length_mm, task))
-
-
-def _progress(
-    records: dict[CellTask, SampleRecord], tasks: list[CellTask], left: float | None, last: SampleRecord | None
-) -> CampaignProgress:
-    failed = sum(record.failed is not None for record in records.values())
-    return CampaignProgress(len(records), len(tasks), failed, left, last)
+    # patterns that cannot be printed, meshed or relaxed
+    return attempt(solve, DesignError, MeshError, ArithmeticError, np.linalg.LinAlgError)

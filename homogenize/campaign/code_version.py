@@ -15,12 +15,13 @@ SAMPLE_SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
-        "rods/arms.py", "rods/graph.py", "design/lattice.py", "design/materials.py",
+        "rods/*.py", "mesh/free/*.py", "mesh/outline_points.py", "geometry/*.py",
+        "design/lattice.py", "design/materials.py",
         "design/residual_curvature.py", "layout/layout.py",
         "mesh/grading.py", "mesh/aligned/lattice_grid.py", "layout/supports.py", "layout/sheet_edges.py",
-        "geometry/plane_lattice.py", "mesh/mesh.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
+        "mesh/mesh.py", "design/rounding.py",
     ),
-    homogenize: ("cell/*.py",),
+    homogenize: ("cell/*.py", "law/anisotropy.py"),
 }  # fmt: skip
 
 

@@ -1,86 +1,208 @@
-"""The plan of a small law: the material of one design, and unit cells around the sizes of its stars."""
+"""The plan of the law of one design: unit cells around the sizes of its stars, or of the rods of its motif."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.point_group import aligned_lines
-from asterism.homogenize.law.axes import AXES, Axis
-from asterism.homogenize.law.law import WITHOUT_BENDING
-from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.plan import MIN_CELL_EDGE_MM
+from asterism.homogenize.law.axes import AXES, LENGTH, Axis
+from asterism.homogenize.law.material import MIN_CELL_EDGE_MM
+from asterism.homogenize.law.plan import (
+    ROD_SIZE_KEYS,
+    SAME_SIZE_MM,
+    LawPlan,
+    Size,
+    Sizes,
+    rounded,
+    source_of,
+    without_law,
+)
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.rods import Rods
+from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
 
-# mesh edges between adjacent stars, as in the paper's law, whose edges are 1.15 mm long
-EDGES_PER_SPACING = 15
-# longest edge of a graded cell, over the spacing
-MAX_GRADED_EDGE_SPACINGS = 1 / 5
-# random cells that test a law of more than one size
+# Mesh edges between adjacent stars: natural curvatures of plates are then within 1 % of their limit for tight stars,
+# and within 5 % for slack ones, which hardly curl.
+EDGES_PER_SPACING = 17
+# of the spacing, longest step between adjacent lengths
+LENGTH_STEP = 1 / 12
+# of the nodes of all sizes of a motif together
+MAX_CELLS = 2000
+# random cells that test the law of a motif of more than one size
 HELD_OUT_CELLS = 4
-# of a mesh edge: nodes between the shortest and the longest arms keep this distance from both
-MIN_NODE_DISTANCE = 0.3
 
 
-def plan_for_sizes(design: Design, sizes: Floats, edge_mm: float | None = None) -> Material:
-    """The material of a design, with unit cells whose sizes enclose those of its stars.
+def plan_for_design(
+    design: Design, layout: Layout | None = None, known: LawPlan | None = None, edge_mm: float | None = None
+) -> LawPlan:
+    """The cells for the stars or the motif of a design, see `plan_for_sizes`.
 
     Parameters
     ----------
-    sizes : (S, A) of the stars, in the order of `homogenize.law.axes.AXES`, see `law_coordinates` there.
-    edge_mm : of the cells' mesh; by default that of a graded design (at most `MAX_GRADED_EDGE_SPACINGS`), and else a
-        fifteenth of the spacing, at least `MIN_CELL_EDGE_MM`. Cells are graded if the design is and they can be.
+    layout : of the design; computed if it is needed.
+    known, edge_mm : as of `plan_for_sizes`.
+
+    Examples
+    --------
+    >>> motif = [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]
+    >>> thickness = {"profile": "radial", "from": 0.4, "to": 0.5, "over_mm": 30}
+    >>> grid = Design.from_dict({
+    ...     "rods": {"motif": motif, "thickness_mm": thickness}, "lattice": {"kind": "square", "spacing_mm": 10.0},
+    ...     "border": {"rectangle_mm": (60, 60)},
+    ... })
+    >>> for size in plan_for_design(grid).sizes:
+    ...     print(size.key, size.lines, size.nodes)
+    thickness_mm (0, 1) (0.4, 0.4472, 0.5)
+    width_mm (0, 1) (1.2,)
+    """
+    if (refused := without_law(design)) is not None:
+        raise refused
+    sheet = layout or print_layout(design)
+    if design.rods is None and not sheet.has_stars:
+        raise DesignError("stars", "must be at least one: bare fabric needs no law")
+    empty = LawPlan(design, _groups(design), (), 0.0)
+    return plan_for_sizes(design, empty.sizes_on(design, sheet), known, edge_mm)
+
+
+def plan_for_sizes(
+    design: Design, sizes: Floats, known: LawPlan | None = None, edge_mm: float | None = None
+) -> LawPlan:
+    """The plan of cells whose sizes enclose those of a design.
+
+    For a motif, each group of lines with one sizing field is an axis of the law. Lines whose size is a number of their
+    own keep it.
+
+    Parameters
+    ----------
+    sizes : (S, A) that occur on the sheet, see `LawPlan.sizes_on`.
+    known : of the law before an edit: its nodes stay, if it has the same pattern and mesh.
+    edge_mm : of the cells' mesh, for experiments; by default the spacing of stars over `EDGES_PER_SPACING`, or the
+        usual edge of a motif. Meshes of stars are graded where the fabric bends as a plate and the arms lie on lattice
+        lines.
 
     Raises
     ------
     DesignError
-        The design has no star, or its material has no law.
+        The design has no star, there is no law of it, or too many sizes vary.
     """
+    if (refused := without_law(design)) is not None:
+        raise refused
     if len(sizes) == 0:
         raise DesignError("stars", "must be at least one: bare fabric needs no law")
     if not np.isfinite(sizes).all():
         raise DesignError("stars", "must have sizes that are finite numbers")
-    if not design.fabric.has_bending:
-        raise DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
+    spacing, rods = design.lattice.spacing_mm, design.rods
+    usual = max(round(spacing / EDGES_PER_SPACING, 4), MIN_CELL_EDGE_MM) if rods is None else design.usual_edge_mm
+    edge = edge_mm or usual
+    if edge < MIN_CELL_EDGE_MM:
+        raise DesignError("mesh.edge_mm", f"must be at least {MIN_CELL_EDGE_MM:g} for the cells of a law", edge)
+    groups = _groups(design)
+    before: tuple[Size, ...] = groups
+    if (
+        known
+        and known.edge_mm == edge
+        and [(s.key, s.lines) for s in known.sizes] == [(s.key, s.lines) for s in groups]
+    ):
+        before = known.sizes
+    chosen = tuple(
+        replace(size, nodes=_nodes(size.axis, column, spacing, size.nodes, rods is not None))
+        for size, column in zip(before, sizes.T, strict=True)
+    )
+    varies = sum(size.varies for size in chosen)
+    if rods is not None and (count := math.prod(len(size.nodes) for size in chosen)) > MAX_CELLS:
+        raise DesignError("rods.motif", f"has {varies} sizes that vary, and its law {count} cells; {MAX_CELLS} at most")
     sx, sy = design.fabric.stretch_xy
-    if not math.isclose(sx, sy):
-        raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y", [sx, sy])
-    spacing = design.lattice.spacing_mm
-    graded = design.graded_meshes and aligned_lines(design.lattice) is not None
-    own = min(design.usual_edge_mm, spacing * MAX_GRADED_EDGE_SPACINGS) if graded else spacing / EDGES_PER_SPACING
-    edge = edge_mm or max(round(own, 4), MIN_CELL_EDGE_MM)
-    nodes = {axis.nodes_key: _nodes(axis, column, spacing) for axis, column in zip(AXES, sizes.T, strict=True)}
-    single = all(len(each) == 1 for each in nodes.values())
-    data = design.to_dict()
-    return Material.from_dict(
+    held_out = HELD_OUT_CELLS if rods is not None and varies else 0
+    return LawPlan(_cell(design, chosen), chosen, (sx if math.isclose(sx, sy) else (sx, sy),), edge, held_out)
+
+
+def _groups(design: Design) -> tuple[Size, ...]:
+    """The sizes of the law, without nodes: of stars, or those that all lines share, and profiles of single lines."""
+    rods = design.rods
+    if rods is None:
+        return tuple(Size(axis.key, ()) for axis in AXES)
+    groups: list[Size] = []
+    for key in ROD_SIZE_KEYS:
+        sources = [source_of(rods, line, key) for line in rods.motif]
+        left = [n for n, line in enumerate(rods.motif) if isinstance(sources[n], Profile) or getattr(line, key) is None]
+        while left:
+            alike = tuple(n for n in left if sources[n] == sources[left[0]])
+            groups.append(Size(key, (), alike))
+            left = [n for n in left if n not in alike]
+    return tuple(groups)
+
+
+def _cell(design: Design, sizes: tuple[Size, ...]) -> Design:
+    """A design with equal stars, or with the motif alone, each of whose lines has numbers as its own sizes."""
+    data, side = design.to_dict(), 3.0 * design.lattice.spacing_mm
+    pattern: dict[str, Any]
+    if design.rods is None:
+        graded = not design.fabric.bending_follows_mesh and aligned_lines(design.lattice) is not None
+        pattern = {"stars": {size.key: size.nodes[0] for size in sizes}, "mesh": {"graded": graded}}
+    else:
+        rest = {key: data["rods"][key] for key in ("curve_mm", "join_mm")}
+        pattern = {"rods": {"motif": _lines(design.rods, data["rods"]["motif"], sizes), **rest}}
+    return Design.from_dict(
         {
             "name": design.name,
-            "fabric": data["fabric"] | {"stretch": sx},
+            "fabric": data["fabric"],
             "plastic": data["plastic"],
             "lattice": {key: value for key, value in data["lattice"].items() if key != "origin_mm"},
-            "plan": nodes | {"edge_mm": edge, "graded": graded, "held_out": 0 if single else HELD_OUT_CELLS},
+            "border": {"rectangle_mm": [side, side]},
+            **pattern,
         }
     )
 
 
-def _nodes(axis: Axis, sizes: Floats, spacing: float) -> list[float]:
-    """Increasing nodes of an axis that enclose these sizes (S,) of the stars."""
-    low, high = axis.limits
-    if axis.node_ratio is not None:
-        return geometric_nodes(np.clip(sizes, low, high), axis.node_ratio)
-    return _length_nodes(np.clip(sizes, low, spacing), spacing)
+def _lines(rods: Rods, lines: list[dict[str, Any]], sizes: tuple[Size, ...]) -> list[dict[str, Any]]:
+    for line, drawn in zip(lines, rods.motif, strict=True):
+        for key in ROD_SIZE_KEYS:
+            field = source_of(rods, drawn, key)
+            if not isinstance(field, Profile):
+                line[key] = float(rounded(rods, key, np.array([field]))[0])
+    for size in sizes:
+        for number in size.lines or ():
+            lines[number][size.key] = size.nodes[0]
+    return lines
 
 
-def _length_nodes(lengths: Floats, spacing: float) -> list[float]:
-    """From the shortest to the longest arms in steps of a fifteenth of the spacing: these cells need one mesh only."""
-    low, high = _ends(lengths)
-    step = spacing / EDGES_PER_SPACING
-    margin = MIN_NODE_DISTANCE * step
-    steps = (n for n in range(1, EDGES_PER_SPACING + 1) if low + margin < n * step < high - margin)
-    return sorted({low, *(round(n * step, 4) for n in steps), min(high, spacing)})
+def _nodes(axis: Axis, sizes: Floats, spacing: float, known: Sizes, of_rods: bool) -> Sizes:
+    """Increasing nodes of an axis that enclose sizes (S,), and those of the law before an edit.
+
+    A law before an edit goes on in whole steps, so that a slider meets new cells rarely.
+    """
+    ratio = axis.rod_ratio if of_rods else axis.node_ratio
+    least, most = axis.limits[0], min(axis.limits[1], spacing) if axis is LENGTH else axis.limits[1]
+    low, high = _ends(np.clip(sizes, least, most))
+    nodes = sorted(known) or [low, high]
+    while nodes[-1] < high - SAME_SIZE_MM:
+        nodes.append(min(round(_step(ratio, nodes[-1], spacing, 1), 4), most))
+    while nodes[0] > low + SAME_SIZE_MM:
+        nodes.insert(0, max(round(_step(ratio, nodes[0], spacing, -1), 4), least))
+    between = [node for ends in pairwise(nodes) for node in _steps(ratio, *ends, spacing)]
+    return tuple(sorted({*nodes, *between}))
+
+
+def _step(ratio: float | None, node: float, spacing: float, sense: int) -> float:
+    """The node one step further in a sense, 1 or -1."""
+    return node + sense * LENGTH_STEP * spacing if ratio is None else node * ratio**sense
+
+
+def _steps(ratio: float | None, low: float, high: float, spacing: float) -> list[float]:
+    """Nodes between two, in even steps of the axis that are short enough."""
+    if ratio is None:
+        count = math.ceil((high - low) / (LENGTH_STEP * spacing) - 1e-4)  # nodes are rounded
+        return [round(low + (high - low) * n / count, 4) for n in range(1, count)]
+    return geometric_nodes(np.array([low, high]), ratio)[1:-1]
 
 
 def geometric_nodes(sizes: Floats, max_ratio: float) -> list[float]:

@@ -3,46 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator, RBFInterpolator
-from scipy.spatial import cKDTree
+from scipy.interpolate import PchipInterpolator
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.cell.effective_stiffness import isotropic_constants
+from asterism.homogenize.cell.rod_bending import completed_by_rods
 from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.errors import CampaignError
-from asterism.homogenize.law.anisotropy import anisotropy_size, sample_anisotropy
-from asterism.homogenize.law.axes import AXES, coordinates, named_sizes
-from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_residuals import broken_symmetry, law_residuals, mesh_differences, unstable_tubes
-from asterism.homogenize.law.law_table import (
-    QUANTITIES,
-    QUANTITY_NAMES,
-    LawTable,
-    from_stored,
-    quantity_units,
-    to_stored,
-)
-from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.plan import Sizes
+from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, anisotropy_size, sample_anisotropy, voigt_matrices
+from asterism.homogenize.law.law_file import law_of_tables
+from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.homogenize.law.plan import CellTask, LawPlan, Stretch, stretch_text
+from asterism.homogenize.law.residuals import broken_symmetry, held_out_errors, unstable_tubes
+from asterism.homogenize.law.star_law import QUANTITIES, QUANTITY_NAMES, StarLaw, to_stored
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors, stored_tensors
 
-_Q = len(QUANTITY_NAMES)
-_SCATTERED_SHAPE = tuple(axis.scattered_nodes for axis in AXES)
-# nodes along each axis at which scattered cells meet the bare fabric; of more nodes, every other one
-MAX_BARE_NODES = 4
-CellRows = Mapping[Sizes, Floats | None]
+# of the largest bending stiffness, at least
+MIN_STIFFNESS_RATIO = 0.01
 
 
-def fit_law(material: Material, records: Sequence[SampleRecord], made: dict[str, Any] | None = None) -> Law:
+def fit_law(plan: LawPlan, records: Sequence[SampleRecord], made: dict[str, Any] | None = None) -> StarLaw | MotifLaw:
     """The law of a campaign. The same records give the same numbers.
 
     Parameters
     ----------
-    records : in the order of `material.tasks()`.
+    records : of the plan's tasks, or of some of them.
     made : versions, command, machine and seconds, for the law's file.
 
     Raises
@@ -50,144 +41,99 @@ def fit_law(material: Material, records: Sequence[SampleRecord], made: dict[str,
     CampaignError
         Too many cells have no answer.
     """
-    tables, tests = [], []
-    for stretch in material.stretches:
-        own = [record for record in records if record.task.stretch == stretch]
-        tables.append(_table(material, stretch, [record for record in own if not record.task.held_out]))
-        tests.append([(record.task, _test_quantities(record)) for record in own if record.task.held_out])
-    samples = [_record_data(record) for record in records]
-    errors = law_residuals(tables, tests, material.plan.kind)
-    for name, entry in errors.items():
-        own_samples = [each for each in samples if f"{each['stretch']:g}" == name]
-        entry |= {"meshes": mesh_differences(own_samples), "tubes": unstable_tubes(own_samples)}
-        entry |= {"symmetry": broken_symmetry(own_samples)}
-    return Law(material, tuple(tables), samples, errors, made or {})
+    cells = {record.task: (_motif_cell if plan.is_motif else _star_cell)(plan, record) for record in records}
+    tables = [
+        _table(plan, stretch, cells, {record.task: record.label for record in records}) for stretch in plan.stretches
+    ]
+    samples = [_record_data(plan, record, cells[record.task].problem) for record in records]
+    law = law_of_tables(plan, tables, samples, {}, made or {})
+    for table in law.tables:
+        tests = [
+            (task, cell.row if cell.problem is None else None)
+            for task, cell in cells.items()
+            if task.held_out and task.stretch == table.stretch
+        ]
+        errors = {"held_out": held_out_errors(table, tests)}
+        if not plan.is_motif:
+            own = [each for each in samples if each["stretch"] == table.stretch]
+            errors |= {"tubes": unstable_tubes(own), "symmetry": broken_symmetry(own)}
+        law.residuals[stretch_text(table.stretch)] = errors
+    return law
 
 
-def _test_quantities(record: SampleRecord) -> Floats | None:
-    row = _sample_row(record, 0)
-    return None if row is None else row[:_Q]
+@dataclass(frozen=True)
+class _Cell:
+    """Stored forms (K,) of a cell, None without an answer, and why it has no law, None if it has one."""
+
+    row: Floats | None
+    problem: str | None
 
 
-def _table(material: Material, stretch: float, records: list[SampleRecord]) -> LawTable:
-    columns = anisotropy_size(material.lattice)
-    rows = {record.task: _sample_row(record, columns) for record in records}
-    fabric = next((row for task, row in rows.items() if task.is_bare), None)
-    if fabric is None:
-        reason = next((_sample_problem(record) for record in records if record.task.is_bare), "not solved")
-        raise CampaignError(f"the bare fabric at stretch {stretch:g} has no answer: {reason}")
-    stars = {task.sizes: row for task, row in rows.items() if not task.is_bare}
-    if 2 * sum(row is not None for row in stars.values()) < len(stars):
-        reason = next(why for record in records if (why := _sample_problem(record)) is not None)
-        raise CampaignError(f"fewer than half of the cells at stretch {stretch:g} have an answer; the first: {reason}")
-    units = quantity_units(fabric[:_Q], material.lattice.spacing_mm)
-    fit = _grid_rows if material.plan.kind == "grid" else _scattered_rows
-    axis_nodes, whole, solved = fit(material, fabric, stars, units)
-    quantities, anisotropies, corrugations = np.split(whole, np.cumsum([_Q, columns]), axis=-1)
-    corrugations = corrugations.reshape(*corrugations.shape[:-1], 2, -1)
-    spacing = material.lattice.spacing_mm
-    return LawTable(stretch, spacing, axis_nodes, quantities, corrugations, solved, units, anisotropies)
+def _table(
+    plan: LawPlan, stretch: Stretch, cells: Mapping[CellTask, _Cell], labels: Mapping[CellTask, str]
+) -> tuple[Floats, Bools]:
+    """Stored forms (n1, ..., nA, K) and solved nodes (n1, ..., nA) at one stretch."""
+    own = {task: cell for task, cell in cells.items() if task.stretch == stretch and not task.held_out}
+    by_sizes = {task.sizes: cell for task, cell in own.items()}
+    failed = [f"{labels[task]}: {cell.problem}" for task, cell in own.items() if cell.problem is not None]
+    if plan.is_motif:
+        if len(failed) == len(own):
+            raise CampaignError(failed[0])
+    else:
+        bare = next((cell for task, cell in own.items() if task.is_bare), _Cell(None, "not solved"))
+        if bare.row is None:
+            raise CampaignError(f"the bare fabric at stretch {stretch_text(stretch)} has no answer: {bare.problem}")
+        if 2 * (len(own) - 1 - len(failed)) < len(own) - 1:
+            problem = f"fewer than half of the cells at stretch {stretch_text(stretch)} have an answer"
+            raise CampaignError(f"{problem}; the first: {failed[0]}")
+        by_sizes |= {(0.0, *others): bare for others in product(*(nodes.tolist() for nodes in plan.axis_nodes[1:]))}
+    columns = next(cell.row for cell in own.values() if cell.row is not None).shape
+    nothing = _Cell(np.full(columns, np.nan), "not solved")
+    grid = [by_sizes.get(sizes, nothing) for sizes in product(*(nodes.tolist() for nodes in plan.axis_nodes))]
+    shape = tuple(len(nodes) for nodes in plan.axis_nodes)
+    stored = np.array([nothing.row if cell.row is None else cell.row for cell in grid]).reshape(*shape, -1)
+    solved = np.array([cell.problem is None for cell in grid]).reshape(shape)
+    coordinates = [size.axis.coordinate(nodes) for size, nodes in zip(plan.sizes, plan.axis_nodes, strict=True)]
+    return fill_failed_rows(coordinates, stored), solved
 
 
-def _grid_rows(
-    material: Material, fabric: Floats, stars: CellRows, units: Floats
-) -> tuple[tuple[Floats, ...], Floats, Bools]:
-    """Axis nodes, rows (n1, ..., nA, Q + K + 2 W) and solved nodes (n1, ..., nA) of a grid of cells."""
-    plan = material.plan
-    lengths, *others = ([v for v in plan.nodes(axis) if v > 0] for axis in AXES)
-    axis_nodes = tuple(np.array(nodes) for nodes in ([0.0, *lengths], *others))
-    rows = np.full((*(len(nodes) for nodes in axis_nodes), len(fabric)), np.nan)
-    rows[0] = fabric
-    for index in np.ndindex(len(lengths), *(len(nodes) for nodes in others)):
-        sizes = tuple(nodes[i] for nodes, i in zip((lengths, *others), index, strict=True))
-        if (row := stars[sizes]) is not None:
-            rows[(index[0] + 1, *index[1:])] = row
-    solved = np.isfinite(rows).all(axis=-1)
-    stored = fill_failed_rows(axis_nodes[0], _to_stored(rows, units), solved)
-    return axis_nodes, np.where(solved[..., None], rows, _from_stored(stored, units)), solved
+def fill_failed_rows(coordinates: Sequence[Floats], stored: Floats) -> Floats:
+    """Rows (n1, ..., nA, K) in which those without numbers are filled in, so that all nodes have slopes.
 
+    Between answers on a line along the first axis they come from these; beyond the last ones, and on lines without
+    answers, they go on in a straight line, along one axis after the other. These nodes lie outside the range of the
+    law.
 
-def fill_failed_rows(lengths: Floats, stored: Floats, solved: Bools) -> Floats:
-    """Rows (n1, ..., nA, columns) with failed cells filled in from the others on their line of lengths.
-
-    Rows beyond the last answer on a line repeat that answer; these nodes lie outside the range of the law.
+    Parameters
+    ----------
+    coordinates : (n1,), ..., (nA,) of the nodes.
     """
     whole = stored.copy()
-    for across in np.ndindex(solved.shape[1:]):
-        line = (slice(None), *across)
-        fine = solved[line]
-        if not fine.all():
-            known = lengths[fine]
-            if len(known) == 1:
-                whole[line] = stored[(fine, *across)]
-            else:
-                along = PchipInterpolator(known, stored[(fine, *across)])
-                whole[(~fine, *across)] = along(np.minimum(lengths[~fine], known[-1]))
+    for axis, places in enumerate(coordinates):
+        rows = np.moveaxis(whole, axis, 0)
+        there = np.asarray(np.isfinite(rows).all(axis=-1))
+        for across in np.ndindex(there.shape[1:]):
+            fine = there[(slice(None), *across)]
+            if fine.any() and not fine.all():
+                rows[(~fine, *across)] = _along(places[fine], rows[(fine, *across)], places[~fine])
     return whole
 
 
-def _scattered_rows(
-    material: Material, fabric: Floats, stars: CellRows, units: Floats
-) -> tuple[tuple[Floats, ...], Floats, Bools]:
-    """As `_grid_rows`, of scattered cells: cubic radial functions through all cells give the rows at the nodes.
-
-    The grid begins at the shortest arms that the law covers. A node is solved if the nearest cell is.
-    """
-    (_, longest), *others = material.plan.ranges
-    count = AXES[0].scattered_nodes - 1
-    first = material.plan.min_length_mm(material.lattice.spacing_mm) or longest / count
-    axis_nodes = (
-        np.array([0.0, *np.linspace(first, longest, count)]),
-        *(np.geomspace(low, high, axis.scattered_nodes) for axis, (low, high) in zip(AXES[1:], others, strict=True)),
-    )
-    places, rows = scattered_points(stars, fabric, axis_nodes)
-    nodes = np.stack(np.meshgrid(*axis_nodes, indexing="ij"), axis=-1).reshape(-1, len(AXES))
-    grid = unit_cube_places(nodes, axis_nodes)
-    failed = np.array([sizes for sizes, row in stars.items() if row is None]).reshape(-1, len(AXES))
-    known, unknown = (cKDTree(cells).query(grid)[0] for cells in (places, unit_cube_places(failed, axis_nodes)))
-    solved = (known <= unknown).reshape(_SCATTERED_SHAPE)
-    solved[0] = True
-    stored = radial_interpolator(places, _to_stored(rows, units))(grid).reshape(*_SCATTERED_SHAPE, -1)
-    whole = _from_stored(fill_failed_rows(axis_nodes[0], stored, solved), units)
-    whole[0] = fabric
-    return axis_nodes, whole, solved
-
-
-def _to_stored(rows: Floats, units: Floats) -> Floats:
-    """Rows (..., Q + K + 2 W) with the quantities in their interpolated forms."""
-    return np.concatenate([to_stored(rows[..., :_Q], units), rows[..., _Q:]], axis=-1)
-
-
-def _from_stored(stored: Floats, units: Floats) -> Floats:
-    """The inverse of `_to_stored`."""
-    return np.concatenate([from_stored(stored[..., :_Q], units), stored[..., _Q:]], axis=-1)
-
-
-def scattered_points(stars: CellRows, fabric: Floats, axis_nodes: Sequence[Floats]) -> tuple[Floats, Floats]:
-    """Places (n, A) in the unit cube and rows (n, Q + K + 2 W) of all answers.
-
-    The bare fabric stands at many places of the side with length 0.
-    """
-    known = {sizes: row for sizes, row in stars.items() if row is not None}
-    thinned = [nodes[::2] if len(nodes) > MAX_BARE_NODES else nodes for nodes in axis_nodes[1:]]
-    bare = [(0.0, *map(float, others)) for others in product(*thinned)]
-    rows = np.vstack([np.array(list(known.values())), np.tile(fabric, (len(bare), 1))])
-    return unit_cube_places(np.array([*known, *bare]), axis_nodes), rows
-
-
-def unit_cube_places(sizes: Floats, axis_nodes: Sequence[Floats]) -> Floats:
-    """(n, A) places in the unit cube of sizes (n, A): coordinates over the range of the nodes."""
-    low, high = coordinates(np.array([[nodes[end] for nodes in axis_nodes] for end in (0, -1)]))
-    return np.asarray((coordinates(sizes) - low) / (high - low))
-
-
-def radial_interpolator(places: Floats, values: Floats) -> RBFInterpolator:
-    """Cubic radial functions with a linear part."""
-    return RBFInterpolator(places, values, kernel="cubic", degree=1)
+def _along(places: Floats, rows: Floats, asked: Floats) -> Floats:
+    """Rows at places of a line: monotone between the known ones, and straight beyond the first and the last."""
+    if len(places) == 1:
+        return np.repeat(rows, len(asked), axis=0)
+    inner = np.clip(asked, places[0], places[-1])
+    out: Floats = PchipInterpolator(places, rows)(inner)
+    for two, beyond in (((0, 1), asked < places[0]), ((-1, -2), asked > places[-1])):
+        end, next_one = two
+        slope = (rows[end] - rows[next_one]) / (places[end] - places[next_one])
+        out[beyond] = rows[end] + (asked[beyond] - places[end])[:, None] * slope
+    return out
 
 
 def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:
-    """(Q,) the quantities `law_table.QUANTITY_NAMES` of one sample.
+    """(Q,) the quantities `star_law.QUANTITY_NAMES` of one sample.
 
     With threefold symmetry, means over directions are those of 0 and 30 degrees, where a sixfold function has its
     extremes. Otherwise they are those of all six directions. The membrane constants are those of the isotropic tensor
@@ -220,38 +166,87 @@ def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:
     return np.array([quantities[name] for name in QUANTITY_NAMES])
 
 
-def _sample_problem(record: SampleRecord) -> str | None:
+def _star_cell(plan: LawPlan, record: SampleRecord) -> _Cell:
+    """Quantities, differences between directions and corrugation of a star's cell, in their interpolated forms."""
+    problem, sample = _star_problem(record), record.sample
+    if problem is not None or sample is None:
+        return _Cell(None, problem or "no answer")
+    lattice, bare = plan.design.lattice, record.task.is_bare
+    columns = anisotropy_size(lattice)
+    anisotropy = sample_anisotropy(sample) if columns and not bare else np.zeros(columns)
+    corrugation = np.array(sample["relief"], dtype=float).ravel()
+    quantities = to_stored(_quantities(record, sample), lattice.spacing_mm)
+    return _Cell(np.concatenate([quantities, anisotropy, np.where(bare, 0.0, corrugation)]), None)
+
+
+def _star_problem(record: SampleRecord) -> str | None:
     """Why the fit cannot use a sample, in one line; None if it can."""
     if record.failed is not None or record.sample is None:
         return record.failed or "no answer"
     bump = float(np.array(record.sample["natural_bump_mm"], dtype=float).min())
     if record.sample["length_mm"] > 0 and not bump > 0:
         return f"the star is not up: bump {bump:.3g} mm"
-    values = sample_quantities(record.sample, record.task.stretch)
-    for name, value in zip(QUANTITY_NAMES, values, strict=True):
+    for name, value in zip(QUANTITY_NAMES, _quantities(record, record.sample), strict=True):
         if not np.isfinite(value) or (QUANTITIES[name].form == "log" and value <= 0):
             return f"{name} = {value:.3g} is no answer"
     return None
 
 
-def _sample_row(record: SampleRecord, columns: int) -> Floats | None:
-    """(Q + K + 2 W,) quantities, differences between directions (K = `columns`) and corrugation; None if unusable."""
-    if _sample_problem(record) is not None or record.sample is None:
-        return None
-    bare = record.task.is_bare
-    anisotropy = sample_anisotropy(record.sample) if columns and not bare else np.zeros(columns)
-    corrugation = np.array(record.sample["relief"], dtype=float).ravel()
-    quantities = sample_quantities(record.sample, record.task.stretch)
-    return np.concatenate([quantities, anisotropy, np.where(bare, 0.0, corrugation)])
+def _quantities(record: SampleRecord, sample: dict[str, Any]) -> Floats:
+    return sample_quantities(sample, float(np.max(record.task.stretch)))
 
 
-def _record_data(record: SampleRecord) -> dict[str, Any]:
+def _motif_cell(plan: LawPlan, record: SampleRecord) -> _Cell:
+    """The tensors of a motif's cell, also of one without a law: its answer continues those of its neighbours."""
+    if record.sample is None or record.sample["failed_directions"]:
+        return _Cell(None, record.failed or "no answer")
+    return _Cell(stored_tensors(motif_tensors(record.sample))[0], record.failed)
+
+
+def motif_tensors(sample: dict[str, Any]) -> SheetTensors:
+    """The tensors (n = 1) of a sheet: metric and membrane of the flat cell, and the bending of its natural tubes.
+
+    Parameters
+    ----------
+    sample : plain data of `homogenize.cell.motif_responses.MotifResponses`.
+    """
+    stiffness = np.zeros((6, 6))
+    membrane, deformation = np.array(sample["linear"]["stiffness"])[:3, :3], np.array(sample["deformation"])
+    stiffness[:3, :3] = 0.5 * (membrane + membrane.T)
+    stiffness[3:, 3:], moment = _bending_of_tubes(sample)
+    metric = deformation @ deformation
+    # plastic outside: edges go down
+    curvature = -np.linalg.solve(stiffness[3:, 3:], moment) / TO_VOIGT
+    return SheetTensors(np.array([[metric[0, 0], metric[1, 1], metric[0, 1]]]), stiffness[None], curvature[None])
+
+
+def _bending_of_tubes(sample: dict[str, Any]) -> tuple[Floats, Floats]:
+    """Q (3, 3) N mm and m (3,) N, in curvatures K of the print: the energy `K . Q K/2 - m . K` nearest to the tubes.
+
+    Tubes leave Q12 open up to Q33 (`homogenize.cell.rod_bending`): the mean of Q12 over all axes is that of the rods.
+    The linear cell does not know it either: see `homogenize.cell.effective_stiffness`.
+    """
+    angle, hoop, curvature, bending = (
+        np.array([tube[name] for tube in sample["directions"]])
+        for name in ("direction_rad", "hoop", "curvature", "bending")
+    )
+    along = np.stack([np.cos(angle) ** 2, np.sin(angle) ** 2, np.sin(2.0 * angle)], axis=-1)
+    curvature, bending = curvature * hoop**2, bending / hoop**4
+    pairs = np.array([along[:, i] * along[:, j] * (1.0 if i == j else 2.0) for i, j in VOIGT_ENTRIES]).T
+    of_tubes = voigt_matrices(np.linalg.lstsq(pairs, bending, rcond=None)[0])
+    sizes, axes = np.linalg.eigh(completed_by_rods(of_tubes, np.array(sample["rods"])))
+    q = (axes * np.maximum(sizes, MIN_STIFFNESS_RATIO * sizes.max())) @ axes.T
+    moment = np.linalg.lstsq(along, bending * curvature, rcond=None)[0]
+    return q, moment
+
+
+def _record_data(plan: LawPlan, record: SampleRecord, problem: str | None) -> dict[str, Any]:
     """A record as plain data for the law's file, without the times, which differ from run to run."""
     sample = record.sample and {k: v for k, v in record.sample.items() if k != "seconds"}
     return {
         "stretch": record.task.stretch,
         "held_out": record.task.held_out,
-        **named_sizes(record.task.sizes),
-        "problem": _sample_problem(record),
+        **plan.named(record.task.sizes),
+        "problem": problem,
         "sample": sample,
     }

@@ -19,6 +19,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any
 
+from asterism.equilibrium.threads import one_blas_thread
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.errors import AddressError, CampaignError
 
@@ -40,12 +41,27 @@ WORKER_ENVIRONMENT = {
     "NUMBA_NUM_THREADS": "1",
     "MKL_CBWR": "AUTO,STRICT",
 }
+# so many cells are solved in this process
+FEW_CELLS = 3
 Cell = tuple[Mapping[str, Any], tuple[Any, ...]]
 
 
 def default_jobs() -> int:
     """One process per core that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def this_process() -> Iterator[SubmitAll]:
+    """One after the other, without another process."""
+
+    def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
+        for number, args in enumerate(arguments):
+            with one_blas_thread():
+                answer = function(*args)
+            yield number, answer
+
+    yield submit_all
 
 
 @contextmanager
@@ -195,7 +211,7 @@ def solve_missing(
     ----------
     function : solves a cell. Other processes must be able to import it.
     cells : for each the inputs that its file is named by, and the arguments of the function.
-    jobs : number of processes on this machine.
+    jobs : number of processes on this machine; 0 for this process alone.
     dask : address of a Dask scheduler, whose workers take the place of these processes.
     begin : called when the workers are there, and at once if there is no cell.
 
@@ -208,7 +224,11 @@ def solve_missing(
         begin()
         return
     start, processes = time.perf_counter(), min(jobs, len(cells))
-    workers: AbstractContextManager[SubmitAll] = local_workers(processes) if dask is None else dask_workers(dask)
+    workers: AbstractContextManager[SubmitAll]
+    if dask is not None:
+        workers = dask_workers(dask)
+    else:  # a few cells are done before a process has begun
+        workers = local_workers(processes) if processes and len(cells) > FEW_CELLS else this_process()
     with workers as submit_all:
         begin()
         arrivals = submit_all(function, [arguments for _, arguments in cells])

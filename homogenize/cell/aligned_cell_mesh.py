@@ -20,6 +20,9 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.mesh.grading import MIN_SPRING_WEIGHT, Grading, half_cotangents
 
+# edges of short arms on graded meshes: with fewer ones the curvature of such stars jumps by a quarter
+LEAST_GRADED_SEGMENTS = 4
+
 
 def aligned_cell_mesh(
     lattice_vectors: Floats,
@@ -27,7 +30,6 @@ def aligned_cell_mesh(
     lengths: Floats,
     edge_mm: float,
     repeat: tuple[int, int] = (1, 1),
-    segments: int | None = None,
     surrounded: bool = False,
     graded: bool = False,
 ) -> PeriodicMesh:
@@ -39,7 +41,6 @@ def aligned_cell_mesh(
     directions : (N,) of the arms, indices into `GRID_DIRECTIONS`.
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.
-    segments : edges of every arm but those whose tips meet; the nearest number to its length by default.
     surrounded : with the triangles around, whose points are then unfolded too.
     graded : as many triangles, but finer ones at arms and tips, as in graded sheets (`pattern.mesh.grading`).
 
@@ -51,7 +52,8 @@ def aligned_cell_mesh(
     k = edges_per_spacing(lattice_vectors, directions, lengths, edge_mm)
     n, m = repeat[0] * k, repeat[1] * k
     grading = _cell_grading(lattice_vectors, directions, lengths, repeat) if graded and len(directions) else None
-    links = _link_stations(directions, _link_reach(lattice_vectors, directions, lengths), k, segments)
+    least = LEAST_GRADED_SEGMENTS if grading is not None else 1
+    links = _link_stations(directions, _link_reach(lattice_vectors, directions, lengths), k, least)
     shift = _grid_displacement(repeat, k, lattice_vectors, links)
     if grading is not None:
         links = _graded_stations(links, GRID_DIRECTIONS[directions] @ lattice_vectors, directions, lengths, grading)
@@ -159,13 +161,13 @@ def _tips_meet(reach: Floats) -> NDArray[np.bool_]:
     return (reach > 0) & (back > 0) & (reach + back > 1.0 - TOUCHING_TOLERANCE)
 
 
-def _link_stations(directions: Ints, reach: Floats, k: int, wanted: int | None) -> LinkStations:
+def _link_stations(directions: Ints, reach: Floats, k: int, least: int) -> LinkStations:
     """Stations of an even mesh with k edges between stars.
 
     Parameters
     ----------
     reach : (6,), from `_link_reach`.
-    wanted : edges of every arm but those whose tips meet; the nearest number to its length by default.
+    least : edges of short arms, if there is room.
 
     Raises
     ------
@@ -177,7 +179,7 @@ def _link_stations(directions: Ints, reach: Floats, k: int, wanted: int | None) 
         # tips that do not meet are different points, whether there are arms from both ends or from one
         both, touches = reach[(direction + 3) % 6] > 0, reach[direction] > 1.0 - TOUCHING_TOLERANCE
         longest = (k - 1) // 2 if both else k if touches else k - 1
-        segments[direction] = min(max(wanted or round(reach[direction] * k), 1), longest)
+        segments[direction] = min(max(round(reach[direction] * k), least), longest)
     segments[_tips_meet(reach)] = k // 2
     fractions = np.empty((6, k + 1))
     for direction in range(6):

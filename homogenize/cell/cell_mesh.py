@@ -18,9 +18,7 @@ from asterism.pattern.rods.arms import check_clear
 _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])
 
 
-def cell_mesh(
-    design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
-) -> PeriodicMesh:
+def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> PeriodicMesh:
     """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
     It is graded if the design's mesh is and all arms lie on lattice lines.
@@ -39,16 +37,14 @@ def cell_mesh(
     if on_lines is not None:
         directions = on_lines if length else on_lines[:0]
         lengths = np.full(len(directions), length)
-        return aligned_cell_mesh(
-            vectors, directions, lengths, edge_mm, repeat, segments, surrounded, bool(design.graded_meshes)
-        )
+        return aligned_cell_mesh(vectors, directions, lengths, edge_mm, repeat, surrounded, bool(design.graded_meshes))
     if design.mesh.graded:
         raise MeshError(GRADED_OFF_LINES)
     free = arm_directions(lattice) if length else np.empty((0, 2))
     if length > lattice.spacing_mm * (1.0 + TOUCHING_TOLERANCE):
         raise MeshError(f"arms of {length:g} mm are longer than the spacing, {lattice.spacing_mm:g} mm")
     _check_clear(vectors, free, length, star_size(design, "width_mm"))
-    return free_cell_mesh(vectors, free, length, edge_mm, repeat, segments, surrounded, point_group(lattice))
+    return free_cell_mesh(vectors, free, length, edge_mm, repeat, surrounded, point_group(lattice))
 
 
 def star_size(design: Design, name: str) -> float:

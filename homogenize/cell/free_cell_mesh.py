@@ -51,7 +51,6 @@ def free_cell_mesh(
     length: float,
     edge_mm: float,
     repeat: tuple[int, int] = (1, 1),
-    segments: int | None = None,
     surrounded: bool = False,
     group: Floats | None = None,
 ) -> PeriodicMesh:
@@ -63,7 +62,6 @@ def free_cell_mesh(
     directions : (N, 2) unit vectors of the arms.
     length : mm, of every arm, at most the spacing. Tips may meet; other parts of different stars keep a distance.
     edge_mm : about, of the mesh; edges are shorter where arms of different stars come close.
-    segments : edges of an arm far from other arms; by default the number nearest to its length.
     surrounded : the mesh includes the triangles around, whose points are then unfolded too.
     group : (G, 2, 2) rotations and reflections of star and lattice, whose symmetry the mesh has; none by default.
 
@@ -74,7 +72,7 @@ def free_cell_mesh(
     """
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
-    frame, arms = _frame(vectors, directions, length, edge_mm, segments)
+    frame, arms = _frame(vectors, directions, length, edge_mm)
     if group is not None:
         frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
     triangulation = conforming_triangulation(frame, edge_mm)
@@ -85,13 +83,13 @@ def free_cell_mesh(
 
 
 def _frame(
-    vectors: Floats, directions: Floats, length: float, edge_mm: float, segments: int | None
+    vectors: Floats, directions: Floats, length: float, edge_mm: float
 ) -> tuple[MeshConstraints, list[MeshPath]]:
     """The points on the arms, and the paths of the arms over them."""
     inverse, same = np.linalg.inv(vectors), TOUCHING_TOLERANCE * float(np.linalg.norm(vectors, axis=1).min())
     points, sizes, arms = [np.zeros(2)], [edge_mm], []
     for direction in directions:
-        along = _stations(vectors, directions, direction, length, edge_mm, segments)
+        along = _stations(vectors, directions, direction, length, edge_mm)
         step = np.diff(along)
         sizes[0] = min(sizes[0], step[0])
         arm = MeshPath(np.zeros(len(along), dtype=np.int64), np.zeros((len(along), 2), dtype=np.int64))
@@ -122,11 +120,9 @@ def _nearby_arms(frame: MeshConstraints, directions: Floats, length: float) -> N
     return NearbyArms(a, a + length * np.tile(directions, (len(centres), 1)), points, centres)
 
 
-def _stations(
-    vectors: Floats, directions: Floats, direction: Floats, length: float, edge_mm: float, segments: int | None
-) -> Floats:
+def _stations(vectors: Floats, directions: Floats, direction: Floats, length: float, edge_mm: float) -> Floats:
     """(n + 1,) mm along an arm: equal steps, shorter ones near arms of other stars."""
-    even = length / max(1, segments or round(length / edge_mm))
+    even = length / max(1, round(length / edge_mm))
     along = np.linspace(0.0, length, _FINE + 1)
     stars = np.repeat(NEIGHBOUR_STEPS @ vectors, len(directions), axis=0)
     tips = stars + length * np.tile(directions, (len(NEIGHBOUR_STEPS), 1))

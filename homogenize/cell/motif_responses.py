@@ -9,7 +9,8 @@ similar energy, and no law of one cell describes it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -135,7 +136,7 @@ class MotifResponses:
     linear : stiffness and moment of the flat cell.
     rods : (3, 3) N mm, bending stiffness of the rods alone.
     directions : natural tubes.
-    failed : directions (rad from x) without an equilibrium, and why.
+    failed_directions : rad from x, those without an equilibrium, and why.
     comparison : with 2 x 2 cells.
     spacing_mm : length of the shorter lattice vector.
     vertices : of the mesh.
@@ -145,10 +146,19 @@ class MotifResponses:
     linear: EffectiveStiffness
     rods: Array
     directions: tuple[RolledDirection, ...]
-    failed: tuple[tuple[float, str], ...]
+    failed_directions: tuple[tuple[float, str], ...]
     comparison: CellComparison
     spacing_mm: float
     vertices: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for JSON, with the `doubts`."""
+        return {**{name: _plain(value) for name, value in asdict(self).items()}, "doubts": self.doubts}
+
+    @property
+    def failed(self) -> str | None:
+        """Why there is no answer at all: `doubts` have the reasons of an answer that does not stand for a sheet."""
+        return None
 
     @property
     def doubts(self) -> list[str]:
@@ -157,7 +167,15 @@ class MotifResponses:
         curl = max((abs(tube.curvature) * self.spacing_mm for tube in self.directions), default=0.0)
         if curl > MAX_SEARCHED_CURL:
             doubts.append(f"the sheet curls by {curl:.2g} rad within one cell: it is not separated in scale")
-        return doubts + [f"direction {np.degrees(angle):.0f} deg: {reason}" for angle, reason in self.failed]
+        return doubts + [f"direction {np.degrees(angle):.0f} deg: {reason}" for angle, reason in self.failed_directions]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    return [_plain(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def motif_responses(

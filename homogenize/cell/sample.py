@@ -1,10 +1,5 @@
 """The sample of one unit cell: all responses of an endless sheet of equal stars.
 
-The grid of an aligned cell has a whole number of edges between stars. If an arm is not a whole number of edges long,
-the mesh is distorted to meet its tip: the arm gets one edge more or one less. The two meshes change the answers by a
-few percent, in opposite senses. The mean of both, weighted by nearness, is continuous and nearly smooth over the
-length. A free mesh has no grid: its arms get the nearest number.
-
 The mesh of a cell has the symmetry, but its equilibrium may break it: a star with four arms may bend to a saddle, with
 one pair of arms up. Its images under the point group are equilibria of the same energy, and tubes that are equal by
 symmetry then differ. A sheet takes the form of lower energy. So each of several equal directions gets the responses of
@@ -21,7 +16,6 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.equilibrium.clock import Clock
-from asterism.homogenize.cell.aligned_cell_mesh import edges_per_spacing
 from asterism.homogenize.cell.cell_mesh import star_size
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.effective_stiffness import (
@@ -33,16 +27,13 @@ from asterism.homogenize.cell.effective_stiffness import (
 )
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
-from asterism.homogenize.cell.point_group import aligned_lines, point_group
+from asterism.homogenize.cell.point_group import point_group
 from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface, tube_membrane_stiffness
-from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, is_threefold, tube_angles
+from asterism.homogenize.cell.tube_directions import is_threefold, tube_angles
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 
-# of an edge: an arm that is so near to a whole number of edges has one mesh
-WHOLE_EDGE_TOLERANCE = 1e-3
-EIGENVALUE_KEYS = ("eigenvalue", "supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue")
 # rad, and of the stretches
 DIRECTION_TOLERANCE = 1e-6
 # of a response: responses that differ by less are equal up to the tolerance of Newton's method, and keep their digits
@@ -63,14 +54,14 @@ SCALAR_KEYS = (
 
 @dataclass(frozen=True)
 class Sample:
-    """Responses of the cell of one star; the weighted mean of two meshes if the arms have two (`arm_segments`).
+    """Responses of the cell of one star.
 
     Energies are per area of the print, relative to the flat relaxed cell. "Natural" means the tube with zero moment. If
     its curvature is below `natural_curvature.MIN_NATURAL_CURL`, then stretches, corrugation and membrane are those of a
     tube of small curvature. The mean surface is that of all points of the fabric, weighted by printed area. Signs and
     angles are those of the room (`homogenize.cell`).
 
-    D is the number of directions, M that of the meshes of an arm (1 or 2), and W that of the waves of the corrugation.
+    D is the number of directions, and W that of the waves of the corrugation.
 
     Attributes
     ----------
@@ -78,10 +69,7 @@ class Sample:
     stretch : of the fabric, the same along x and y.
     edge_mm : mm, edges of the mesh.
     spacing_mm : mm, distance of the star centres.
-    vertices : vertices of the mesh, or of both meshes.
-    segments : (M,) mesh edges along an arm.
-    meshes_apart : difference of the mean natural curvatures of the two meshes over the larger one: 2 for opposite
-        ones, 0 if neither curls, None with one mesh.
+    vertices : of the mesh.
     failed : why some or all responses are missing, in one line; None for a complete sample.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates.
     lam : sqrt(det F), its contraction.
@@ -122,8 +110,6 @@ class Sample:
     edge_mm: float
     spacing_mm: float
     vertices: int
-    segments: Array
-    meshes_apart: float | None = None
     failed: str | None = None
     rest_metric: Array | None = None
     lam: float | None = None
@@ -191,21 +177,15 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     if angles is None and sx != sy:
         raise DesignError("fabric.stretch", "must be one number if no angles are given", [sx, sy])
     angles = tube_angles(design.lattice) if angles is None else angles
-    cuts = arm_segments(design, edge_mm)
-    each: list[dict[str, Any]] = []
-    for segments, _ in cuts:
-        with clock("mesh and model"):
-            cell = UnitCell(design, edge_mm, (1, 1), segments)
-        response: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
-        try:
-            _measure(clock, cell, angles, response)
-        except (ArithmeticError, np.linalg.LinAlgError) as error:
-            response = {"failed": str(error), "iterations": response["iterations"]}
-        finally:
-            cell.close()
-        each.append(response)
-    weights = np.array([weight for _, weight in cuts])
-    responses = blend_responses(each, weights)
+    with clock("mesh and model"):
+        cell = UnitCell(design, edge_mm)
+    responses: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
+    try:
+        _measure(clock, cell, angles, responses)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        responses = {"failed": str(error), "iterations": responses["iterations"]}
+    finally:
+        cell.close()
     if "failed" not in responses:
         responses = symmetric_responses(responses, point_group(design.lattice), (sx, sy))
     return Sample(
@@ -216,20 +196,9 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
         vertices=cell.mesh.n_base,
-        segments=np.array([segments for segments, _ in cuts]),
-        meshes_apart=_apart(each, cell.spacing),
         seconds=clock.seconds,
         **responses,
     )
-
-
-def _apart(each: list[dict[str, Any]], spacing: float) -> float | None:
-    """`Sample.meshes_apart` from the responses of two meshes."""
-    if len(each) < 2 or any("failed" in response for response in each):
-        return None
-    kappa = [float(np.mean(response["natural_curvature"])) for response in each]
-    largest = float(np.abs(kappa).max())
-    return 0.0 if largest * spacing < MIN_RESOLVED_CURL else float(np.ptp(kappa)) / largest
 
 
 def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
@@ -324,64 +293,6 @@ def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[
         "bending": bending,
         "sixfold": sixfold,
     }
-
-
-def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...]:
-    """One or two pairs (number of edges, weight); the weights add up to 1.
-
-    Examples
-    --------
-    >>> from asterism.pattern.design.design import Design
-    >>> star = {"stars": {"length_mm": 9.0}, "border": {"rings": 1}}
-    >>> [(n, round(w, 3)) for n, w in arm_segments(Design.from_dict(star), 2.0)]
-    [(4, 0.323), (5, 0.677)]
-    """
-    vectors = np.asarray(design.lattice.vectors)
-    length, on_lines = star_size(design, "length_mm"), aligned_lines(design.lattice)
-    if on_lines is None:
-        return ((max(1, round(length / edge_mm)), 1.0),)
-    k = edges_per_spacing(vectors, on_lines, np.full(len(on_lines), length), edge_mm)
-    edge = float(np.linalg.norm(vectors, axis=1).min()) / k
-    cut = length / edge
-    low = math.floor(cut + WHOLE_EDGE_TOLERANCE)
-    if low < 1:
-        return ((1, 1.0),)
-    above = max(cut - low, 0.0)
-    # arms from both ends of a lattice edge do not reach its middle unless they meet
-    most = k - 1 if design.lattice.arms == 3 else (k - 1) // 2
-    if above < WHOLE_EDGE_TOLERANCE or low + 1 > most:
-        return ((low, 1.0),)
-    return ((low, 1.0 - above), (low + 1, above))
-
-
-def blend_responses(each: list[dict[str, Any]], weights: Array) -> dict[str, Any]:
-    """The weighted mean of the responses of two meshes.
-
-    Eigenvalues are the smallest. A response that one mesh lacks is None; if one mesh failed, so does the cell.
-
-    Parameters
-    ----------
-    each : responses of one or two meshes, see `homogenize.cell.sample.Sample`.
-    weights : of the meshes; they add up to 1.
-    """
-    failed = next((response["failed"] for response in each if "failed" in response), None)
-    iterations = sum(response["iterations"] for response in each)
-    if failed is not None:
-        return {"failed": failed, "iterations": iterations}
-    out: dict[str, Any] = {}
-    for name, value in each[0].items():
-        values = [response[name] for response in each if response.get(name) is not None]
-        if len(values) < len(each):
-            out[name] = None
-        elif name in EIGENVALUE_KEYS:
-            out[name] = _same_kind(value, np.min(values, axis=0))
-        else:
-            out[name] = _same_kind(value, np.tensordot(weights, np.array(values), axes=1))
-    return out | {"iterations": iterations}
-
-
-def _same_kind(like: Any, value: Any) -> Any:
-    return np.asarray(value) if isinstance(like, np.ndarray) else float(value)
 
 
 def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tuple[float, float]) -> dict[str, Any]:

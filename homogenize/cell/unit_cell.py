@@ -48,7 +48,6 @@ class UnitCell(System):
     design : materials, lattice, and the star or the motif; their sizes are numbers.
     edge_mm : of the mesh.
     repeat : stars or motifs along A1 and A2.
-    segments : mesh edges of every arm; by default the number nearest to its length.
 
     Attributes
     ----------
@@ -69,11 +68,9 @@ class UnitCell(System):
     another: two half edges in one line have the energy of a stencil.
     """
 
-    def __init__(
-        self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
-    ) -> None:
+    def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> None:
         self.design = design
-        motif, mesh = _motif_and_mesh(design, edge_mm, repeat, segments)
+        motif, mesh = _motif_and_mesh(design, edge_mm, repeat)
         self.mesh = _inner_first(mesh)
         self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
         self.model = _unfolded_model(design, self.mesh, motif)
@@ -279,12 +276,10 @@ class UnitCell(System):
         return (float(force[: moved.size] @ moved.ravel()) + turning) / self.area
 
 
-def _motif_and_mesh(
-    design: Design, edge_mm: float, repeat: tuple[int, int], segments: int | None
-) -> tuple[MotifGraph | None, PeriodicMesh]:
+def _motif_and_mesh(design: Design, edge_mm: float, repeat: tuple[int, int]) -> tuple[MotifGraph | None, PeriodicMesh]:
     """The rods of one cell, or None for stars, and the mesh of the cells."""
     if design.rods is None:
-        return None, cell_mesh(design, edge_mm, repeat, segments)
+        return None, cell_mesh(design, edge_mm, repeat)
     from asterism.homogenize.cell.motif_cell_mesh import (
         motif_cell_mesh,  # slow to import; cells of stars do without them
     )

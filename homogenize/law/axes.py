@@ -1,8 +1,8 @@
-"""The axes of the law: the sizes of a star that its quantities are functions of.
+"""The axes of laws: the sizes of a star, or of the rods of a motif, that tensors are functions of.
 
-Every part of the law iterates over `AXES`: plan, tables, interpolation, fit, file, errors, text and pictures. Wherever
-sizes stand in a row, they stand in the order of `AXES`. A new axis is one entry here, its two fields in
-`homogenize.law.plan.CampaignPlan`, and its effect on the arms in `homogenize.cell.unit_cell`.
+Wherever sizes of a star stand in a row, they stand in the order of `AXES`; drawn rods have no length. A new axis is one
+entry here, its field in `homogenize.law.material.CampaignPlan`, and its effect on the arms in
+`homogenize.cell.unit_cell`.
 
 The first axis is the length of the arms. A star of length 0 has no arms: its cell is the bare fabric, whatever its
 other sizes are.
@@ -11,7 +11,7 @@ other sizes are.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,11 +35,12 @@ class Axis:
     name : in sentences.
     symbol : in tables.
     key : in designs, samples and law files.
-    nodes_key, range_key : in plans, the nodes of a grid of cells and the range of scattered cells.
+    nodes_key : in material files.
     limits : smallest and largest value that can be printed. The spacing of the stars limits lengths further.
     logarithmic : the law is interpolated over the logarithm of the size, and the size is above 0.
-    scattered_nodes : number of nodes in the table of a law from scattered cells.
-    node_ratio : largest ratio of adjacent nodes in the plan for one design; None for nodes in steps of the cell's mesh.
+    node_ratio : largest ratio of adjacent nodes in the plan for the stars of one design; None for even steps.
+    rod_ratio : the same for the rods of a motif: bending changes with the cube of the thickness, and membrane with the
+        width.
     measure : the value at each star of a layout, (S,); its second argument is the number of arms of a whole star.
     """
 
@@ -47,11 +48,10 @@ class Axis:
     symbol: str
     key: str
     nodes_key: str
-    range_key: str
     limits: tuple[float, float]
     logarithmic: bool
-    scattered_nodes: int
     node_ratio: float | None
+    rod_ratio: float | None
     measure: Callable[[Layout, int], Floats]
 
     def coordinate(self, values: Floats) -> Floats:
@@ -76,11 +76,10 @@ LENGTH = Axis(
     symbol="l",
     key="length_mm",
     nodes_key="lengths_mm",
-    range_key="length_range_mm",
     limits=(MIN_ARM_MM, math.inf),
     logarithmic=False,
-    scattered_nodes=14,
     node_ratio=None,
+    rod_ratio=None,
     measure=_mean_length,
 )
 
@@ -90,11 +89,10 @@ THICKNESS = Axis(
     symbol="h",
     key="thickness_mm",
     nodes_key="thicknesses_mm",
-    range_key="thickness_range_mm",
     limits=THICKNESS_RANGE_MM,
     logarithmic=True,
-    scattered_nodes=7,
     node_ratio=1.2,
+    rod_ratio=1.12,
     measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_thickness),
 )
 
@@ -104,16 +102,16 @@ WIDTH = Axis(
     symbol="w",
     key="width_mm",
     nodes_key="widths_mm",
-    range_key="width_range_mm",
     limits=WIDTH_RANGE_MM,
     logarithmic=True,
-    scattered_nodes=4,
     node_ratio=1.3,
+    rod_ratio=1.26,
     measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_width),
 )
 
 
 AXES = (LENGTH, THICKNESS, WIDTH)
+AXIS_OF = {axis.key: axis for axis in AXES}
 
 
 def law_coordinates(layout: Layout, arms: int) -> Floats:
@@ -127,33 +125,6 @@ def law_coordinates(layout: Layout, arms: int) -> Floats:
     arms : number of arms of a whole star.
     """
     return np.column_stack([axis.measure(layout, arms) for axis in AXES])
-
-
-def named_sizes(sizes: Sequence[float] | Floats) -> dict[str, float]:
-    """Sizes by the keys of design files.
-
-    Examples
-    --------
-    >>> named_sizes([9.0, 0.3, 1.2])
-    {'length_mm': 9.0, 'thickness_mm': 0.3, 'width_mm': 1.2}
-    """
-    return {axis.key: float(size) for axis, size in zip(AXES, sizes, strict=True)}
-
-
-def sizes_text(sizes: Sequence[float] | Floats, digits: int = 6) -> str:
-    """Sizes in one line, with so many significant digits.
-
-    Examples
-    --------
-    >>> sizes_text([9.0, 0.3, 1.2])
-    'l 9 mm, h 0.3 mm, w 1.2 mm'
-    """
-    return ", ".join(f"{axis.symbol} {size:.{digits}g} mm" for axis, size in zip(AXES, map(float, sizes), strict=True))
-
-
-def coordinates(sizes: Floats) -> Floats:
-    """(N, A) coordinates that the law is interpolated over, of sizes (N, A)."""
-    return np.column_stack([axis.coordinate(sizes[:, number]) for number, axis in enumerate(AXES)])
 
 
 def min_length(lengths_mm: Iterable[float], spacing_mm: float) -> float:

@@ -12,17 +12,20 @@ tests compare the slopes with scipy's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import product
 from typing import Literal
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Bools, Floats, Ints
 
 SlopeRule = Literal["monotone", "smooth", "spline"]
 # relative weights of both sides below this are rounding errors: the values around the node lie on a line
 MIN_RELATIVE_WEIGHT = 1e-9
+# mm, or difference of logarithms: a place so near to a node is on it
+NODE_TOLERANCE = 1e-9
 
 
 class HermiteGrid:
@@ -75,7 +78,7 @@ class HermiteGrid:
                     part = part * size.reshape([-1 if a == axis else 1 for a in range(count + 1)])
             entries.append(part)
         stacked = np.stack(entries, axis=-2)
-        return np.ascontiguousarray(stacked.reshape(-1, 4**count, stacked.shape[-1]))
+        return np.ascontiguousarray(stacked.reshape(math.prod(self.boxes), 4**count, stacked.shape[-1]))
 
     def box(self, points: Floats) -> tuple[Ints, Floats]:
         """Number of the box that each point (N, A) lies in, (N,), and place in the box (N, A) from 0 to 1."""
@@ -86,6 +89,24 @@ class HermiteGrid:
             place[:, axis] = (points[:, axis] - nodes[index]) / (nodes[index + 1] - nodes[index])
             number = number * self.boxes[axis] + index
         return number, place
+
+    def is_known(self, points: Floats, known: Bools) -> Bools:
+        """(N,) whether all nodes are known that the values at points (N, A) depend on: two along each axis, or one.
+
+        Parameters
+        ----------
+        known : (n1, ..., nA) of the nodes that the grid was made with.
+        """
+        for axis in range(known.ndim):
+            known = np.repeat(known, 2, axis=axis) if known.shape[axis] == 1 else known
+        number, place = self.box(points)
+        lower = np.stack(np.unravel_index(number, self.boxes), axis=-1)
+        span = np.array([np.diff(nodes)[index] for nodes, index in zip(self.axes, lower.T, strict=True)]).T
+        out = np.ones(len(points), dtype=bool)
+        for corner in product((0, 1), repeat=known.ndim):
+            side = np.where(place * span < NODE_TOLERANCE, 0, np.where((1 - place) * span < NODE_TOLERANCE, 1, corner))
+            out &= known[tuple((lower + side).T)]
+        return out
 
     def __call__(self, points: Floats) -> tuple[Floats, Floats]:
         """Values (N, Q) and first derivatives (N, A, Q) at points (N, A) within the grid."""

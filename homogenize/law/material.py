@@ -2,25 +2,105 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, ValidationInfo, model_validator
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines
-from asterism.homogenize.law.axes import AXES, LENGTH, named_sizes
-from asterism.homogenize.law.plan import CampaignPlan, CellTask
+from asterism.homogenize.law.axes import AXES, LENGTH, Axis
+from asterism.homogenize.law.plan import LawPlan, Size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.material_files import MeasurementNote
 from asterism.pattern.design.materials import Fabric, Plastic
-from asterism.pattern.design.section import Line, Section
+from asterism.pattern.design.section import Line, Number, Section, Whole
+from asterism.pattern.design.stars import MIN_ARM_MM
 
+# cells of one grid
+MAX_SAMPLES = 100_000
+# stars are at least 1 mm apart, and a cell has at least three edges between two stars
+MIN_CELL_EDGE_MM = 0.2
+# between two stretches: designs with rounded numbers must find the stretch of their table
+MIN_STRETCH_STEP = 1e-4
+AxisNodes = tuple[Number, ...]
+_BY_NODES = {axis.nodes_key: axis for axis in AXES}
 PAPER_MATERIAL = Path(__file__).parents[1] / "data" / "paper.toml"
+
+
+class CampaignPlan(Section):
+    """Section `[plan]` of a material file: which unit cells are solved.
+
+    Attributes
+    ----------
+    stretches : the law has one table for each; by default the stretch of the fabric alone.
+    lengths_mm, thicknesses_mm, widths_mm : increasing; all combinations are solved. The bare fabric (length 0) is
+        always among them.
+    edge_mm : of the cells' mesh. Sheets that use the law have meshes with the same edge length.
+    graded : finer at arms and tips, as sheets with `mesh.graded`; not for the paper's hinges.
+    held_out : number of random cells per stretch that test the law.
+    """
+
+    stretches: AxisNodes | None = Field(None, min_length=1, max_length=20)
+    lengths_mm: AxisNodes = Field((2.0, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0), min_length=1, max_length=200)
+    thicknesses_mm: AxisNodes = Field((0.2, 0.25, 0.3, 0.4, 0.5, 0.6), min_length=1, max_length=200)
+    widths_mm: AxisNodes = Field((0.8, 1.2, 1.6), min_length=1, max_length=200)
+    edge_mm: Number = Field(2.0, ge=MIN_CELL_EDGE_MM, le=100)
+    graded: bool = False
+    held_out: Whole = Field(12, ge=0, le=10_000)
+
+    @field_validator("stretches", *_BY_NODES)
+    @classmethod
+    def _increase(cls, values: AxisNodes | None) -> AxisNodes | None:
+        if values is not None and any(b <= a for a, b in pairwise(values)):
+            raise DesignError("", "must increase", list(values))
+        return values
+
+    @field_validator("stretches")
+    @classmethod
+    def _are_stretches(cls, values: AxisNodes | None) -> AxisNodes | None:
+        if values is None:
+            return None
+        _check_within(values, (1.0, 3.0))
+        if any(b - a < MIN_STRETCH_STEP * (1.0 - 1e-6) for a, b in pairwise(sorted(values))):
+            raise DesignError("", f"must be at least {MIN_STRETCH_STEP:g} apart", list(values))
+        return values
+
+    @field_validator(*_BY_NODES)
+    @classmethod
+    def _can_be_printed(cls, values: AxisNodes, info: ValidationInfo) -> AxisNodes:
+        axis = _BY_NODES[str(info.field_name)]
+        if axis is not LENGTH:
+            _check_within(values, axis.limits)
+            return values
+        printed = [v for v in values if v != 0]
+        if not all(v >= MIN_ARM_MM for v in printed):
+            raise DesignError("", f"must be at least {MIN_ARM_MM:g}: shorter arms are not printed", list(values))
+        if not printed:
+            raise DesignError("", "must hold a length above 0: the bare fabric is always there", list(values))
+        return values
+
+    @model_validator(mode="after")
+    def _few_cells(self) -> Self:
+        if math.prod(len(self.nodes(axis)) for axis in AXES) > MAX_SAMPLES:
+            raise DesignError("", f"must have at most {MAX_SAMPLES} cells in its grid")
+        return self
+
+    def nodes(self, axis: Axis) -> AxisNodes:
+        """Nodes of an axis."""
+        nodes: AxisNodes = getattr(self, axis.nodes_key)
+        return nodes
+
+
+def _check_within(values: AxisNodes, limits: tuple[float, float]) -> None:
+    if not all(limits[0] <= v <= limits[1] for v in values):
+        raise DesignError("", f"must be from {limits[0]:g} to {limits[1]:g}", list(values))
 
 
 class Material(Section):
@@ -29,8 +109,8 @@ class Material(Section):
     Examples
     --------
     >>> paper = load_material()
-    >>> paper.name, paper.stretches, len(paper.tasks())
-    ('paper', (1.35, 1.75), 1402)
+    >>> paper.name, paper.plan.stretches, len(paper.law_plan().tasks())
+    ('paper', (1.35, 1.75), 1226)
     """
 
     name: Line = Field("material", min_length=1, max_length=100)
@@ -55,58 +135,37 @@ class Material(Section):
             raise DesignError("plan.graded", f"must be false: {GRADED_OFF_LINES}", True)
         if "plan" not in self.model_fields_set and not (info.context or {}).get("plan_is_used", True):
             return self
-        spacing = self.lattice.spacing_mm
-        grid = self.plan.kind == "grid"
-        if self.plan.ranges[0][1] > spacing * (1 + 1e-6):
+        spacing, longest = self.lattice.spacing_mm, self.plan.lengths_mm[-1]
+        if longest > spacing * (1 + 1e-6):
             if "plan" not in self.model_fields_set:
-                problem = f"needs a [plan] of its own: the plan of the paper has arms of {self.plan.ranges[0][1]:g} mm"
+                problem = f"needs a [plan] of its own: the plan of the paper has arms of {longest:g} mm"
                 raise DesignError("lattice.spacing_mm", problem, spacing)
-            key = LENGTH.nodes_key if grid else LENGTH.range_key
-            raise DesignError(f"plan.{key}", f"must be at most the spacing {spacing:g}", self.plan.ranges[0][1])
+            raise DesignError(f"plan.{LENGTH.nodes_key}", f"must be at most the spacing {spacing:g}", longest)
         if self.plan.edge_mm > spacing / 3:
             raise DesignError("plan.edge_mm", f"must be at most a third of the spacing {spacing:g}", self.plan.edge_mm)
         return self
 
-    @property
-    def stretches(self) -> tuple[float, ...]:
-        """The stretches of the law, one table each."""
-        return self.plan.stretches or (float(np.max(self.fabric.stretch)),)
-
-    def tasks(self) -> list[CellTask]:
-        """Every cell of the plan, sorted; the bare fabric once per stretch."""
-        bare = (0.0, *(low for low, _ in self.plan.ranges[1:]))
-        fitted = [bare, *self.plan.sizes()]
-        tests = self.plan.test_sizes(self.lattice.spacing_mm)
-        return sorted(
-            {
-                CellTask(stretch, held_out, sizes)
-                for stretch in self.stretches
-                for held_out, rows in ((False, fitted), (True, tests))
-                for sizes in rows
-            }
-        )
-
-    def design(self, task: CellTask) -> Design:
-        """The design whose unit cell is solved. Its outline has no effect."""
+    def law_plan(self) -> LawPlan:
+        """The cells of the law. The outline of their design has no effect."""
+        sizes = tuple(Size(axis.key, tuple(v for v in self.plan.nodes(axis) if v > 0)) for axis in AXES)
+        stretches = self.plan.stretches or (float(np.max(self.fabric.stretch)),)
         side = 3 * self.lattice.spacing_mm
-        return Design.from_dict(
+        design = Design.from_dict(
             {
                 "name": self.name,
-                "fabric": {**self.fabric.model_dump(mode="json"), "stretch": task.stretch},
+                "fabric": {**self.fabric.model_dump(mode="json"), "stretch": stretches[0]},
                 "plastic": self.plastic.model_dump(mode="json"),
                 "lattice": self.to_dict()["lattice"],
-                "stars": named_sizes(task.sizes),
+                "stars": {size.key: size.nodes[0] for size in sizes},
                 "border": {"rectangle_mm": [side, side]},
                 "mesh": {"graded": self.plan.graded},
             }
         )
+        return LawPlan(design, sizes, stretches, self.plan.edge_mm, self.plan.held_out)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data with all defaults; the inverse of `from_dict`."""
         data = self.model_dump(mode="json", by_alias=True, exclude_none=True)
-        scattered = [*(axis.range_key for axis in AXES), "count"]
-        for key in scattered if self.plan.kind == "grid" else [axis.nodes_key for axis in AXES]:
-            del data["plan"][key]
         if self.plan.stretches is not None:
             del data["fabric"]["stretch"]
         return data

@@ -2,158 +2,129 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.motif_plan import ROD_SIZE_KEYS, MotifPlan
-from asterism.homogenize.law.motif_table import SIZE_TOLERANCE, MotifTable
-from asterism.homogenize.law.tensor_forms import SheetTensors
+from asterism.homogenize.law.hermite_grid import SlopeRule
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.plan import LawPlan
+from asterism.homogenize.law.table import CellErrors, LawTable
+from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored
 from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.sizing.profile import Profile
 
+# errors in percent: of the length of the flat sheet, of energies, and of the largest curvature
+MOTIF_QUANTITIES = ("stretch", "membrane", "bending", "curvature")
+MIN_CURVATURE = 1e-9  # 1/mm, of a sheet that does not curl
+_COLUMNS = slice(0, STORED_SIZE)
+_RULES: list[SlopeRule] = ["spline"] * STORED_SIZE
+
 
 @dataclass(frozen=True)
-class MotifValues:
-    """The law at n places of a sheet.
+class MotifValues(SheetTensors):
+    """The law at n places of a sheet: its tensors, as `fem.shell.density.Density` and `fem.shell.fields.Fields` take
+    them.
 
     Attributes
     ----------
-    metric : (n, 3) components 11, 22, 12 of the rest metric of the print.
-    stiffness : (n, 6, 6) membrane (N/mm) and bending (N mm), Voigt, as of `fem.shell.density.Density`.
-    curvature : (n, 3) rest curvature, components 11, 22, 12, 1/mm, as of `fem.shell.fields.Fields`.
     inside : (n,) False outside the range of the law. Values there are those of the nearest sizes in the range.
+    slopes : derivatives of the three by the A sizes of the plan: arrays with an axis of A after the first.
     outside : one line for each place outside the range.
-    slopes : derivatives of the three by the A sizes: arrays with an axis of A after the first.
     """
 
-    metric: Floats
-    stiffness: Floats
-    curvature: Floats
     inside: Bools
-    outside: tuple[str, ...]
     slopes: SheetTensors
+    outside: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class MotifTable(LawTable):
+    """The law of a motif at one stretch.
+
+    The stored forms (`homogenize.law.tensor_forms`) are cubic splines over the logarithms of the sizes. These are
+    linear in the answers of the cells, and so the law of a turned motif is the turned law. A cell without a law has the
+    forms of its own answer.
+    """
+
+    error_names = MOTIF_QUANTITIES
+
+    @staticmethod
+    def columns(plan: LawPlan) -> int:
+        return STORED_SIZE
+
+    def __call__(self, sizes: Floats) -> MotifValues:
+        """The law at sizes (n, A) mm."""
+        tensors, slopes = tensors_of_stored(*self.interpolated(sizes, _COLUMNS, _RULES))
+        return MotifValues(tensors.metric, tensors.stiffness, tensors.curvature, self.inside(sizes), slopes)
+
+    def errors(self, sizes: Floats, stored: Floats) -> CellErrors:
+        values = self(sizes)
+        cells = tensors_of_stored(stored, np.empty((len(stored), 0, STORED_SIZE)))[0]
+        return CellErrors(tensor_errors(values, cells), values.inside, np.zeros(len(sizes), bool), {}, {})
 
 
 @dataclass(frozen=True)
-class MotifLaw:
-    """A table for one motif, lattice, material and stretch, and everything that produced it.
+class MotifLaw(Law[MotifTable]):
+    """The law of one motif, lattice and material."""
 
-    Attributes
-    ----------
-    plan : what the law is for.
-    table : the tensors.
-    samples : all records of the campaign as plain data, in the order of the plan's tasks.
-    residuals : errors of the law at its held-out cells, see `homogenize.law.motif_table`.
-    made : versions, command, machine, seconds.
-    """
+    def check(self, design: Design) -> MotifTable:
+        """As of `Law.check`; also for a motif of equal rods, whose cell must have a law. Sizes that vary over the sheet
+        are left to `evaluate_at`."""
+        table = super().check(design)
+        if not any(isinstance(each, Profile) for each in self.plan.sources(design)):
+            values = self._at(table, design, self.plan.sizes_at(design, np.zeros((1, 2))))
+            if not values.inside[0]:
+                raise LawError(values.outside[0], field=leading_field(values.outside[0]))
+        return table
 
-    plan: MotifPlan
-    table: MotifTable
-    samples: Sequence[dict[str, Any]]
-    residuals: dict[str, Any]
-    made: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def edge_mm(self) -> float:
-        """Edge length of the cells' mesh. Exact models that the law is compared with need the same edge length."""
-        return self.plan.edge_mm
-
-    def check(self, design: Design) -> None:
-        """Compare a design with the law. Sizes that vary over the sheet are left to `evaluate_at`.
-
-        Raises
-        ------
-        ForeignLaw
-            The law is for another material, stretch, lattice or motif, or for other sizes.
-        LawError
-            Designs of this kind have no law, or the cell of the design's motif has none.
-        """
-        self.plan.check(design)
-        fields = self.plan.sources(design)
-        if any(isinstance(each, Profile) for each in fields):
-            return
-        values = self.evaluate_at(design, np.zeros((1, 2)))
-        if not values.inside[0]:
-            raise LawError(values.outside[0], field=leading_field(values.outside[0]))
-
-    def evaluate(self, design: Design, thickness_mm: ArrayLike, width_mm: ArrayLike) -> MotifValues:
-        """The law at places where all rods have these sizes. Lines with sizes of their own keep those.
+    def evaluate(self, design: Design, *sizes: ArrayLike) -> MotifValues:
+        """The law at these sizes, with stiffnesses for the modulus of the design's fabric.
 
         Parameters
         ----------
-        thickness_mm, width_mm : (n,), or a number for both.
-
-        Returns
-        -------
-        The values; `slopes` are by thickness and width, A = 2.
+        sizes : mm, in the order of `plan.sizes`, each (n,) or a number.
 
         Raises
         ------
         LawError
-            As of `MotifPlan.check`, or several groups of lines have thicknesses or widths of their own: use
-            `evaluate_at`.
+            As of `Law.check`.
         """
-        given = np.stack(np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in (thickness_mm, width_mm))))
-        keys = [size.key for size in self.plan.sizes]
-        if len(set(keys)) < len(keys):
-            raise LawError("the law has several thicknesses or widths: evaluate_at takes them from the design")
-        columns = [ROD_SIZE_KEYS.index(key) for key in keys]
-        values = self._at(design, given[columns].T)
-
-        def by_both(slope: Floats) -> Floats:
-            out = np.zeros((len(slope), 2, *slope.shape[2:]))
-            out[:, columns] = slope
-            return out
-
-        slopes = values.slopes
-        both = SheetTensors(by_both(slopes.metric), by_both(slopes.stiffness), by_both(slopes.curvature))
-        return MotifValues(values.metric, values.stiffness, values.curvature, values.inside, values.outside, both)
+        table = super().check(design)
+        return self._at(table, design, table.rows(sizes))
 
     def evaluate_at(self, design: Design, points: Floats) -> MotifValues:
         """The law at printed points (n, 2) mm, with the sizes that the design's rods have there.
 
-        Returns
-        -------
-        The values; `slopes` are by the sizes of the plan.
-
         Raises
         ------
         LawError
-            As of `MotifPlan.check`.
+            As of `Law.check`.
         """
-        return self._at(design, self.plan.sizes_at(design, points))
+        return self._at(super().check(design), design, self.plan.sizes_at(design, points))
 
-    def _at(self, design: Design, sizes: Floats) -> MotifValues:
-        """The law at sizes (n, A), with stiffnesses for the modulus of the design's fabric."""
-        self.plan.check(design)
-        tensors, slopes, inside = self.table(sizes)
-        scale = design.fabric.modulus_mpa / self.plan.design.fabric.modulus_mpa
-        slopes = SheetTensors(slopes.metric, scale * slopes.stiffness, slopes.curvature)
-        outside = tuple(self._why_outside(sizes[place]) for place in np.flatnonzero(~inside))
-        return MotifValues(tensors.metric, scale * tensors.stiffness, tensors.curvature, inside, outside, slopes)
+    def _at(self, table: MotifTable, design: Design, sizes: Floats) -> MotifValues:
+        values, scale = table(sizes), self.modulus_ratio(design)
+        slopes = replace(values.slopes, stiffness=scale * values.slopes.stiffness)
+        outside = tuple(self._why_outside(table, sizes[place]) for place in np.flatnonzero(~values.inside))
+        return replace(values, stiffness=scale * values.stiffness, slopes=slopes, outside=outside)
 
-    def _why_outside(self, sizes: Floats) -> str:
+    def _why_outside(self, table: MotifTable, sizes: Floats) -> str:
         """One line about sizes (A,) without a law; it begins with the field of a design."""
-        for size, value in zip(self.plan.sizes, sizes, strict=True):
-            low, high = size.nodes[0], size.nodes[-1]
-            if not low * (1 - SIZE_TOLERANCE) <= value <= high * (1 + SIZE_TOLERANCE):
-                covered = f"{low:g}" if low == high else f"{low:g} to {high:g}"
-                return f"rods.{size.key} = {value:g}: is outside the law's {covered}"
+        if (beyond := table.beyond(sizes)) is not None:
+            name, size, covered = beyond
+            return f"rods.{name.partition('_of_')[0]} = {size:g}: is outside the law's {covered}"
         problems = [each for each in self.samples if each["problem"] is not None and not each["held_out"]]
         if not problems:
             return "rods.motif: no cell was solved"
-        known = np.log([each["sizes"] for each in problems]).reshape(len(problems), -1)
-        nearest = problems[int(np.argmin(np.linalg.norm(known - np.log(sizes), axis=1)))]
-        place = ", ".join(
-            f"{size.key} = {value:g}" for size, value in zip(self.plan.sizes, nearest["sizes"], strict=True)
-        )
-        return problem_of_motif(nearest["problem"]) + (f" ({place})" if place else "")
+        rows = [[each[name] for name in self.plan.names] for each in problems]
+        known = np.log(rows).reshape(len(problems), -1)
+        nearest = int(np.argmin(np.linalg.norm(known - np.log(sizes), axis=1)))
+        place = ", ".join(f"{size.key} = {x:g}" for size, x in zip(self.plan.sizes, rows[nearest], strict=True))
+        return problem_of_motif(problems[nearest]["problem"]) + (f" ({place})" if place else "")
 
 
 def problem_of_motif(problem: str) -> str:
@@ -167,3 +138,38 @@ def problem_of_motif(problem: str) -> str:
     'rods: motif[0] has a piece of 0.50 mm at [1.00, 0.00]: 1 or more'
     """
     return problem if leading_field(problem) else f"rods.motif: {problem}"
+
+
+def tensor_errors(law: SheetTensors, cell: SheetTensors) -> Floats:
+    """(n, 4) errors in percent of `MOTIF_QUANTITIES`, the same in all axes.
+
+    - stretch: the largest error of the length of a line on the flat sheet;
+    - membrane, bending: the largest error of the energy of a strain or curvature, over that energy;
+    - curvature: the norm of the error of the rest curvature over the norm of the rest curvature.
+
+    Examples
+    --------
+    >>> cell = SheetTensors(np.array([[0.81, 0.64, 0.0]]), np.eye(6)[None], np.array([[-0.01, 0.0, 0.0]]))
+    >>> law = SheetTensors(1.02 * cell.metric, 1.01 * cell.stiffness, 0.99 * cell.curvature)
+    >>> tensor_errors(law, cell).round(2)
+    array([[1., 1., 1., 1.]])
+    """
+    metric, known = (_matrix(each.metric) for each in (law, cell))
+    errors = [np.abs(np.sqrt(_ratios(metric, known)) - 1.0).max(axis=-1)]
+    for part in (slice(0, 3), slice(3, 6)):
+        errors.append(np.abs(_ratios(law.stiffness[:, part, part], cell.stiffness[:, part, part]) - 1.0).max(axis=-1))
+    apart, size = (
+        np.linalg.norm(_matrix(each), axis=(1, 2)) for each in (law.curvature - cell.curvature, cell.curvature)
+    )
+    errors.append(apart / np.maximum(size, MIN_CURVATURE))
+    return 100.0 * np.stack(errors, axis=-1)
+
+
+def _matrix(entries: Floats) -> Floats:
+    return entries[..., [0, 2, 2, 1]].reshape(*entries.shape[:-1], 2, 2)
+
+
+def _ratios(ours: Floats, known: Floats) -> Floats:
+    """(n, k) stationary ratios of two quadratic forms (n, k, k)."""
+    root = np.linalg.inv(np.linalg.cholesky(known))
+    return np.asarray(np.linalg.eigvalsh(root @ ours @ np.swapaxes(root, -1, -2)))

@@ -1,37 +1,81 @@
-"""The plan of a campaign: the stretches and star sizes at which unit cells are solved."""
+"""The plan of a law: what it is for, and the stretches and sizes at which its unit cells are solved.
+
+Stars and motifs of drawn rods differ in what carries the sizes: the arms of the star, or some lines of the motif.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
-from typing import Literal, Self
+from functools import cached_property
+from itertools import product
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.axes import AXES, LENGTH, Axis, min_length
+from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.axes import AXIS_OF, LENGTH, Axis, law_coordinates, min_length
+from asterism.homogenize.law.same_material import (
+    FREE_KEYS,
+    LATTICE_TOLERANCE,
+    MATERIAL_TOLERANCE,
+    check_bending,
+    check_same,
+    same_sites,
+    same_values,
+)
+from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.section import Number, Point, Section, Whole
-from asterism.pattern.design.stars import MIN_ARM_MM
+from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.rods import DrawnLine, Rods
+from asterism.pattern.design.sizing.field import SizingField, sample
+from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.layout.layout import Layout
 
-# cells of one grid or one set of scattered cells
-MAX_SAMPLES = 100_000
-# stars are at least 1 mm apart, and a cell has at least three edges between two stars
-MIN_CELL_EDGE_MM = 0.2
-# between two stretches: designs with rounded numbers must find the stretch of their table
-MIN_STRETCH_STEP = 1e-4
-# arms of held-out cells, unless the law covers shorter or only longer ones
+RodSizeKey = Literal["thickness_mm", "width_mm"]
+ROD_SIZE_KEYS: tuple[RodSizeKey, ...] = ("thickness_mm", "width_mm")
+Sizes: TypeAlias = tuple[float, ...]
+# of the fabric, the same in x and y or one for each
+Stretch: TypeAlias = float | tuple[float, float]
+# of the random held-out cells
+TEST_SEED = 1
+# their arms, unless the law covers shorter or only longer ones
 MIN_TEST_ARM_MM = 1.5
-# decimals of the sizes of scattered and held-out cells, in mm
+# decimals of the sizes of held-out cells, in mm
 SIZE_DECIMALS = 3
-AxisNodes = tuple[Number, ...]
-Sizes = tuple[float, ...]
+# mm, sizes that differ by less are one node
+SAME_SIZE_MM = 1e-6
+_EXACT = "use the exact model: asterism simulate"
+# without bending, bare fabric has no stiffness or no equilibrium, and the natural curvature of the paper's star jumps
+# between 0.027 and 0.079 per mm for mesh edges from 3.5 to 0.8 mm
+WITHOUT_BENDING = f"has no law: bare fabric without bending stiffness makes unit cells depend on their mesh; {_EXACT}"
 
-_BY_NODES = {axis.nodes_key: axis for axis in AXES}
-_BY_RANGE = {axis.range_key: axis for axis in AXES}
+
+@dataclass(frozen=True)
+class Size:
+    """A size that a law is a function of.
+
+    Attributes
+    ----------
+    key : of design files.
+    nodes : mm, increasing.
+    lines : numbers of the lines of a motif that have it; None for the arms of stars.
+    """
+
+    key: str
+    nodes: Sizes
+    lines: tuple[int, ...] | None = None
+
+    @property
+    def axis(self) -> Axis:
+        """What a size of this key is like."""
+        return AXIS_OF[self.key]
+
+    @property
+    def varies(self) -> bool:
+        """Whether the law has more than one value of it."""
+        return len(self.nodes) > 1
 
 
 @dataclass(frozen=True, order=True)
@@ -40,151 +84,339 @@ class CellTask:
 
     Attributes
     ----------
-    stretch : of the fabric, equal in x and y.
+    stretch : of the fabric.
     held_out : the cell tests the law; the fit does not use it.
-    sizes : of the star, in the order of `homogenize.law.axes.AXES`.
+    sizes : mm, in the order of `LawPlan.sizes`.
     """
 
-    stretch: float
+    stretch: Stretch
     held_out: bool
     sizes: Sizes
 
     @property
-    def length_mm(self) -> float:
-        """Length of the arms."""
-        return self.sizes[0]
-
-    @property
     def is_bare(self) -> bool:
         """Whether the star has no arms, so that the cell is the bare fabric."""
-        return self.sizes[0] == 0.0
+        return bool(self.sizes) and self.sizes[0] == 0.0
 
 
-class CampaignPlan(Section):
-    """Section `[plan]` of a material file: which unit cells are solved.
+@dataclass(frozen=True)
+class LawPlan:
+    """The cells of a law.
 
     Attributes
     ----------
-    kind : "grid" solves all combinations of the three lists. "halton" and "sobol" scatter `count` cells over the
-        ranges, by the sequence of that name.
-    stretches : the law has one table for each; by default the stretch of the fabric alone.
-    lengths_mm, thicknesses_mm, widths_mm : nodes of a grid, increasing. The bare fabric (length 0) is always solved.
-    length_range_mm, thickness_range_mm, width_range_mm : [low, high] of scattered cells.
-    count, seed : of scattered cells.
+    design : of one cell. The stretch of its fabric and its `sizes` are replaced; other sizes of lines are numbers.
+    sizes : what the law is a function of. Those of stars are `homogenize.law.axes.AXES`.
+    stretches : the law has one table for each.
     edge_mm : of the cells' mesh. Sheets that use the law have meshes with the same edge length.
-    graded : finer at arms and tips, as sheets with `mesh.graded`; not for the paper's hinges.
     held_out : number of random cells per stretch that test the law.
     """
 
-    kind: Literal["grid", "halton", "sobol"] = "grid"
-    stretches: AxisNodes | None = Field(None, min_length=1, max_length=20)
-    lengths_mm: AxisNodes = Field((2.0, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0), min_length=1, max_length=200)
-    thicknesses_mm: AxisNodes = Field((0.2, 0.25, 0.3, 0.4, 0.5, 0.6), min_length=1, max_length=200)
-    widths_mm: AxisNodes = Field((0.8, 1.2, 1.6), min_length=1, max_length=200)
-    length_range_mm: Point = (1.0, 13.0)
-    thickness_range_mm: Point = (0.2, 0.6)
-    width_range_mm: Point = (0.8, 1.6)
-    count: Whole = Field(128, ge=8, le=MAX_SAMPLES)
-    seed: Whole = Field(0, ge=0, lt=2**32)
-    edge_mm: Number = Field(2.0, ge=MIN_CELL_EDGE_MM, le=100)
-    graded: bool = False
-    held_out: Whole = Field(12, ge=0, le=10_000)
-
-    @field_validator("stretches", *_BY_NODES)
-    @classmethod
-    def _increase(cls, values: AxisNodes | None) -> AxisNodes | None:
-        if values is not None and any(b <= a for a, b in pairwise(values)):
-            raise DesignError("", "must increase", list(values))
-        return values
-
-    @field_validator("stretches")
-    @classmethod
-    def _are_stretches(cls, values: AxisNodes | None) -> AxisNodes | None:
-        if values is None:
-            return None
-        _check_within(values, (1.0, 3.0))
-        if any(b - a < MIN_STRETCH_STEP * (1.0 - 1e-6) for a, b in pairwise(sorted(values))):
-            raise DesignError("", f"must be at least {MIN_STRETCH_STEP:g} apart", list(values))
-        return values
-
-    @field_validator(*_BY_NODES, *_BY_RANGE)
-    @classmethod
-    def _can_be_printed(cls, values: AxisNodes, info: ValidationInfo) -> AxisNodes:
-        axis = (_BY_NODES | _BY_RANGE)[str(info.field_name)]
-        if axis is not LENGTH:
-            _check_within(values, axis.limits)
-            return values
-        printed = [v for v in values if v != 0]
-        if not all(v >= MIN_ARM_MM for v in printed):
-            raise DesignError("", f"must be at least {MIN_ARM_MM:g}: shorter arms are not printed", list(values))
-        if not printed:
-            raise DesignError("", "must hold a length above 0: the bare fabric is always there", list(values))
-        return values
-
-    @field_validator(*_BY_RANGE)
-    @classmethod
-    def _from_low_to_high(cls, values: Point) -> Point:
-        if not 0 < values[0] < values[1]:
-            raise DesignError("", "must be [low, high] with 0 < low < high", list(values))
-        return values
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        foreign = {*_BY_RANGE, "count"} if self.kind == "grid" else set(_BY_NODES)
-        for key in sorted(foreign & self.model_fields_set):
-            raise DesignError(key, f'does not go with kind = "{self.kind}"', getattr(self, key))
-        if math.prod(len(self.nodes(axis)) for axis in AXES) > MAX_SAMPLES:
-            raise DesignError("", f"must have at most {MAX_SAMPLES} cells in its grid")
-        return self
-
-    def nodes(self, axis: Axis) -> AxisNodes:
-        """Nodes of an axis, for a grid of cells."""
-        nodes: AxisNodes = getattr(self, axis.nodes_key)
-        return nodes
-
-    def scatter_range(self, axis: Axis) -> Point:
-        """Range of an axis, for scattered cells."""
-        low_high: Point = getattr(self, axis.range_key)
-        return low_high
+    design: Design
+    sizes: tuple[Size, ...]
+    stretches: tuple[Stretch, ...]
+    edge_mm: float
+    held_out: int = 0
 
     @property
-    def ranges(self) -> tuple[Point, ...]:
-        """Smallest and largest size along each of `AXES`; the smallest length is 0."""
-        ends = [self.nodes(axis) if self.kind == "grid" else self.scatter_range(axis) for axis in AXES]
-        return tuple((0.0 if axis is LENGTH else end[0], end[-1]) for axis, end in zip(AXES, ends, strict=True))
+    def is_motif(self) -> bool:
+        """Whether the law is for a motif of drawn rods, and not for stars."""
+        return self.design.rods is not None
 
-    def sizes(self) -> list[Sizes]:
-        """Sizes of the stars with arms that the law is fitted to."""
-        if self.kind == "grid":
-            return list(product(*([v for v in self.nodes(axis) if v > 0] for axis in AXES)))
-        from scipy.stats import qmc  # its import takes half a second, and only these plans use it
+    @cached_property
+    def axis_nodes(self) -> tuple[Floats, ...]:
+        """Increasing nodes of each size; the bare fabric is an arm of length 0."""
+        return tuple(np.array([*([0.0] if size.axis is LENGTH else []), *size.nodes]) for size in self.sizes)
 
-        engine = qmc.Halton if self.kind == "halton" else qmc.Sobol
-        count = self.count
-        if self.kind == "sobol":  # its points are balanced in powers of two
-            count = 2 ** int(np.ceil(np.log2(self.count)))
-        points = engine(len(AXES), seed=np.random.default_rng(self.seed)).random(count)[: self.count]
-        return _spread(points, [self.scatter_range(axis) for axis in AXES])
+    @cached_property
+    def limits(self) -> Floats:
+        """(2, A) mm, smallest and largest sizes that the law covers."""
+        low = [
+            min_length(size.nodes, self.design.lattice.spacing_mm) if size.axis is LENGTH else size.nodes[0]
+            for size in self.sizes
+        ]
+        return np.array([low, [size.nodes[-1] for size in self.sizes]])
 
-    def min_length_mm(self, spacing_mm: float) -> float:
-        """The shortest arms that the law covers; 0 if it covers all."""
-        return min_length(self.nodes(LENGTH) if self.kind == "grid" else self.scatter_range(LENGTH), spacing_mm)
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """A name for each size: its key, and its lines if other lines have another one."""
+        keys = [size.key for size in self.sizes]
+        return tuple(
+            size.key if keys.count(size.key) == 1 else f"{size.key}_of_lines_{'_'.join(map(str, size.lines or ()))}"
+            for size in self.sizes
+        )
 
-    def test_sizes(self, spacing_mm: float) -> list[Sizes]:
-        """Sizes of the held-out stars, with lengths that the law covers."""
-        (_, longest), *others = self.ranges
-        low = max(min(max(MIN_ARM_MM, MIN_TEST_ARM_MM), longest), self.min_length_mm(spacing_mm))
-        points = np.random.default_rng(self.seed + 1).random((self.held_out, len(AXES)))
-        return _spread(points, [(low, longest), *others])
+    def named(self, sizes: Sequence[float] | Floats) -> dict[str, float]:
+        """Sizes by their `names`."""
+        return dict(zip(self.names, map(float, sizes), strict=True))
+
+    def label(self, task: CellTask) -> str:
+        """A cell in one line: what differs between the cells of the plan, or all its sizes."""
+        shown = [(size, value) for size, value in zip(self.sizes, task.sizes, strict=True) if size.varies]
+        parts = [f"stretch {stretch_text(task.stretch)}"] if len(self.stretches) > 1 else []
+        for size, value in shown or list(zip(self.sizes, task.sizes, strict=True)):
+            parts.append(f"{size.axis.name} {value:.6g} mm")
+        return ", ".join(parts) or "the motif"
+
+    def tasks(self) -> list[CellTask]:
+        """Every cell, sorted: all combinations of the nodes, the bare fabric, and random ones within their range."""
+        fitted = list(product(*(size.nodes for size in self.sizes)))
+        if not self.is_motif:
+            fitted.append((0.0, *(size.nodes[0] for size in self.sizes[1:])))
+        return sorted(
+            {
+                CellTask(stretch, held_out, sizes)
+                for stretch in self.stretches
+                for held_out, rows in ((False, fitted), (True, self._test_sizes()))
+                for sizes in rows
+            }
+        )
+
+    def _test_sizes(self) -> list[Sizes]:
+        """Sizes of the held-out cells, rounded so that files stay readable."""
+        low, high = self.limits
+        low = np.array(
+            [
+                max(least, min(MIN_TEST_ARM_MM, most)) if size.axis is LENGTH else least
+                for size, least, most in zip(self.sizes, low, high, strict=True)
+            ]
+        )
+        points = np.random.default_rng(TEST_SEED).random((self.held_out, len(self.sizes)))
+        rows = np.clip(np.round(low + points * (high - low), SIZE_DECIMALS), low, high)
+        return [tuple(map(float, row)) for row in rows]
+
+    def tasks_for_sizes(self, sizes: Floats, known: Collection[Sizes] = ()) -> list[CellTask]:
+        """Those cells of the fit that sizes (n, A) depend on, and those that are known already.
+
+        Each depends on the two nodes around it along each axis, or on the one that it has.
+        """
+        around = []
+        for nodes, column in zip(self.axis_nodes, sizes.T, strict=True):
+            lower = np.clip(np.searchsorted(nodes, column + SAME_SIZE_MM) - 1, 0, len(nodes) - 1)
+            upper = np.clip(np.searchsorted(nodes, column - SAME_SIZE_MM), 0, len(nodes) - 1)
+            around.append((nodes[lower], nodes[upper]))
+        wanted = {row for corner in product(*around) for row in zip(*(each.tolist() for each in corner), strict=True)}
+        return [
+            task
+            for task in self.tasks()
+            if not task.held_out and (task.is_bare or not task.sizes or task.sizes in wanted or task.sizes in known)
+        ]
+
+    def cell_design(self, task: CellTask) -> Design:
+        """The design whose unit cell is solved."""
+        data = self.design.to_dict()
+        data["fabric"]["stretch"] = task.stretch
+        for size, value in zip(self.sizes, task.sizes, strict=True):
+            places = [data["stars"]] if size.lines is None else [data["rods"]["motif"][line] for line in size.lines]
+            for place in places:
+                place[size.key] = value
+        return Design.from_dict(data)
+
+    def check(self, design: Design) -> None:
+        """Compare another design with this plan, but for its stretch.
+
+        Moduli and densities may differ: without gravity, shapes depend on the ratio of the moduli only.
+
+        Raises
+        ------
+        ForeignLaw
+            The law is for another material, lattice or motif, or for other sizes of some lines.
+        LawError
+            Designs of this kind have no law.
+        """
+        if self.is_motif != (design.rods is not None):
+            ours, theirs = ("a motif of drawn rods", "stars") if self.is_motif else ("stars", "drawn rods")
+            raise ForeignLaw(f"{theirs}: the law is for {ours}", field="rods" if design.rods else "stars")
+        if (refused := without_law(design)) is not None:
+            raise LawError(str(refused), field=refused.field)
+        for section, free in FREE_KEYS.items():
+            ours_in, theirs_in = (getattr(each, section).model_dump(mode="json") for each in (self.design, design))
+            check_same(section, ours_in, theirs_in, MATERIAL_TOLERANCE, free)
+        known, asked = self.design.lattice, design.lattice
+        if design.rods is None:
+            check_same("lattice", _star_lattice(known, asked), _star_lattice(asked), LATTICE_TOLERANCE)
+        elif not same_sites(known, asked):
+            vectors = [np.round(each.vectors, 4).tolist() for each in (known, asked)]
+            problem = f"lattice: the law is for another lattice, of the vectors {vectors[0]}, not {vectors[1]}"
+            raise ForeignLaw(problem, field="lattice")
+        check_bending(self.design.fabric, design.fabric)
+        if design.rods is not None:
+            self._check_lines(design.rods)
+            self.sources(design)
+
+    def _check_lines(self, rods: Rods) -> None:
+        own = self.design.required_rods
+        if len(own.motif) != len(rods.motif):
+            problem = f"rods.motif: the law is for {len(own.motif)} lines, not {len(rods.motif)}"
+            raise ForeignLaw(problem, field="rods.motif")
+        ours, theirs = (each.model_dump(include={"curve_mm", "join_mm"}) for each in (own, rods))
+        check_same("rods", ours, theirs, LATTICE_TOLERANCE)
+        for number, lines in enumerate(zip(own.motif, rods.motif, strict=True)):
+            # names are for people
+            free = {"name", *(size.key for size in self.sizes if number in (size.lines or ()))}
+            ours, theirs = (
+                line.model_dump(mode="json") | {key: _number(section, line, key) for key in ROD_SIZE_KEYS}
+                for section, line in zip((own, rods), lines, strict=True)
+            )
+            check_same(f"rods.motif[{number}]", ours, theirs, LATTICE_TOLERANCE, free)
+
+    def sources(self, design: Design) -> list[SizingField]:
+        """The sizing field of a design's motif for each of `sizes`.
+
+        Raises
+        ------
+        ForeignLaw
+            Lines that have a size in common here have different ones.
+        """
+        rods, fields = design.required_rods, []
+        for size in self.sizes:
+            lines = size.lines or ()
+            own = [source_of(rods, rods.motif[line], size.key) for line in lines]
+            if any(each != own[0] for each in own):
+                field = f"rods.motif[{lines[0]}].{size.key}"
+                raise ForeignLaw(f"{field}: the law is for lines with the same {size.key}", field=field)
+            fields.append(own[0])
+        return fields
+
+    def sizes_at(self, design: Design, points: Floats) -> Floats:
+        """(n, A) mm, sizes of a design's motif at printed points (n, 2) mm, rounded as its rods are.
+
+        Raises
+        ------
+        ForeignLaw
+            As of `sources`.
+        """
+        columns = [
+            rounded(design.required_rods, size.key, sample(field, points))
+            for size, field in zip(self.sizes, self.sources(design), strict=True)
+        ]
+        return np.stack(columns, axis=-1) if columns else np.empty((len(points), 0))
+
+    def sizes_on(self, design: Design, layout: Layout) -> Floats:
+        """(n, A) mm, the sizes that occur on a sheet: of its stars, or along its rods and at its corners.
+
+        Raises
+        ------
+        ForeignLaw
+            As of `sources`.
+        """
+        if not self.is_motif:
+            return law_coordinates(layout, design.lattice.arms)
+        return self.sizes_at(design, places_of_sizes(layout))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data; the inverse of `from_dict`."""
+        sizes = [
+            {"key": size.key, "nodes": list(size.nodes), **({} if size.lines is None else {"lines": list(size.lines)})}
+            for size in self.sizes
+        ]
+        stretches = [list(each) if isinstance(each, tuple) else each for each in self.stretches]
+        return {
+            "design": self.design.to_dict(),
+            "sizes": sizes,
+            "stretches": stretches,
+            "edge_mm": self.edge_mm,
+            "held_out": self.held_out,
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> LawPlan:
+        """A plan from plain data.
+
+        Raises
+        ------
+        DesignError, KeyError, TypeError, ValueError
+            The data are not those of a plan.
+        """
+        design = Design.from_dict(data["design"])
+        sizes = tuple(
+            Size(
+                AXIS_OF[each["key"]].key,
+                tuple(map(float, each["nodes"])),
+                tuple(map(int, each["lines"])) if "lines" in each else None,
+            )
+            for each in data["sizes"]
+        )
+        if any((size.lines is None) != (design.rods is None) for size in sizes):
+            raise ValueError("sizes and design do not belong together")
+        if not all((np.diff([0.0, *size.nodes]) > 0).all() for size in sizes):
+            raise ValueError("sizes must be positive and increase")
+        stretches = tuple(_stretch_of(each) for each in data["stretches"])
+        return cls(design, sizes, stretches, float(data["edge_mm"]), int(data["held_out"]))
 
 
-def _check_within(values: AxisNodes, limits: tuple[float, float]) -> None:
-    if not all(limits[0] <= v <= limits[1] for v in values):
-        raise DesignError("", f"must be from {limits[0]:g} to {limits[1]:g}", list(values))
+def without_law(design: Design) -> DesignError | None:
+    """Why no law serves a design: bare fabric without bending stiffness, stars on fabric of two stretches, or lines
+    that do not repeat or have stars beside them."""
+    rods = design.rods
+    if rods is not None and not rods.motif:
+        return DesignError("rods.motif", f"is missing: lines that do not repeat have no law; {_EXACT}")
+    if rods is not None and (rods.on_sheet or design.stars is not None):
+        beside = "stars" if design.stars is not None else "rods.draw" if rods.draw else "rods.import"
+        return DesignError(beside, f"must be left out: a law is for a motif alone; {_EXACT}")
+    if not design.fabric.has_bending:
+        return DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
+    sx, sy = design.fabric.stretch_xy
+    if rods is None and not same_values(sx, sy):
+        problem = f"must be one number: the law of stars is for equal stretch in x and y; {_EXACT}"
+        return DesignError("fabric.stretch", problem, [sx, sy])
+    return None
 
 
-def _spread(points: Floats, ranges: Sequence[Point]) -> list[Sizes]:
-    """Sizes for points of the unit cube (n, A), rounded so that files stay readable."""
-    low, high = np.transpose(ranges)
-    rows = np.clip(np.round(low + points * (high - low), SIZE_DECIMALS), low, high)
-    return [tuple(float(size) for size in row) for row in rows]
+def places_of_sizes(layout: Layout) -> Floats:
+    """(n, 2) mm, printed points at which the sizes of a motif are sampled: along its rods, and at its corners."""
+    points = [rod.points for rod in layout.graph.rods]
+    return np.concatenate([layout.outline, *points, layout.points_on_rods])
+
+
+def source_of(rods: Rods, line: DrawnLine, key: str) -> SizingField:
+    """The thickness or width of a line: its own, or else that of all lines."""
+    own: SizingField | None = getattr(line, key)
+    shared: SizingField = getattr(rods, key)
+    return shared if own is None else own
+
+
+def rounded(rods: Rods, key: str, values: Floats) -> Floats:
+    """Sizes (...) as they are printed."""
+    if rods.rounding is None:
+        return values
+    return rods.rounding.thickness(values) if key == "thickness_mm" else rods.rounding.width(values)
+
+
+def _number(rods: Rods, line: DrawnLine, key: str) -> float | str:
+    """A size of a line as it is printed."""
+    source = source_of(rods, line, key)
+    return "a profile" if isinstance(source, Profile) else float(rounded(rods, key, np.array([source]))[0])
+
+
+def stretch_text(stretch: Stretch) -> str:
+    """A stretch in words: one number, or those along x and y.
+
+    Examples
+    --------
+    >>> stretch_text(1.35), stretch_text((1.35, 1.2)), stretch_text((1.2, 1.2))
+    ('1.35', '[1.35, 1.2]', '1.2')
+    """
+    sx, sy = np.broadcast_to(stretch, 2)
+    return f"{sx:g}" if same_values(float(sx), float(sy)) else f"[{sx:g}, {sy:g}]"
+
+
+def _stretch_of(data: Any) -> Stretch:
+    return (float(data[0]), float(data[1])) if isinstance(data, list) else float(data)
+
+
+def _star_lattice(lattice: Lattice, like: Lattice | None = None) -> dict[str, Any]:
+    """The data of a lattice that shape its cells, or those of another one (`like`) where its sites are the same.
+
+    The origin is left out, and the orientation is reduced by the symmetry of star and lattice. A lattice repeats after
+    half a turn: stars that are turned by it make the same sheet.
+    """
+    turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms / (1 + lattice.arms % 2)) - 1e-7
+    sites = (like if like is not None and same_sites(lattice, like) else lattice).model_dump(mode="json")
+    return {
+        "arms": lattice.arms,
+        "kind": sites["kind"],
+        "spacing_mm": sites["spacing_mm"],
+        "vectors_mm": sites["vectors_mm"],
+        "orientation_deg": round(turn, 6),
+    }

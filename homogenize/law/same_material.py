@@ -34,10 +34,12 @@ def check_same(
     ForeignLaw
         A value differs that is not free; the message names it.
     """
-    kind = "lattice" if section == "lattice" else "material"
+    kind = section if section == "lattice" else "motif" if section.startswith("rods") else "material"
     for key in ours:
         if key not in free and not same_values(ours[key], theirs[key], tolerance):
             field = f"{section}.{key}"
+            if kind == "motif" and isinstance(theirs[key], list):  # places of a line
+                raise ForeignLaw(f"{field}: the law is for another motif", field=field)
             raise ForeignLaw(f"{field} = {theirs[key]}: the law is for another {kind}, of {ours[key]}", field=field)
 
 

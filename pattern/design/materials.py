@@ -44,8 +44,8 @@ class Fabric(Section):
     stretch : printed length over released length, the same in x and y or one for each.
     modulus_mpa : Young's modulus. Without gravity only its ratio to the plastic's matters for the shape.
     model : energy of the membrane.
-    bending : bending energy: `paper` is the paper's hinges, `plate` the plate that bends like them, `consistent` the
-        plate of this thickness.
+    bending : bending energy: `plate` is the plate that bends like the paper's hinges, `consistent` the plate of this
+        thickness, `paper` the hinges themselves, which depend on the mesh.
     bending_stiffness_n_mm : measured bending stiffness of a plate for each mm of width, in place of those.
     thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
     """
@@ -55,7 +55,7 @@ class Fabric(Section):
     modulus_mpa: Number = Field(7.1875, ge=1e-3, le=1e5)
     poisson: Number = Field(0.3, ge=0, le=0.49)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
-    bending: Literal["paper", "plate", "consistent", "none"] = "paper"
+    bending: Literal["paper", "plate", "consistent", "none"] = "plate"
     bending_stiffness_n_mm: Number | None = Field(None, ge=1e-6, le=1e4)
     density_kg_m3: MassDensity = 400.0
 

@@ -43,7 +43,7 @@ def test_its_energy_is_proportional_to_the_stiffness(bending: str) -> None:
 @pytest.mark.parametrize(
     ("fabric", "field"),
     [
-        ({"bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
+        ({"bending": "paper", "bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
         ({"bending": "consistent", "bending_stiffness_n_mm": 0.02}, "fabric.modulus_mpa"),
         ({"bending": "consistent", "modulus_mpa": 1, "bending_stiffness_n_mm": -1}, "fabric.bending_stiffness_n_mm"),
     ],

@@ -79,7 +79,7 @@ turns = st.floats(-np.pi, np.pi)
 
 
 def test_state_has_all_energies_and_large_rotations():
-    assert set(ENERGIES) == {"membrane", "hinges", "rod_bending", "rod_stretch", "rod_twist"}
+    assert set(ENERGIES) == {"membrane", "membrane_sides", "plate", "folds", "rod_bending", "rod_stretch", "rod_twist"}
     assert min(ENERGIES.values()) > 1e-3
     assert STATE.directors[:, 2].min() < 0.0 < STATE.directors[:, 2].max()
 

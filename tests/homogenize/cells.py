@@ -19,8 +19,9 @@ EDGE = 2.9  # six edges between stars
 
 
 def design(length: float = 10.0, thickness: float = 0.4, **more: Any) -> Design:
-    """Equal stars of the paper's material."""
-    return Design.from_dict({"stars": {"length_mm": length, "thickness_mm": thickness}, "border": {"rings": 1}} | more)
+    """Equal stars of the paper's material, with its hinges."""
+    sheet = {"stars": {"length_mm": length, "thickness_mm": thickness}, "border": {"rings": 1}}
+    return Design.from_dict({**sheet, "fabric": {"bending": "paper"}, **more})
 
 
 @functools.cache

@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from asterism.homogenize.campaign import campaign
-from asterism.homogenize.campaign.campaign import SolveCell
+from asterism.homogenize.campaign.campaign import SolveCell, cell_inputs
 from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.kept_samples import KeptSamples
 from asterism.homogenize.cell.tube_directions import tube_angles
-from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.plan import CellTask
+from asterism.homogenize.law.plan import CellTask, LawPlan
 from asterism.pattern.design.design import Design
 
 
@@ -84,7 +82,7 @@ def mended() -> bool:
 
 def breaks(design: Design, edge_mm: float) -> Answer:
     if design.stars.length_mm == 10.0 and not mended():
-        raise ZeroDivisionError("a bug")
+        raise AssertionError("a bug")
     return solve_cell(design, edge_mm)
 
 
@@ -108,10 +106,9 @@ def matrix(design: Design, edge_mm: float) -> Answer:
     return answer
 
 
-def sample_name(material: Material, task: CellTask, respond: SolveCell = campaign.solve_cell) -> str:
+def sample_name(plan: LawPlan, task: CellTask, respond: SolveCell | None = None) -> str:
     """Name of the file of a cell's sample."""
-    inputs = campaign._inputs(material, task, respond)
-    return KeptSamples(Path(), code_version()).name(inputs)
+    return KeptSamples(Path(), code_version()).name(cell_inputs(plan.cell_design(task), plan.edge_mm, respond))
 
 
 def files(folder: Path) -> set[str]:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from asterism.homogenize.campaign.campaign import SolveCell, run_campaign
+from asterism.homogenize.campaign.design_plan import plan_for_design
+from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
 from asterism.homogenize.cell.motif_responses import CellComparison, MotifResponses, RolledDirection
 from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.pattern.design.design import Design
 
 # mm, of lines below which four cells relax to less energy than one
@@ -32,3 +38,11 @@ def made_up(design: Design, edge_mm: float) -> MotifResponses:
     comparison = CellComparison(1.0, larger, np.array([0.9, 0.95]), np.array([0.7, 0.8]))
     linear = EffectiveStiffness(stiffness, np.array([0.1, 0.1, 0.0]))
     return MotifResponses(deformation, linear, rods, tubes, (), comparison, 10.0, 40)
+
+
+def learned_law(design: Design, folder: Path, respond: SolveCell | None = made_up) -> MotifLaw:
+    """The law of a design's motif from all cells of its plan."""
+    plan = plan_for_design(design)
+    law = fit_law(plan, run_campaign(plan, folder, respond=respond))
+    assert isinstance(law, MotifLaw)
+    return law

@@ -62,4 +62,5 @@ def moved(pattern: Pattern, shift: Sequence[float]) -> Pattern:
 def motif_design(pattern: Pattern, thickness: float = 0.4, **more: Any) -> Design:
     motif, lattice = pattern
     rods = {"motif": motif, "thickness_mm": thickness}
-    return Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}} | more)
+    sheet = {"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}, "fabric": {"bending": "paper"}}
+    return Design.from_dict(sheet | more)

@@ -227,7 +227,7 @@ BAD = [
     ([("gravity.on", True)], "fabric.modulus_mpa", "gravity"),
     ([("gravity.direction", [0, 0, 0])], "gravity.direction", "somewhere"),
     ([("gravity.direction", [0, -1])], "gravity.direction[2]", "missing"),
-    ([("mesh.graded", True)], "mesh.graded", "plate"),
+    ([("mesh.graded", True), ("fabric.bending", "paper")], "mesh.graded", "plate"),
     ([("mesh.graded", 1), ("fabric.bending", "consistent")], "mesh.graded", "true or false"),
     ([("mesh.edge_mm", 0.1)], "mesh.edge_mm", "at least 0.2"),
     ([("mesh.edge_mm", 30)], "mesh.edge_mm", "spacing"),

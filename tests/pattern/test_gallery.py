@@ -28,7 +28,7 @@ def test_figures_are_there():
 @pytest.mark.parametrize("name", gallery.names())
 def test_design(name, tmp_path):
     design = gallery.load(name)
-    assert design.name == name and design.mesh.edge_mm == 2.0
+    assert design.name == name and design.mesh.edge_mm is None
     assert gallery.path(name).read_text(encoding="utf-8").startswith("# ")
     sheet = layout(design)
     assert np.ptp(sheet.outline, axis=0).max() <= FRAME_MM

@@ -9,10 +9,10 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.law import Law
-from asterism.laws.design_law import material_for_design
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -26,8 +26,10 @@ MIDDLE = 20.0  # mm of print around the middle
 
 
 def figure(name: str) -> Design:
-    """A design of the gallery on a coarse mesh."""
+    """A design of the gallery with the paper's hinges, on a coarse mesh."""
     data = gallery.load(name).to_dict()
+    if data["fabric"]["bending"] != "none":
+        data["fabric"] |= {"bending": "paper"}
     return Design.from_dict(data | {"mesh": data["mesh"] | {"edge_mm": EDGE}})
 
 
@@ -124,9 +126,10 @@ def contractions(found: Comparison, shape: Shape) -> tuple[Floats, Floats]:
 @cache
 def own_law(name: str) -> Law:
     """The law of a design's own stars, from cells on the design's mesh."""
-    material = material_for_design(figure(name), EDGE)
+    plan = plan_for_design(figure(name), edge_mm=EDGE)
     records = []
-    for task in material.tasks():
-        found = solve_cell(material.design(task), material.plan.edge_mm)
-        records.append(SampleRecord(task, found.to_dict(), found.failed, False, sum(found.seconds.values())))
-    return fit_law(material, records)
+    for task in plan.tasks():
+        found = solve_cell(plan.cell_design(task), plan.edge_mm)
+        seconds = sum(found.seconds.values())
+        records.append(SampleRecord(task, plan.label(task), found.to_dict(), found.failed, False, seconds))
+    return fit_law(plan, records)

@@ -140,7 +140,8 @@ def paths(data: dict[str, Array]) -> tuple[Array, ...]:
 
 def design(**plastic: Any) -> Design:
     """A design with the materials of the reference (they are the defaults); its stars and border are not used."""
-    return Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 0}, "plastic": plastic})
+    sheet = {"stars": {"length_mm": 10}, "border": {"rings": 0}, "fabric": {"bending": "paper"}}
+    return Design.from_dict(sheet | {"plastic": plastic})
 
 
 def model(data: dict[str, Array]) -> DiscreteModel:

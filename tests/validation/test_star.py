@@ -15,7 +15,8 @@ from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(**sections: dict) -> DiscreteModel:
-    data = gallery.load("star").to_dict()
+    data = gallery.load("star").to_dict() | {"mesh": {"edge_mm": 2.0}}
+    data["fabric"] |= {"bending": "paper"}
     for name, entries in sections.items():
         data[name] = data[name] | entries
     design = Design.from_dict(data)

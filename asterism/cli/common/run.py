@@ -213,7 +213,9 @@ def with_design_file(error: Error, file: Path) -> Error:
     from asterism.pattern.design.errors import DesignError
 
     field = error.field if isinstance(error, DesignError | LawError) else ""
-    if re.split(r"\W", field, maxsplit=1)[0] not in Design.model_fields or not str(error).startswith(field):
+    if re.split(r"\W", field, maxsplit=1)[0] not in Design.model_fields or not str(error).startswith(
+        (f"{field}:", f"{field} =")
+    ):
         return error
     if isinstance(error, DesignError):
         return error.within(file)

@@ -10,8 +10,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.axes import law_coordinates
-from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.directional import tube_of_largest_gain
@@ -71,7 +70,7 @@ class StarValues:
         return bool((np.ptp(self.sizes, axis=0) <= EQUAL_SIZES * self.sizes.max(axis=0)).all())
 
 
-def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
+def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
     """Evaluate the law at all stars of a design and at bare fabric.
 
     Raises
@@ -124,7 +123,7 @@ def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats
 
 
 def _bumps(
-    design: Design, law: Law, length: Floats, corrugation: Floats, kappa: Floats, model: PreviewModel
+    design: Design, law: StarLaw, length: Floats, corrugation: Floats, kappa: Floats, model: PreviewModel
 ) -> tuple[Floats, Floats]:
     """`tip_heights` and `tip_slope` of stars, see `StarValues`.
 

@@ -19,20 +19,20 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.fem.search.relax import is_collapsing
+from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.motif_plan import without_motif_law
+from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.error_estimate import ErrorEstimate, error_sources
+from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, holes_within_cells
 from asterism.previews.motifs.motif_sheet import MotifSheet, motif_sheet_of
-from asterism.previews.motifs.serving_motif_law import serving_motif_law
 from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.summary import common_numbers, count_crossings
@@ -113,15 +113,15 @@ class MotifKind(PatternKind):
 
     def layout(self, design: Design) -> Layout:
         """Designs without a law are refused here, before anything is computed."""
-        if (refused := without_motif_law(design)) is not None:
-            raise DesignError(*refused)
+        if (refused := without_law(design)) is not None:
+            raise refused
         return print_layout(design)
 
-    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> MotifLaw:
-        return serving_motif_law(design, plan, known, say)
+    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law[Any]:
+        return serving_law(design, plan, known, say)
 
     def check_law(self, law: Any) -> None:
-        check_type(law, MotifLaw, "load_motif_law reads one from a file")
+        check_type(law, MotifLaw, "load_law reads the law of a motif from its file")
 
     def values(self, design: Design, plan: Layout, law: MotifLaw, model: PreviewModel) -> MotifFieldValues:
         return MotifFieldValues.of(design, plan, law)

@@ -21,7 +21,7 @@ from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.supports.loads import area_load
 from asterism.homogenize.cell.rod_bending import GAUSSIAN
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.motif_plan import rounded, source_of
+from asterism.homogenize.law.plan import rounded, source_of
 from asterism.homogenize.law.tensor_forms import TO_VOIGT
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric

@@ -34,35 +34,77 @@ class NotScaleSeparatedRecord(Record):
 
 
 class HeldOutCellRecord(Record):
-    """A cell that did not make the law, compared with the law. The sizes of its star are keys of their own."""
+    """A cell that did not make the law, compared with the law. Its sizes are keys of their own."""
 
     last = ("inside", "tight", "law", "cell", "error_percent")
 
     inside: bool = key("The cell is inside the range of the law.")
     tight: bool = key("The star is not scale-separated.")
-    law: dict[str, float] = key("Quantities of the law.")
-    cell: dict[str, float] = key("Quantities of the cell.")
+    law: dict[str, float] = key("Quantities of the law of stars.")
+    cell: dict[str, float] = key("Quantities of the star's cell.")
     error_percent: dict[str, float] = key("Errors of the law, in percent of the cell's values.", unit="%")
 
 
-class LawErrorsRecord(Record):
-    """Errors of a law at one stretch: at held-out cells, or at the law's own cells, left out one by one."""
+class HeldOutRecord(Record):
+    """Errors of a law at cells that did not make it."""
 
-    count: int = key("Cells of scale-separated stars inside the range of the law.")
-    without_answer: int = key("Held-out cells without an equilibrium.", default=ABSENT)
-    outside: int = key("Held-out cells outside the range of the law.", default=ABSENT)
-    errors: dict[str, QuantityErrorRecord] = key("Errors by quantity.")
-    tight: NotScaleSeparatedRecord = key("Held-out cells of stars that are not scale-separated.", default=ABSENT)
-    cells: list[HeldOutCellRecord] = key("All held-out cells with an equilibrium.", default=ABSENT)
+    count: int = key("Cells inside the range of the law, but for stars that are not scale-separated.")
+    without_answer: int = key("Held-out cells without a law.")
+    outside: int = key("Held-out cells outside the range of the law.")
+    errors: dict[str, QuantityErrorRecord] = key(
+        "Errors by quantity; of a motif `stretch` of lengths, `membrane` and `bending` of energies, `curvature` of its "
+        "norm."
+    )
+    tight: NotScaleSeparatedRecord = key("Held-out cells of stars that are not scale-separated.")
+    cells: list[HeldOutCellRecord] = key("All held-out cells with a law.")
+
+
+class StableTubesRecord(Record):
+    """Stability of the natural tubes of stars."""
+
+    count: int = key("Number of cells with arms.")
+    unstable: int = key("Cells whose natural tubes are unstable on 2 x 2 stars.")
+
+
+class SymmetryRecord(Record):
+    """Symmetry of star and lattice in the answers of the cells."""
+
+    count: int = key("Number of cells with arms.")
+    largest_percent: float = key("Largest difference of natural curvatures in equal directions.", unit="%")
+
+
+class LawErrorsRecord(Record):
+    """Errors of a law at one stretch, and what its own cells say about it."""
+
+    held_out: HeldOutRecord = key("Errors at cells that did not make the law.")
+    tubes: StableTubesRecord = key("Stability of the natural tubes of stars.", default=ABSENT)
+    symmetry: SymmetryRecord = key("Symmetry of the cells of stars.", default=ABSENT)
 
 
 def _material(record: LawRecord) -> str:
-    fabric, plastic = record.material["fabric"], record.material["plastic"]
+    design = record.plan["design"]
+    fabric, plastic = design["fabric"], design["plastic"]
     return (
-        f"{record.material['name']}: fabric {fabric['thickness_mm']:g} mm, "
+        f"{design['name']}: fabric {fabric['thickness_mm']:g} mm, "
         f"modulus ratio {plastic['modulus_ratio']:g}, bending {fabric['bending']}, "
         f"rest curvature {plastic['rest_curvature']}"
     )
+
+
+def _pattern(record: LawRecord) -> str:
+    design = record.plan["design"]
+    lines = len(design["rods"]["motif"]) if "rods" in design else 0
+    parts = [f"{lines} line{'s' if lines > 1 else ''}" if lines else f"stars of {design['lattice']['arms']} arms"]
+    for size in record.plan["sizes"]:
+        nodes = size["nodes"]
+        values = f"{nodes[0]:g}" if len(nodes) == 1 else f"{nodes[0]:g} to {nodes[-1]:g}"
+        of = f" of lines {', '.join(map(str, size['lines']))}" if len(size.get("lines", ())) not in (0, lines) else ""
+        parts.append(f"{size['key'].removesuffix('_mm')}{of} {values} mm")
+    return f"{parts[0]}; {', '.join(parts[1:])}" if parts[1:] else parts[0]
+
+
+def _stretch(stretch: Any) -> str:
+    return f"{stretch:g}" if isinstance(stretch, int | float) else " x ".join(f"{each:g}" for each in stretch)
 
 
 def made_by(made: CampaignRecord) -> str:
@@ -78,23 +120,22 @@ def _cells(record: LawRecord) -> str:
 class LawRecord(Record):
     """The summary of a law."""
 
-    rows = ("material", "stretches", "cells", "made")
+    rows = ("plan", "stretches", "cells", "made")
 
-    material: dict[str, Any] = key(
-        "Fabric, plastic, lattice and plan of the cells, as in a material file.", label="material", show=_material
+    plan: dict[str, Any] = key(
+        "The `design` of one cell, and `sizes`, over which the law is tabulated: `key`, `nodes` in mm, and numbers of "
+        "a motif's `lines`; further `stretches`, `edge_mm` and the number of cells `held_out` per stretch.",
+        label="plan",
+        show=lambda record: {"material": _material(record), "pattern": _pattern(record)},
     )
     digest: str = key("Hash of the law's content.")
     made: CampaignRecord = key("How the law was made.", label="made by", show=lambda record: made_by(record.made))
-    residuals: dict[str, dict[str, LawErrorsRecord]] = key(
-        "Errors by stretch, such as `1.35`, then by kind of test: `held_out`, `leave_one_out`."
-    )
-    stretches: list[float] = key(
-        "Stretches for which the law has a table.",
+    residuals: dict[str, LawErrorsRecord] = key("Errors by stretch, such as `1.35`.")
+    stretches: list[Any] = key(
+        "Stretches for which the law has a table: numbers, or pairs along x and y.",
         label="stretches",
-        show=lambda record: ", ".join(f"{stretch:g}" for stretch in record.stretches),
+        show=lambda record: ", ".join(map(_stretch, record.stretches)),
     )
     edge_mm: float = key("Edge length of the cells' mesh.", unit="mm")
     cells: int = key("Number of cells.", label="cells", show=_cells)
-    cells_without_answer: list[dict[str, Any]] = key(
-        "Stretch and sizes of the cells without an equilibrium, and why (`problem`)."
-    )
+    cells_without_law: list[dict[str, Any]] = key("Stretch and sizes of the cells without a law, and why (`problem`).")

@@ -240,8 +240,8 @@ function readLimits(limits) {
     if (limits[key]) law[key] = limits[key];
     if (limits[`design_${key}`]) design[key] = limits[`design_${key}`];
   }
-  const { stretches = [], statement = null, rounding = null } = limits;
-  return { design, law, stretches, statement, rounding };
+  const { stretches = [], rounding = null } = limits;
+  return { design, law, stretches, rounding };
 }
 
 function armDirections(lattice) {

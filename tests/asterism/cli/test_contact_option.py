@@ -20,6 +20,8 @@ thickness_mm = 0.2
 rings = 2
 [mesh]
 edge_mm = 4.3
+[fabric]
+bending = "paper"
 """
 # the command line as it is where ipctk is not installed
 WITHOUT = "import sys; sys.modules['ipctk'] = None; from asterism.cli.main import main; main()"

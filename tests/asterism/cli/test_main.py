@@ -119,7 +119,7 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
         (["simulate", "d.toml", "--colour", "red"], "--colour"),
         (["simulat", "d.toml"], "simulat"),
         (["strips"], "strips: needs a command: new, fit, weigh or overhang"),
-        (["law"], "law: needs a command: show or cell"),
+        (["law"], "law: needs a command: show or forget"),
     ],
 )
 def test_mistakes_are_one_line(

@@ -37,7 +37,6 @@ CASES = [
     *(([*FIT, "f.toml"], f"f-fit/{name}/", "fitting.load_target.load_target") for name in ("fit.png", "target.obj")),
     (["law", "show"], "paper-law/cells.csv/", "laws.show_law.draw_law"),
     (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
-    (["calibrate", "d.toml"], "d-law.samples", "laws.calibrate.run_campaign"),
     (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.read_shape.read_shape"),
 ]
 

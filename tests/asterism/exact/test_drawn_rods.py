@@ -101,6 +101,8 @@ thickness_mm = 0.6
 rods = "rim"
 [mesh]
 edge_mm = 4.0
+[fabric]
+bending = "paper"
 """
 
 

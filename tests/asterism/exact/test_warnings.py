@@ -50,6 +50,7 @@ def test_what_is_wrong_is_said_once(changes: dict[str, Any], line: str) -> None:
 
 @pytest.mark.parametrize(("axis", "edge", "told"), [(30.0, 2.0, True), (30.0, 0.5, False), (None, 2.0, False)])
 def test_a_free_roll_on_a_coarse_mesh_has_no_certain_radius(axis: float | None, edge: float, told: bool) -> None:
-    free = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}})
+    hinges = {"fabric": {"bending": "paper"}}
+    free = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}} | hinges)
     summary = SUMMARY | {"roll_axis_deg": axis, "edge_mm": edge}
     assert ["depends on the mesh" in line for line in exact_warnings(summary, free, layout(free))] == [True] * told

@@ -11,7 +11,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 
 # a free hexagon could roll about several axes, and a small change would turn it
-FREE = asterism.Design.from_dict({"stars": {"length_mm": 7.0}, "border": {"rectangle_mm": [84.0, 50.0]}})
+FREE = asterism.Design.from_dict({"stars": {"length_mm": 7.0}, "border": {"rectangle_mm": [84.0, 60.0]}})
 HELD = asterism.Design.from_dict(
     {"stars": {"length_mm": 7.0}, "border": {"rings": 1}, "pins": [{"where": "border", "scale": 0.74}]}
 )

@@ -162,7 +162,9 @@ def test_exact_shapes_that_take_too_long_are_refused(client: TestClient, served:
 
 @pytest.mark.slow
 def test_other_forms_are_branches(client: TestClient):
-    found = component(client, "exact").solve(design="[stars]\nlength_mm = 7.4\n[border]\nrings = 3\n")
+    found = component(client, "exact").solve(
+        design="[stars]\nlength_mm = 7.4\n[border]\nrings = 3\n[fabric]\nbending = 'paper'\n"
+    )
     others = found["others"] if isinstance(found["others"], list) else [found["others"]]
     assert [type(other).__name__ for other in others] == ["Mesh"]
 

@@ -43,7 +43,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which a small law was made."""
     folder = tmp_path_factory.mktemp("law")
     (folder / "m.toml").write_text(PLAN)
-    result = run("calibrate", "m.toml", "--jobs", "2", cwd=folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ASTERISM_CELLS", str(folder / "cells"))
+        result = run("calibrate", "m.toml", "--jobs", "2", cwd=folder)
     assert result.returncode == 0, result.stderr
     assert "6 of 6 cells" in result.stderr and "held out" in result.stdout
     return folder
@@ -52,7 +54,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_law_with_all_that_made_it(place: Path) -> None:
     law = load_law(place / "m.npz")
     assert law.made["command"] == "asterism calibrate m.toml" and law.made["cell_seconds"] > 0
-    assert len(list((place / "m.samples").glob("*.json"))) == 6
+    assert len(list((place / "cells").glob("*.json"))) == 6
     table = law.at(1.35)
     values = table([0.0, 3.0, 10.0], 0.3, 1.2).value
     assert abs(values["lam"][0] * 1.35 - 1) < 1e-12 and values["kappa"][0] == 0
@@ -85,7 +87,7 @@ def test_show_writes_a_picture_and_a_table(
     assert summary["cells"] == 6 and summary["residuals"]["1.35"]["held_out"]["cells"]
     cells = list(csv.DictReader((place / "shown" / "cells.csv").read_text().splitlines()))
     assert len(cells) == 6
-    assert all(cell["answer"] == "yes" and float(cell["natural_supercell_eigenvalue"]) > 0.0 for cell in cells)
+    assert all(cell["law"] == "yes" and float(cell["natural_supercell_eigenvalue"]) > 0.0 for cell in cells)
     # of every star: on which branch it is, flat and rolled, and whether the other one is there
     starred = [cell for cell in cells if float(cell["length_mm"]) > 0.0]
     assert len(starred) == 5 and all(cell["flat_other_side"] for cell in cells)
@@ -158,8 +160,8 @@ def test_interrupted_before_a_cell_is_finished(
     (tmp_path / "m.toml").write_text(PLAN)
     monkeypatch.setattr(ProgressLine, "report", interrupted)
     ended = command(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"], capsys, monkeypatch)
-    assert ended.status == 130 and ended.line == "asterism: interrupted"
-    assert [file.name for file in tmp_path.iterdir()] == ["m.toml"]
+    assert ended.status == 130 and ended.line.startswith("asterism: interrupted")
+    assert not (tmp_path / "m.npz").exists()
 
 
 @pytest.mark.slow
@@ -170,14 +172,14 @@ def test_interrupted_and_resumed(
     with open(tmp_path / "errors", "w") as errors:
         words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
         process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
-    samples = tmp_path / "m.samples"
+    samples = tmp_path / "cells"
     while not (samples.exists() and list(samples.glob("*.json"))):
         time.sleep(0.02)
         assert process.poll() is None
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=60) == 130
     last = (tmp_path / "errors").read_text().splitlines()[-1]
-    assert last.startswith("asterism: interrupted; finished cells are in m.samples")
+    assert last.startswith(f"asterism: interrupted; finished cells are in {samples}")
     assert not (tmp_path / "m.npz").exists()
     kept = len(list(samples.glob("*.json")))
     monkeypatch.chdir(tmp_path)
@@ -190,7 +192,9 @@ def test_cells_that_fail_for_one_reason_have_one_line() -> None:
     watch = ProgressLine(stream)
     for number in range(40):
         task = CellTask(1.35, False, (5.0 + 0.1 * number, 0.3, 1.2))
-        failed = SampleRecord(task, None, f"gradient {number}e-3 N: no minimum", False, 1.0)
+        failed = SampleRecord(
+            task, f"length {task.sizes[0]:g} mm", None, f"gradient {number} N: no minimum", False, 1.0
+        )
         watch.report(CampaignProgress(number + 1, 80, number + 1, None, failed))
     lines = [line for line in stream.getvalue().splitlines() if "no answer" in line]
-    assert lines == ["  no answer: stretch 1.35, l 5 mm, h 0.3 mm, w 1.2 mm: gradient 0e-3 N: no minimum"]
+    assert lines == ["  no answer: length 5 mm: gradient 0 N: no minimum"]

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+import csv
 import functools
 import json
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.motif_responses import MotifResponses
 from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.law_file import law_bytes, load_law
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.motif_law_file import load_motif_law, motif_law_bytes
 from asterism.laws import calibrate as module
-from asterism.laws.design_law import any_law_for_design
-from asterism.pattern.design.design import Design
+from asterism.laws.design_law import law_from_file
 from asterism.pattern.layout.load_design import load_design
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.previews.motifs.serving_motif_law import serving_motif_law
+from asterism.previews.law_choice import serving_law
 from tests.asterism.commands import Outcome, command
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import made_up
@@ -46,7 +40,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a design, and cells that take no time."""
     monkeypatch.chdir(tmp_path)
     same_process.use(monkeypatch)
-    monkeypatch.setattr(module, "calibrate_motif", functools.partial(module.calibrate_motif, respond=made_up))
+    monkeypatch.setattr(module, "calibrate", functools.partial(module.calibrate, respond=made_up))
     (tmp_path / "net.toml").write_text(design(VARIED))
     return tmp_path
 
@@ -61,14 +55,14 @@ def test_a_design_gets_its_law(
     done = run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
     assert done.status == 0, done.err
     lines = done.out.splitlines()
-    assert lines[1] == "  motif       1 line; thickness 0.4 to 0.45 mm, width 1.2 mm"
+    assert lines[1] == "  pattern     1 line; thickness 0.4 to 0.45 mm, width 1.2 mm"
     assert lines[-2:] == [
-        "net-law.npz: the law; its cells stay in net-law.samples",
+        f"net-law.npz: the law; its cells stay in {place / 'cells'}",
         "now run  asterism preview net.toml --law net-law.npz",
     ]
-    law = load_motif_law(place / "net-law.npz")
+    law = load_law(place / "net-law.npz")
     assert law.made["command"] == "asterism calibrate net.toml" and law.edge_mm == 2.5
-    assert len(list((place / "net-law.samples").glob("*.json"))) == 7
+    assert len(list((place / "cells").glob("*.json"))) == 7
     again = run(["calibrate", "net.toml", "--jobs", "1", "-o", "net-law.npz"], capsys, monkeypatch)
     assert again.status == 0 and again.err.splitlines() == ["  7 of 7 cells"]
 
@@ -82,7 +76,7 @@ def test_another_material_is_part_of_the_law(
     assert done.status == 0 and done.out.splitlines()[-1].endswith(
         "net.toml --material soft.toml --law net-law-soft.npz"
     )
-    assert load_motif_law(place / "net-law-soft.npz").plan.design.plastic.modulus_ratio == 1000
+    assert load_law(place / "net-law-soft.npz").plan.design.plastic.modulus_ratio == 1000
 
 
 def test_show_prints_range_values_and_errors(
@@ -94,8 +88,11 @@ def test_show_prints_range_values_and_errors(
     assert "held out, 4 cells" in shown.out and "    curvature " in shown.out
     assert shown.out.splitlines()[-1] == "net-law: law.png, cells.csv, summary.json"
     summary = json.loads((place / "net-law" / "summary.json").read_text())
-    assert summary["cells"] == 7 and summary["held_out"]["count"] == 4 and summary["cells_without_law"] == []
-    assert len((place / "net-law" / "cells.csv").read_text().splitlines()) == 8
+    assert summary["cells"] == 7 and summary["cells_without_law"] == []
+    assert summary["residuals"]["1.35"]["held_out"]["count"] == 4
+    cells = list(csv.DictReader((place / "net-law" / "cells.csv").read_text().splitlines()))
+    assert len(cells) == 7 and cells[0]["excess_over_2_x_2_cells_percent"] == "0.00"
+    assert float(cells[0]["hoop_around_0_deg"]) == 0.99 and float(cells[0]["curvature_around_90_deg"]) > 0.0
 
 
 @pytest.mark.slow
@@ -127,7 +124,7 @@ def test_a_motif_that_does_not_repeat_cell_by_cell_is_status_one(
     assert ended.err.splitlines()[-1].startswith(
         "asterism: thickness 0.3 mm, width 1.2 mm: the motif has no law of one cell: 2 x 2 cells relax to"
     )
-    assert not list(place.glob("*.npz")) and len(list((place / "thin-law.samples").glob("*.json"))) == 1
+    assert not list(place.glob("*.npz"))
 
 
 def test_designs_name_their_law(
@@ -136,14 +133,14 @@ def test_designs_name_their_law(
     run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
     (place / "named.toml").write_text(design("0.42", '[material]\nlaw = "net-law.npz"\n'))
     sheet = load_design(place / "named.toml")
-    law = any_law_for_design(sheet, None, place / "named.toml")
+    law = law_from_file(sheet, None, place / "named.toml")
     assert isinstance(law, MotifLaw) and law.evaluate_at(sheet, np.zeros((1, 2))).inside.all()
     (place / "other.toml").write_text(design("0.42", "[fabric]\nstretch = 1.5\n"))
     with pytest.raises(LawError) as refused:
-        any_law_for_design(load_design(place / "other.toml"), place / "net-law.npz", Path("other.toml"))
+        law_from_file(load_design(place / "other.toml"), place / "net-law.npz", Path("other.toml"))
     assert str(refused.value) == (
         f"other.toml: fabric.stretch = 1.5: the law was made for 1.35 ({place / 'net-law.npz'}); "
-        "asterism calibrate other.toml makes its law, for --law other-law.npz"
+        "without it the preview makes its own law"
     )
 
 
@@ -153,13 +150,19 @@ def test_a_law_of_the_other_kind_is_refused_in_one_line(
     run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
     (place / "stars.toml").write_text("[stars]\nlength_mm = 8\n[border]\nrings = 1\n")
     refused = run(["preview", "stars.toml", "--law", "net-law.npz"], capsys, monkeypatch)
-    assert refused.status == 2 and refused.line == "asterism: net-law.npz: is the law of a motif, not of stars"
+    assert refused.status == 2 and refused.line == (
+        "asterism: stars.toml: stars: the law is for a motif of drawn rods (net-law.npz); "
+        "without it the preview makes its own law"
+    )
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (design(more="[fabric]\nbending = 'none'\n"), "d.toml: fabric.bending: has no law: bare fabric without"),
+        (
+            design(more="[fabric]\nbending = 'none'\n"),
+            "d.toml: fabric.bending = 'none': has no law",
+        ),
         (design(more="[[rods.draw]]\nline_mm = [[-9, 2], [9, 2]]\n"), "d.toml: rods.draw: must be left out: a law is"),
         (design().replace("rods.motif", "rods.draw"), "d.toml: rods.motif: is missing: lines that do not repeat"),
         (BESIDE_STARS, "d.toml: stars: must be left out: a law is for a motif alone"),
@@ -171,24 +174,20 @@ def test_designs_without_a_law_are_refused(
     (place / "d.toml").write_text(text)
     refused = run(["calibrate", "d.toml"], capsys, monkeypatch)
     assert refused.status == 2 and refused.line.startswith(f"asterism: {message}")
-    assert not list(place.glob("*.npz")) and not list(place.glob("*.samples"))
+    assert not list(place.glob("*.npz"))
 
 
-def test_without_a_file_the_cells_are_solved_once(tmp_path: Path) -> None:
-    calls: list[Design] = []
-
-    def solve(sheet: Design, edge_mm: float, say: Callable[[str], None]) -> MotifResponses:
-        calls.append(sheet)
-        return made_up(sheet, edge_mm)
-
+def test_without_a_file_the_cells_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ASTERISM_CELLS", str(tmp_path / "cells"))
+    said: list[str] = []
     (tmp_path / "net.toml").write_text(design())
     sheet = load_design(tmp_path / "net.toml")
-    first, again = (serving_motif_law(sheet, print_layout(sheet), solve=solve) for _ in range(2))
-    assert len(calls) == 1 and motif_law_bytes(first) == motif_law_bytes(again)
+    first, again = (serving_law(sheet, print_layout(sheet), None, said.append, made_up) for _ in range(2))
+    assert said == ["learning this fabric: cell 1 of 1"] and law_bytes(first) == law_bytes(again)
     (tmp_path / "thin.toml").write_text(design("0.3"))
     thin = load_design(tmp_path / "thin.toml")
     with pytest.raises(LawError, match=r"^rods.motif: the motif has no law of one cell"):
-        serving_motif_law(thin, print_layout(thin), solve=solve)
+        serving_law(thin, print_layout(thin), respond=made_up)
 
 
 def test_a_motif_that_lies_on_its_copies_beside_the_sheet_is_refused_with_its_place_once(tmp_path: Path) -> None:
@@ -199,25 +198,5 @@ def test_a_motif_that_lies_on_its_copies_beside_the_sheet_is_refused_with_its_pl
     with pytest.raises(
         LawError, match=r"^rods: two lines named motif\[0\] lie on each other.*; use the exact"
     ) as refused:
-        serving_motif_law(sheet, print_layout(sheet))
+        serving_law(sheet, print_layout(sheet))
     assert refused.value.field == "rods"
-
-
-@pytest.mark.slow
-def test_an_interrupted_run_keeps_its_cells(tmp_path: Path) -> None:
-    """Ctrl-C while real cells are solved: whole files, no workers left, and the same command continues."""
-    (tmp_path / "net.toml").write_text(design(VARIED))
-    words = [sys.executable, "-m", "asterism", "calibrate", "net.toml", "--jobs", "1"]
-    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    samples, deadline = tmp_path / "net-law.samples", time.monotonic() + 120
-    while not list(samples.glob("*.json")) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    process.send_signal(signal.SIGINT)
-    error = process.communicate(timeout=60)[1]
-    assert process.returncode == 130
-    assert "interrupted; finished cells are in net-law.samples, and the same command continues from there" in error
-    kept = len(list(samples.glob("*.json")))
-    assert kept >= 1
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    counts = [line for line in done.stderr.splitlines() if "cells" in line]  # beside the signs of life
-    assert done.returncode == 0 and counts[0].startswith(f"  {kept} of 7 cells")

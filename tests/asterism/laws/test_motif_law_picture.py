@@ -9,14 +9,11 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
-from asterism.homogenize.campaign.fit_motif_law import fit_motif_law
-from asterism.homogenize.campaign.motif_campaign import run_motif_campaign
-from asterism.homogenize.campaign.motif_design_plan import plan_for_motif
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.laws.motif_law_picture import CHARTS, motif_law_figure
+from asterism.laws.law_picture import MOTIF_CHARTS, law_figure
 from asterism.pattern.design.design import Design
 from tests.homogenize import same_process
-from tests.homogenize.motif_laws import LEAST_THICKNESS, made_up
+from tests.homogenize.motif_laws import LEAST_THICKNESS, learned_law
 from tests.homogenize.motifs import grid
 
 VARIED = {"profile": "radial", "from": 0.4, "to": 0.5, "over_mm": 30.0}
@@ -27,32 +24,32 @@ def law_of(folder: Path, monkeypatch: pytest.MonkeyPatch, thickness: Any = 0.4, 
     motif, lattice = grid()
     rods = {"motif": motif, "thickness_mm": thickness, "width_mm": width}
     same_process.use(monkeypatch)
-    plan = plan_for_motif(Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}}))
-    return fit_motif_law(plan, run_motif_campaign(plan, folder, respond=made_up))
+    design = Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}})
+    return learned_law(design, folder)
 
 
 def curves(law: MotifLaw, chart: int, style: str) -> list[Line2D]:
-    return [line for line in motif_law_figure(law).axes[chart].lines if line.get_linestyle() == style]
+    return [line for line in law_figure(law).axes[chart].lines if line.get_linestyle() == style]
 
 
 def test_a_law_of_one_cell_is_drawn_over_directions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     law = law_of(tmp_path, monkeypatch)
-    charts = motif_law_figure(law).axes
-    assert [chart.get_title("right") for chart in charts] == list(CHARTS.values())
+    charts = law_figure(law).axes
+    assert [chart.get_title("right") for chart in charts] == list(MOTIF_CHARTS.values())
     assert charts[0].get_legend() is None
     (dots,) = (line for line in charts[1].lines if line.get_marker() == "o")
     tubes = law.samples[0]["sample"]["directions"]
     assert sorted(np.asarray(dots.get_ydata())) == sorted(tube["curvature"] for tube in tubes)
     (curve,) = curves(law, 3, "-")
-    stiffness = law.table(np.array([[0.4, 1.2]]))[0].stiffness[0]
+    stiffness = law.tables[0](np.array([[0.4, 1.2]])).stiffness[0]
     assert np.asarray(curve.get_ydata())[[0, 90]] == pytest.approx([stiffness[0, 0], stiffness[1, 1]])
 
 
 def test_sizes_that_vary_have_a_row_with_both_principal_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     law = law_of(tmp_path, monkeypatch, VARIED, ACROSS)
-    charts = motif_law_figure(law).axes
-    assert len(charts) == 2 * len(CHARTS)
-    below = charts[len(CHARTS)]
+    charts = law_figure(law).axes
+    assert len(charts) == 2 * len(MOTIF_CHARTS)
+    below = charts[len(MOTIF_CHARTS)]
     assert below.get_xlabel() == "thickness, mm"
     labels = [text.get_text() for text in below.get_legend().get_texts()]  # type: ignore[union-attr]
     widths = law.plan.sizes[1].nodes
@@ -62,8 +59,8 @@ def test_sizes_that_vary_have_a_row_with_both_principal_axes(tmp_path: Path, mon
 
 def test_sizes_without_a_law_are_dotted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     law = law_of(tmp_path, monkeypatch, VARIED | {"from": LEAST_THICKNESS - 0.02})
-    charts = motif_law_figure(law).axes
+    charts = law_figure(law).axes
     assert any(line.get_linestyle() == ":" for line in charts[0].lines)
-    (solid,) = (line for line in charts[len(CHARTS)].lines if line.get_linestyle() == "-")
+    (solid,) = (line for line in charts[len(MOTIF_CHARTS)].lines if line.get_linestyle() == "-")
     known = np.asarray(solid.get_xdata())[np.isfinite(np.asarray(solid.get_ydata()))]
     assert LEAST_THICKNESS <= known.min() < known.max() == pytest.approx(0.5)

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
-from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
 from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable, to_stored
 
 SPACING = 10.0 * np.sqrt(3.0)
 
 
 @cache
-def plain_law(stretch: float = 1.35) -> Law:
+def plain_law(stretch: float = 1.35) -> StarLaw:
     """Longer stars contract less and curl more, thicker ones curl less; the paper's material."""
-    material = Material.from_dict({"name": "plain", "fabric": {"stretch": stretch}, "plastic": {}, "lattice": {}})
-    lengths, thicknesses, widths = np.linspace(0.0, 13.0, 14), np.linspace(0.2, 0.6, 5), np.array([0.8, 1.2, 1.6])
-    l, h, _ = np.meshgrid(lengths, thicknesses, widths, indexing="ij")  # noqa: E741
+    cells = {
+        "lengths_mm": np.linspace(1.0, 13.0, 13).tolist(),
+        "thicknesses_mm": np.linspace(0.2, 0.6, 5).tolist(),
+        "widths_mm": [0.8, 1.2, 1.6],
+    }
+    plan = Material.from_dict({"name": "plain", "fabric": {"stretch": stretch}, "plan": cells}).law_plan()
+    l, h, _ = np.meshgrid(*plan.axis_nodes, indexing="ij")  # noqa: E741
     lam = 1.0 / stretch + 0.12 * np.tanh(l / 8.0) ** 2
     value = {
         "lam": lam,
@@ -32,13 +37,15 @@ def plain_law(stretch: float = 1.35) -> Law:
         "offset_mm": 0.1 * l,
     }
     nodes = np.stack([value[name] for name in QUANTITY_NAMES], axis=-1)
-    waves = CorrugationWaves.of(material.lattice)
+    waves = CorrugationWaves.of(plan.design.lattice)
     reliefs = np.zeros((*l.shape, 2, len(waves)))
     reliefs[..., 0, 0] = 0.1 * l / waves(np.zeros((1, 2)))[0, 0]
     reliefs[..., 1, 0] = 0.5 * l / waves(np.zeros((1, 2)))[0, 0]
-    unit = quantity_units(nodes[0, 0, 0], SPACING)
-    axes = (lengths, thicknesses, widths)
-    table = LawTable(
-        stretch, SPACING, axes, nodes, reliefs, np.ones(l.shape, dtype=bool), unit, np.empty((*l.shape, 0))
-    )
-    return Law(material, (table,), (), {})
+    stored = np.concatenate([to_stored(nodes, SPACING), reliefs.reshape(*l.shape, -1)], axis=-1)
+    return StarLaw(plan, (StarTable(plan, stretch, stored, np.ones(l.shape, dtype=bool)),), (), {})
+
+
+def with_values(table: StarTable, nodes: Floats) -> StarTable:
+    """The table with other values (n1, ..., nA, Q) at its nodes."""
+    rest = table.stored[..., len(QUANTITY_NAMES) :]
+    return replace(table, stored=np.concatenate([to_stored(nodes, table.spacing_mm), rest], axis=-1))

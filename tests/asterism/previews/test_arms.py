@@ -55,7 +55,7 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
     count, offset = cell.mesh.n_base, _from_star(cell)
     right = flat.state.positions[:count, :2] - cell.printed[:count] @ flat.deformation.T
     weights = cell.weights / cell.weights.sum()
-    preview = Preview(cell_design(length, 0.4, border={"rings": 3}), plain_law())
+    preview = Preview(cell_design(length, 0.4, border={"rings": 3}, fabric={}), plain_law())
     arms = Arms(preview.sheet.layout, preview.sheet.space)
     moved = arm_shares(arms, offset).along @ ((1.0 - flat.stretch) * length * arms.direction)
     right, moved = right - weights @ right, moved - weights @ moved
@@ -82,13 +82,12 @@ def test_last_arms_poke_down_as_in_the_exact_model() -> None:
         "stars": {"length_mm": 9.0, "thickness_mm": 0.35},
         "border": {"rings": 1},
         "pins": [{"where": "border", "scale": 0.8}],
-        "mesh": {"edge_mm": 1.45},
     }
     preview = Preview(Design.from_dict(data))
     plan, last = preview.sheet.layout, preview.sheet.arms.last
     inner = np.linalg.norm(plan.centres, axis=1)[plan.arm_star] < 1.0
     assert 0 < last.sum() < len(last) and not last[inner].any()
-    right = exact_shape(preview.design).at(plan.arm_tip)[last, 2]
+    right = exact_shape(preview.design, near=preview.shape()).at(plan.arm_tip)[last, 2]
     found = preview.at(plan.arm_tip).bumpy[last, 2]
     without = Preview(preview.design, model=replace(PREVIEW_MODEL, has_last_arms=False)).at(plan.arm_tip).bumpy[last, 2]
     assert right.min() < -1.0

@@ -17,7 +17,7 @@ import asterism.previews.solve as solve_module
 from asterism.equilibrium.clock import Clock
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -33,7 +33,7 @@ from asterism.previews.session import Preview
 from asterism.previews.supports import weight
 from asterism.previews.warnings import preview_warnings
 from asterism.shape.comparison import compare_shapes
-from tests.asterism.previews.laws import SPACING, plain_law
+from tests.asterism.previews.laws import SPACING, plain_law, with_values
 
 TURN, SIXFOLD_MOST = PREVIEW_MODEL.bump_turn_rad, PREVIEW_MODEL.max_sixfold_share
 
@@ -227,7 +227,7 @@ def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     dome, table = gallery.load("dome"), law.tables[0]
     nodes = table.node_values.copy()
     nodes[..., QUANTITY_NAMES.index("kappa")] *= -1.0
-    preview = Preview(dome, replace(law, tables=(replace(table, node_values=nodes), *law.tables[1:])))
+    preview = Preview(dome, replace(law, tables=(with_values(table, nodes), *law.tables[1:])))
     before = preview.at([0.0, 0.0]).smooth[0, 2]
     assert preview.flip() == "down"
     assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
@@ -461,7 +461,7 @@ def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> 
     table = law.tables[0]
     nodes = table.node_values.copy()
     nodes[7:, ..., QUANTITY_NAMES.index("lam_n")] = 0.99
-    law = replace(law, tables=(replace(table, node_values=nodes),))
+    law = replace(law, tables=(with_values(table, nodes),))
     short = [{"star": star, "length_mm": 1.0} for star in range(1, 37)]
     same = design(fabric={"stretch": 3.0}, stars={"length_mm": 1.0})
     torn = design(fabric={"stretch": 3.0}, stars={"length_mm": 10.0, "override": short})
@@ -493,7 +493,7 @@ def test_weight_that_nothing_carries_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "percent"), [("tube", 3.0), ("dome", 2.5), ("fig9-linear", 2.0)])
+@pytest.mark.parametrize(("name", "percent"), [("bell", 2.5), ("dome", 2.5), ("fig9-linear", 2.0)])
 def test_the_exact_model_agrees(name: str, percent: float) -> None:
     """Signs, sides, axes and sizes at once: only turns and the design's own symmetries are taken out."""
     plan = gallery.load(name)
@@ -622,7 +622,7 @@ def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None
     law = plain_law()
     nodes = law.tables[0].node_values.copy()
     nodes[..., QUANTITY_NAMES.index("c3")] *= 1e4
-    wild = replace(law, tables=(replace(law.tables[0], node_values=nodes),))
+    wild = replace(law, tables=(with_values(law.tables[0], nodes),))
     plan = layout(TUBE)
     values = star_values(TUBE, plan, wild)
     assert values.strongly_anisotropic == tuple(plan.star_number.tolist())

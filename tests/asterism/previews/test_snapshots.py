@@ -39,7 +39,7 @@ def test_a_preview_goes_back_to_a_snapshot(name: str, change: dict[str, Any]) ->
 
 
 def test_undo_restores_the_form_that_a_sheet_had() -> None:
-    preview = Preview(edited("dome"))
+    preview = Preview(edited("dome", pins=[{"where": "border", "scale": 0.7}]))
     snapshot, energy = preview.snapshot(), preview.equilibrium.energy
     preview.flip()
     assert preview.equilibrium.energy != pytest.approx(energy, rel=1e-6)

@@ -165,7 +165,7 @@ def dome_with(override: list[dict[str, Any]]) -> asterism.Design:
 
 def test_stars_outside_the_law_are_marked() -> None:
     entries = [{"site": [0, 0], "thickness_mm": 1.6}, {"site": [1, 0], "thickness_mm": 1.7}]
-    summary = asterism.preview(dome_with(entries)).summary
+    summary = asterism.preview(dome_with(entries), asterism.load_law()).summary
     (warning,) = [line for line in summary["warnings"] if "outside the law" in line]
     assert isinstance(warning, PlacedWarning) and len(warning.stars) == 2 and warning.stars[0] == 0
     assert json.loads(json.dumps(list(summary["warnings"]))) == list(summary["warnings"])

@@ -26,10 +26,10 @@ def small(**changes: Any) -> Design:
 
 @pytest.fixture(scope="module")
 def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[DesignsComparison, str]:
-    """Three designs: the first, one of thicker stars, and one of a lattice without a law."""
+    """Three designs: the first, one of thicker stars, and one of a fabric without a law."""
     page = tmp_path_factory.mktemp("compared") / "page.html"
     thick = small(stars={"length_mm": 8.0, "thickness_mm": 0.45})
-    wide = small(lattice={"spacing_mm": 60.0}, pins=[{"where": "corners", "scale": 0.8}])
+    wide = small(lattice={"spacing_mm": 60.0}, fabric={"bending": "none"}, pins=[{"where": "corners", "scale": 0.8}])
     result = compare_designs([small(), thick, wide], page, names=["first", "thick", "<wide>"])
     return result, page.read_text()
 
@@ -99,8 +99,8 @@ def test_entries_that_differ_are_listed_once(compared: tuple[DesignsComparison, 
 
 def test_a_design_without_a_shape_is_there_with_the_reason(compared: tuple[DesignsComparison, str]) -> None:
     result, page = compared
-    assert result.designs[2].shape is None and "the law is for another lattice" in result.designs[2].problem
-    assert "the law is for another lattice" in page and "&lt;wide&gt;" in page and "<wide>" not in page
+    assert result.designs[2].shape is None and "bare fabric without bending" in result.designs[2].problem
+    assert "bare fabric without bending" in page and "&lt;wide&gt;" in page and "<wide>" not in page
     assert page.count("<img") == 2 * 3
 
 

@@ -153,29 +153,29 @@ def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, cap
 def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(
     design: Path, capsys, monkeypatch
 ) -> None:
-    """There is no law, and so no shape that says it."""
+    """Without fabric bending there is no preview, and so no shape that says it."""
     sliding = DESIGN.replace("scale = 0.7", 'scale = 0.7\nslide = "z"')
-    design.write_text(sliding + "[plastic]\nmodulus_ratio = 200000.0\n")
+    design.write_text(sliding + '[fabric]\nbending = "none"\n')
     assert command(["report", str(design)], capsys, monkeypatch).status == 0
     assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in page(design.with_name("d-report.pdf"))[0]
 
 
 @pytest.mark.slow
 def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
-    design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 200000.0\n")
+    design.write_text(DESIGN + '[fabric]\nbending = "none"\n')
     done = command(["report", str(design)], capsys, monkeypatch)
-    assert done.status == 0 and "no picture" in done.line and "plastic.modulus_ratio" in done.line
+    assert done.status == 0 and "no picture" in done.line and "fabric.bending" in done.line
     text, image = page(design.with_name("d-report.pdf"))
-    assert "not known: no law of this material" in text and "E1/E2 200000" in text
+    assert "not known: no law of this material" in text
     assert image[300:1200, 150:1950].min() == 255
     # no law holds two stretches: none is asked for
     design.write_text(DESIGN + "[fabric]\nstretch = [1.2, 1.5]\n")
     done = command(["report", str(design)], capsys, monkeypatch)
     assert done.status == 0 and done.line.endswith("asterism simulate; give --results")
-    design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 200000.0\n")
-    # a law for something else says what would make one
+    design.write_text(DESIGN + '[fabric]\nbending = "none"\n')
+    # a law is for fabric that bends
     refused = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
-    assert refused.status == 2 and "asterism calibrate" in refused.line
+    assert refused.status == 2 and "fabric.bending" in refused.line
     design.write_text(DESIGN)
     done = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
     assert done.status == 0 and "by the preview" in done.out
@@ -223,6 +223,6 @@ def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, cap
     for given, told in (([], True), (["--law", str(PAPER_LAW)], False)):
         assert command([*words, *given], capsys, monkeypatch).status == 0
         text, _ = page(tmp_path / "r.pdf")
-        assert ("height 77.7 mm" in text) == told and "law: paper, edges of 1.15 mm" in text
+        assert ("height 77.7 mm" in text) == told and "law: paper, edges of 1.0189 mm" in text
     both = command([*words, "--law", str(PAPER_LAW), "--results", str(tmp_path / "d")], capsys, monkeypatch)
     assert both.status == 2 and "--law: is for a new preview" in both.line

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.results.words import doubts
 from tests.asterism.commands import command
 
-# arms thicker than those of all cells of the paper's law
+# an arm thicker than those of all cells of the included law
 OUTSIDE = "[stars]\nlength_mm = 10.0\nthickness_mm = 2.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
 
 
@@ -30,7 +31,7 @@ def test_strict_ends_with_1_where_the_first_line_has_a_doubt(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     (tmp_path / "d.toml").write_text(OUTSIDE)
-    done = command(["preview", str(tmp_path / "d.toml"), *options], capsys, monkeypatch)
+    done = command(["preview", str(tmp_path / "d.toml"), "--law", str(PAPER_LAW), *options], capsys, monkeypatch)
     assert done.status == status, done.err
     assert done.out.splitlines()[0].split() == ["not", "reliable", "the", "star", "is", "outside", "the", "law"]
     assert (tmp_path / "d" / "summary.json").is_file()

@@ -44,8 +44,7 @@ def test_half_a_turn_is_none() -> None:
 
 @pytest.mark.slow
 def test_both_models_say_how_far_a_sheet_rolls() -> None:
-    data = asterism.new("tube").to_dict() | {"mesh": {"edge_mm": 3.0}}
-    design = asterism.Design.from_dict(data)
+    design = asterism.new("tube")
     shapes = [model(design) for model in (asterism.preview, asterism.simulate)]
     preview, exact = (shape.summary["roll_radius_mm"] for shape in shapes)
     assert 15.0 < exact < 45.0 and preview == pytest.approx(exact, rel=0.15)

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import asterism
 from asterism.studio.messages import Cancel, Edit, Flip, Frame, ShapeSummary, ShowForm, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe, table
+
+
+def narrow(**sections: Any) -> dict[str, Any]:
+    """A dome whose border is so narrow that it stays on either side."""
+    return table(pins=[{"where": "border", "scale": 0.7}], **sections)
 
 
 def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> None:
@@ -20,7 +27,7 @@ def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> No
 
 
 def test_a_cancelled_flip_leaves_the_form_and_its_summary_follows(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
+    engine.send(Edit(1, narrow()))
     before = engine.frame(1)
     engine.send(Cancel(2), Flip(2))
     assert engine.problem(2).kind == "search ended"
@@ -30,15 +37,15 @@ def test_a_cancelled_flip_leaves_the_form_and_its_summary_follows(engine: Engine
 
 
 def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
+    engine.send(Edit(1, narrow()))
     first = engine.frame(1)
     engine.send(Flip(2))
     flipped = engine.frame(2)
     assert np.abs(flipped.positions - first.positions).max() > 1.0
-    engine.send(Edit(3, table(), is_opened=True, snapshot=first.snapshot))
+    engine.send(Edit(3, narrow(), is_opened=True, snapshot=first.snapshot))
     assert engine.frame(3).positions == pytest.approx(first.positions, abs=1e-4)
     # of another mesh: the shape is found anew
-    engine.send(Edit(4, table(border={"rings": 2}), is_opened=True, snapshot=first.snapshot))
+    engine.send(Edit(4, narrow(border={"rings": 2}), is_opened=True, snapshot=first.snapshot))
     assert engine.frame(4).is_minimum
 
 
@@ -88,17 +95,17 @@ def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(eng
 
 def test_a_flip_waits_for_the_shape_of_the_edit_before(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asterism.studio.search_bounds.STALE_S", 0.0)
-    engine.send(Edit(1, table(), is_opened=True), Flip(2))
+    engine.send(Edit(1, narrow(), is_opened=True), Flip(2))
     first = engine.frame(1)
     assert engine.frame(2).height_mm < first.height_mm
 
 
 def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> None:
     other = EnginePipe()
-    other.send(Edit(1, table(), is_opened=True), Flip(2))
+    other.send(Edit(1, narrow(), is_opened=True), Flip(2))
     flipped = other.frame(2)
     other.close()
-    engine.send(Edit(3, table(), snapshot=flipped.snapshot))
+    engine.send(Edit(3, narrow(), snapshot=flipped.snapshot))
     assert engine.frame(3).positions == pytest.approx(flipped.positions, abs=1e-4)
 
 
@@ -128,9 +135,9 @@ def test_free_sheets_keep_their_pose_while_they_change(engine: EnginePipe) -> No
 
 
 def test_another_outline_goes_on_from_the_old_shape_and_is_searched_at_rest(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
+    engine.send(Edit(1, narrow()))
     engine.summary(1)
-    smaller = table(border={"rings": 2})
+    smaller = narrow(border={"rings": 2})
     engine.send(Edit(2, smaller))
     quick = engine.frame(2)
     summary = engine.summary(2)

@@ -69,7 +69,7 @@ def test_progress_is_in_numbers_and_never_leads_back(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("changes", "kind"),
-    [({"stars": {"length_mm": 40.0}}, "design"), ({"fabric": {"stretch": 2.5}}, "law"), ({"pins": 3}, "design")],
+    [({"stars": {"length_mm": 40.0}}, "design"), ({"fabric": {"bending": "none"}}, "law"), ({"pins": 3}, "design")],
 )
 def test_what_cannot_be_verified_is_a_problem(tmp_path: Path, changes: dict[str, Any], kind: str) -> None:
     pipe = Sent()

@@ -102,7 +102,7 @@ def test_instead_of_a_verification_comes_the_exact_shape(tmp_path: Path, cross: 
 
 @pytest.mark.slow
 def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motif_kind, "serving_motif_law", lambda design, plan, known, say: net_law(design, known, say))
+    monkeypatch.setattr(motif_kind, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
     engine.send(Edit(1, net().to_dict()))
     frame = engine.frame(1)
     (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
@@ -120,7 +120,7 @@ def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatc
 def test_a_sheet_rises_around_a_held_hole_whose_size_is_edited(
     engine: EnginePipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(motif_kind, "serving_motif_law", lambda design, plan, known, say: net_law(design, known, say))
+    monkeypatch.setattr(motif_kind, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
 
     def holed(radius: float) -> dict[str, Any]:
         border = {"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": (0.0, 0.0), "radius": radius}}]}

@@ -32,6 +32,7 @@ def design(rings: int = 1, thickness: float = 0.2, edge: float = 4.3, **more: ob
         "stars": {"length_mm": 10.0, "thickness_mm": thickness},
         "border": {"rings": rings},
         "mesh": {"edge_mm": edge},
+        "fabric": {"bending": "paper"},
     }
     return Design.from_dict(data | more)
 

@@ -122,7 +122,7 @@ def test_shares_of_all_elements_make_up_the_sheet():
 
 def test_a_plate_has_smooth_strains_and_hinges_have_flat_triangles():
     """Models and cells; the paper's membrane keeps all of its energy."""
-    for fabric, smoothed in ((PLATE, True), ({}, False)):
+    for fabric, smoothed in ((PLATE, True), ({"bending": "paper"}, False)):
         for parts in (model_of(design(**fabric)).parts, UnitCell(design(**fabric), 4.0).model.parts):
             flat = parts["membrane"]
             assert isinstance(flat, Membrane)

@@ -21,6 +21,7 @@ from tests.distances import rms_distance
 
 def model(edge: float = 2.5, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": edge}}
+    data["fabric"] |= {"bending": "paper"}
     design = Design.from_dict(data | changes)
     plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, edge))

@@ -142,7 +142,7 @@ def test_at_least_one_start_is_needed() -> None:
 
 
 def test_many_starts_find_the_default_minimum_and_others() -> None:
-    m = model(rings=0)
+    m = model(rings=0, fabric={"bending": "paper"})
     minima = find_minima(ladder(m), 9)
     assert minima.fine == sorted(minima.fine, key=lambda b: b.equilibrium.energy)
     assert all(b.equilibrium.is_minimum for b in minima.fine)

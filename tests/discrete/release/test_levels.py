@@ -22,6 +22,7 @@ def model(edge: float, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict()
     data["border"] = {"rings": 1}
     data["mesh"] = {"edge_mm": edge}
+    data["fabric"] |= {"bending": "paper"}
     design = Design.from_dict(data | changes)
     plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, edge))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,9 @@ import pytest
 
 from asterism.homogenize.campaign.design_plan import plan_for_sizes
 from asterism.homogenize.errors import ForeignLaw
-from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from tests.homogenize.fake import sample_name
@@ -26,26 +27,31 @@ def design(**more: Any) -> Design:
     return Design.from_dict(sheet | {"mesh": {"graded": True, "edge_mm": 1.5}} | more)
 
 
-def test_the_cells_of_a_graded_design_have_its_mesh() -> None:
-    plan = plan_for_sizes(design(), SIZES).plan
-    assert plan.graded and plan.edge_mm == 1.5
-    even = plan_for_sizes(design(mesh={"graded": False, "edge_mm": 1.5}), SIZES).plan
-    assert not even.graded and even.edge_mm == pytest.approx(17.3205 / 15, abs=1e-4)
-    off = plan_for_sizes(design(lattice={"orientation_deg": 10.0}), SIZES).plan
-    assert not off.graded and off.edge_mm == pytest.approx(17.3205 / 15, abs=1e-4)
+def test_cells_of_plates_are_graded_where_their_arms_lie_on_lattice_lines() -> None:
+    for sheet, graded in (
+        (design(), True),
+        (design(mesh={"graded": False}), True),
+        (design(lattice={"orientation_deg": 10.0}), False),
+        (design(fabric={"bending": "paper"}, mesh={}), False),
+    ):
+        plan = plan_for_sizes(sheet, SIZES)
+        assert plan.design.mesh.graded == graded and plan.edge_mm == pytest.approx(17.3205 / 17, abs=1e-4)
 
 
 def test_the_design_of_a_cell_is_graded_and_its_sample_has_a_name_of_its_own() -> None:
-    material = plan_for_sizes(design(), SIZES)
-    even = Material.from_dict(material.to_dict() | {"plan": material.to_dict()["plan"] | {"graded": False}})
-    task = material.tasks()[-1]
-    assert material.design(task).mesh.graded and not even.design(task).mesh.graded
-    assert sample_name(material, task) != sample_name(even, task)
+    plan = plan_for_sizes(design(), SIZES)
+    even = replace(plan, design=Design.from_dict(plan.design.to_dict() | {"mesh": {"graded": False}}))
+    task = plan.tasks()[-1]
+    assert plan.cell_design(task).mesh.graded and not even.cell_design(task).mesh.graded
+    assert sample_name(plan, task) != sample_name(even, task)
 
 
 @pytest.mark.parametrize(
     ("data", "words"),
-    [({"fabric": {}}, "consistent"), ({"fabric": PLATE, "lattice": {"orientation_deg": 10.0}}, "lattice lines")],
+    [
+        ({"fabric": {"bending": "paper"}}, "consistent"),
+        ({"fabric": PLATE, "lattice": {"orientation_deg": 10.0}}, "lattice lines"),
+    ],
 )
 def test_plans_without_graded_cells_are_refused(data: dict[str, Any], words: str) -> None:
     with pytest.raises(DesignError, match=words) as refused:
@@ -56,7 +62,7 @@ def test_plans_without_graded_cells_are_refused(data: dict[str, Any], words: str
 @pytest.mark.parametrize(
     ("fabric", "field"),
     [
-        ({"bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
+        ({"bending": "paper", "bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
         ({"bending": "consistent", "bending_stiffness_n_mm": 0.02}, "fabric.modulus_mpa"),
     ],
 )
@@ -67,9 +73,8 @@ def test_a_material_with_a_measured_stiffness_needs_what_a_design_needs(fabric: 
 
 
 def test_plate_and_hinges_refuse_the_law_of_each_other() -> None:
-    paper = load_law()
-    plate = Law(plan_for_sizes(design(), SIZES), paper.tables, [], {})
-    hinges = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}})
+    hinges = design(fabric={"bending": "paper"}, mesh={})
+    paper, plate = (StarLaw(plan_for_sizes(each, SIZES), load_law().tables, [], {}) for each in (hinges, design()))
     for law, other, names in ((paper, design(), ("consistent", "paper")), (plate, hinges, ("paper", "consistent"))):
         with pytest.raises(ForeignLaw) as refused:
             law.check(other)

@@ -9,60 +9,47 @@ import numpy as np
 import pytest
 
 from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
+from asterism.homogenize.law.plan import LawPlan
 from asterism.pattern.design.errors import DesignError
 
 
 def test_the_papers_plan_covers_its_range() -> None:
-    for path in (PAPER_MATERIAL, *(PAPER_MATERIAL.with_name(f"paper-{name}.toml") for name in ("coarse", "plate"))):
-        material = load_material(path)
-        assert material.stretches == (1.35, 1.75)
-        assert material.plan.ranges == ((0.0, 13.0), (0.2, 0.6), (0.8, 1.6))
-        tasks = material.tasks()
-        assert len(tasks) == len(set(tasks)) and tasks == sorted(tasks)
-        assert sum(task.length_mm == 0 for task in tasks) == 2
-        held = [task for task in tasks if task.held_out]
-        assert len(held) == 2 * material.plan.held_out
-        assert not {task.sizes for task in held} & set(material.plan.sizes())
-
-
-@pytest.mark.parametrize("kind", ["halton", "sobol"])
-def test_spread_plans_fill_their_ranges_the_same_way_every_time(kind: str) -> None:
-    data = {"plan": {"kind": kind, "count": 50, "length_range_mm": [2, 9], "seed": 3}}
-    material = Material.from_dict(data)
-    sizes = np.array(material.plan.sizes())
-    assert len(sizes) == 50 and material.tasks() == Material.from_dict(data).tasks()
-    assert (sizes >= [2, 0.2, 0.8]).all() and (sizes <= [9, 0.6, 1.6]).all()
-    assert (np.ptp(sizes, axis=0) > 0.9 * np.array([7, 0.4, 0.8])).all()
+    plan = load_material(PAPER_MATERIAL).law_plan()
+    assert plan.stretches == (1.35, 1.75)
+    np.testing.assert_array_equal(plan.limits, [[0.0, 0.2, 0.8], [13.0, 0.6, 1.6]])
+    tasks = plan.tasks()
+    assert len(tasks) == len(set(tasks)) and tasks == sorted(tasks)
+    assert sum(task.is_bare for task in tasks) == 2
+    held = [task for task in tasks if task.held_out]
+    assert len(held) == 2 * plan.held_out
+    assert not {task.sizes for task in held} & {task.sizes for task in tasks if not task.held_out}
 
 
 def test_held_out_cells_are_as_long_as_those_the_law_answers_for() -> None:
-    for plan in ({"kind": "sobol", "length_range_mm": [9.0, 12.0]}, {"lengths_mm": [9.0, 12.0]}):
-        held = [task.length_mm for task in Material.from_dict({"plan": plan}).tasks() if task.held_out]
-        assert len(held) == 12 and 9.0 <= min(held) < 10.0
+    plan = Material.from_dict({"plan": {"lengths_mm": [9.0, 12.0]}}).law_plan()
+    held = [task.sizes[0] for task in plan.tasks() if task.held_out]
+    assert len(held) == 12 and 9.0 <= min(held) < 10.0
 
 
 @pytest.mark.parametrize(
     "data",
     [
         {},
-        {"plan": {"kind": "sobol", "count": 16}},
         {"fabric": {"stretch": 1.5}},
         tomllib.loads(PAPER_MATERIAL.read_text()),
     ],
-    ids=["default", "sobol", "own stretch", "paper"],
+    ids=["default", "own stretch", "paper"],
 )
 def test_plain_data_makes_the_same_material(data: dict) -> None:
     material = Material.from_dict(data)
     again = Material.from_dict(material.to_dict())
-    assert again.tasks() == material.tasks() and again.to_dict() == material.to_dict()
-    designs = [m.design(m.tasks()[-1]) for m in (material, again)]
-    assert designs[0] == designs[1]
+    plan = material.law_plan()
+    assert again.law_plan() == plan == LawPlan.from_dict(plan.to_dict()) and again.to_dict() == material.to_dict()
 
 
 BAD = [
     ({"fabrik": {}}, "fabrik", "did you mean fabric?"),
     ({"plan": {"lengths": [1, 2]}}, "plan.lengths", "did you mean lengths_mm?"),
-    ({"plan": {"kind": "random"}}, "plan.kind", "'grid', 'halton' or 'sobol'"),
     ({"plan": {"lengths_mm": [4, 2]}}, "plan.lengths_mm", "increase"),
     ({"plan": {"lengths_mm": [0.5, 2]}}, "plan.lengths_mm", "at least 1"),
     ({"plan": {"lengths_mm": [-1, 2]}}, "plan.lengths_mm", "at least 1"),
@@ -76,10 +63,6 @@ BAD = [
     ({"plan": {"stretches": [0.9]}}, "plan.stretches", "from 1 to 3"),
     ({"plan": {"stretches": [1.35, 1.35001]}}, "plan.stretches", "at least 0.0001 apart"),
     ({"plan": {"stretches": []}}, "plan.stretches", "at least 1"),
-    ({"plan": {"count": 20}}, "plan.count", "kind"),
-    ({"plan": {"kind": "sobol", "widths_mm": [1.0]}}, "plan.widths_mm", "kind"),
-    ({"plan": {"kind": "sobol", "length_range_mm": [9, 2]}}, "plan.length_range_mm", "low < high"),
-    ({"plan": {"kind": "sobol", "count": 2}}, "plan.count", "at least 8"),
     ({"plan": {"edge_mm": 9}}, "plan.edge_mm", "third of the spacing"),
     ({"plan": {"held_out": -1}}, "plan.held_out", "at least 0"),
     ({"plan": {"held_out": True}}, "plan.held_out", "whole number"),

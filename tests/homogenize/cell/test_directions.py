@@ -18,7 +18,7 @@ from asterism.homogenize.cell.tube_directions import (
     tube_angles,
 )
 from asterism.homogenize.law.anisotropy import predicted_curvatures
-from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, design
 

@@ -13,8 +13,6 @@ from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
-from asterism.homogenize.law.law_residuals import mesh_differences
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from tests.homogenize.cells import EDGE, design, relaxed, sample
 
@@ -246,23 +244,3 @@ def test_failed_samples_have_a_reason_and_no_numbers(monkeypatch):
     assert found.failed == "flat cell: no equilibrium at 50 % release"
     assert found.lam is None
     assert found.natural_curvature is None
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arms", "length", "width", "apart"), [(6, 7.2746, 1.2, (1.0, 2.0)), (3, 7.3, 1.0, (0.0, 0.2))]
-)
-def test_cells_say_how_far_their_two_meshes_are_apart(arms, length, width, apart):
-    """Six arms whose tips nearly meet curl to opposite sides on them; three arms hardly differ."""
-    stars = {"length_mm": length, "thickness_mm": 0.4, "width_mm": width}
-    data = design(length, 0.4).to_dict() | {"lattice": {"arms": arms}, "stars": stars}
-    found = solve_cell(Design.from_dict(data), SPACING / 15, (0.0,))
-    assert found.failed is None and len(found.segments) == 2
-    assert apart[0] < found.meshes_apart < apart[1]
-    again = mesh_differences(
-        [{"problem": None, "sample": found.to_dict(), **stars}, {"problem": "none", "sample": None}]
-    )
-    assert again == {"count": 1, "largest_percent": pytest.approx(100 * found.meshes_apart), **stars}
-    if arms == 3:
-        whole = Design.from_dict(data | {"stars": stars | {"length_mm": WHOLE}})
-        assert solve_cell(whole, EDGE, (0.0,)).meshes_apart is None

@@ -8,7 +8,6 @@ import pytest
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.homogenize.cell.point_group import aligned_lines
-from asterism.homogenize.cell.sample import arm_segments
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
@@ -98,17 +97,16 @@ def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
 def test_arms_have_their_length(lattice, length, edge):
     """On links with arms from both ends too, whether or not the tips meet."""
     star = design(length, lattice=lattice)
-    for segments, _ in arm_segments(star, edge):
-        torus = cell_mesh(star, edge, segments=segments)
-        for rod in torus.rods:
-            assert np.linalg.norm(torus.points[rod[-1]] - torus.points[rod[0]]) == pytest.approx(length, rel=1e-9)
+    torus = cell_mesh(star, edge)
+    for rod in torus.rods:
+        assert np.linalg.norm(torus.points[rod[-1]] - torus.points[rod[0]]) == pytest.approx(length, rel=1e-9)
 
 
 @pytest.mark.parametrize("miss", [0.0, 4e-7, -4e-7])
 @pytest.mark.parametrize("edge", [1.155, 3.0, 3.5, 5.8])
 def test_tips_that_meet_are_one_point(miss, edge):
     """In the middle of a link, whatever the number of edges that would suit it best; but for rounding."""
-    torus = aligned_cell_mesh(VECTORS, np.arange(6), np.full(6, SPACING * (0.5 + miss)), edge, segments=2)
+    torus = aligned_cell_mesh(VECTORS, np.arange(6), np.full(6, SPACING * (0.5 + miss)), edge)
     assert len(np.unique(torus.base[[rod[-1] for rod in torus.rods]])) == 3
     area = triangle_areas(torus.points, torus.triangles)
     assert area.min() > 0.5 * area.mean()

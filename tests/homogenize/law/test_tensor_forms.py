@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.motif_table import MotifTable, tensor_errors
+from asterism.homogenize.law.motif_law import MotifTable, tensor_errors
+from asterism.homogenize.law.plan import LawPlan, Size
 from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, stored_tensors, tensors_of_stored
+from tests.homogenize.motifs import motif_design, parallel
 
 
 def random_tensors(count: int, seed: int = 3) -> SheetTensors:
@@ -60,13 +62,14 @@ def test_slopes_are_derivatives_also_of_equal_eigenvalues() -> None:
 
 
 def test_the_table_of_a_turned_motif_is_the_turned_table() -> None:
-    nodes = (np.array([0.3, 0.35, 0.45, 0.6]), np.array([0.8, 1.2, 1.6]))
+    nodes = Size("thickness_mm", (0.3, 0.35, 0.45, 0.6), (0,)), Size("width_mm", (0.8, 1.2, 1.6), (0,))
+    plan = LawPlan(motif_design(parallel()), nodes, (1.35,), 2.0)
     cells, angle = random_tensors(12), 0.7
     sizes = np.column_stack([np.linspace(0.31, 0.59, 9), np.linspace(1.5, 0.9, 9)])
     solved = np.ones((4, 3), dtype=bool)
 
     def at(tensors: SheetTensors) -> SheetTensors:
-        return MotifTable(nodes, stored_tensors(tensors).reshape(4, 3, -1), solved)(sizes)[0]
+        return MotifTable(plan, 1.35, stored_tensors(tensors).reshape(4, 3, -1), solved)(sizes)
 
     plain, other = at(cells), at(turned(cells, angle))
     assert difference(other, turned(plain, angle)) < 1e-10

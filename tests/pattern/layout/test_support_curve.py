@@ -92,10 +92,10 @@ def test_the_curve_has_kinks_at_sharp_corners_only(first: int) -> None:
 @pytest.mark.parametrize(
     ("table", "problem"),
     [
-        ({"where": "border", "target_mm": [[0, 0, 0]] * 3}, "must have 4 places, one for each corner"),
-        ({"edges": [0, 1], "target_mm": [[0, 0, 0]] * 2}, "must have 3 places, one for each corner"),
-        ({"edges": [0, 2], "target_mm": [[0, 0, 0]] * 3}, r"edges\[1\] = 2: with target_mm, must be 1"),
-        ({"edges": [3, 0], "scale": 0.8, "target_mm": [[0, 0, 0]] * 3}, "stands alone, without scale"),
+        ({"where": "border", "target_mm": [[k, 0, 0] for k in range(3)]}, "must have 4 places, one for each corner"),
+        ({"edges": [0, 1], "target_mm": [[k, 0, 0] for k in range(2)]}, "must have 3 places, one for each corner"),
+        ({"edges": [0, 2], "target_mm": [[k, 0, 0] for k in range(3)]}, r"edges\[1\] = 2: with target_mm, must be 1"),
+        ({"edges": [3, 0], "scale": 0.8, "target_mm": [[k, 0, 0] for k in range(3)]}, "stands alone, without scale"),
     ],
 )
 def test_bad_curves_are_named(table: dict[str, Any], problem: str) -> None:

@@ -146,9 +146,8 @@ export function materialPanel({ store, edits, connection }, { on }) {
   ];
 }
 
-function lawText({ stretches, statement }) {
-  if (statement) return `${statement[0].toUpperCase()}${statement.slice(1)}.`;
+function lawText({ stretches }) {
   if (!stretches.length) return "";
   const known = stretches.map((value) => fixed(value, 2)).join(" and ");
-  return `The preview's law is calibrated for ${known}. For other stretches the universal law stands in, less accurately.`;
+  return `The preview knows ${known}. It learns other stretches when they are first used, in some seconds.`;
 }

@@ -111,7 +111,7 @@ export class View {
     if (arrays.smooth) this.shape.smooth_arm_normals = unit(smoothNormals);
     this.store.set({ frame: header });
     this.#place();
-    if (!this.#hasFit && this.canvas.clientWidth) this.fit();
+    if (!this.#hasFit && this.#pixels[0]) this.fit(); // before its size is known there is nothing to fit to
     this.invalidate();
     return true;
   }

@@ -58,7 +58,7 @@ def test_a_part_fits_in_many_sizes() -> None:
 @pytest.mark.parametrize("off_mm", [-0.5, 0.5])
 def test_one_side_of_a_roll_is_no_other_size(off_mm: float) -> None:
     """Of a tube every parallel surface is one of another radius; its length tells."""
-    shape = preview(gallery.load("tube"))
+    shape = preview(gallery.load("fig8-l-uniform"))
     side = replace(shape, positions=shape.positions + off_mm * vertex_normals(shape.positions, shape.triangles))
     points, _ = scanned(side, 5, 0.05, other=0.0)
     found = compare_scan(shape, Scan(points, 0, len(points)))

@@ -98,11 +98,9 @@ def test_a_sheet_like_itself_from_two_sides_says_two(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "part", "is_found"), [(3, 0.35, True), (0, 0.5, True), (2, 0.35, False)])
-def test_a_scan_of_a_part_is_laid_where_it_belongs_or_said_to_fit_in_several_places(
-    seed: int, part: float, is_found: bool
-) -> None:
-    """Pieces of a rolled sheet without noise. The third is laid a millimetre off, beside other poses as good."""
+@pytest.mark.parametrize(("seed", "part"), [(3, 0.35), (0, 0.5)])
+def test_a_scan_of_a_part_is_laid_where_it_belongs(seed: int, part: float) -> None:
+    """Pieces of a rolled sheet without noise."""
     shape = preview(gallery.load("fig8-l-increasing"))
     rng = np.random.default_rng(seed)
     angle = rng.uniform(0.0, 6.28)
@@ -110,4 +108,4 @@ def test_a_scan_of_a_part_is_laid_where_it_belongs_or_said_to_fit_in_several_pla
     points = surface_samples(shape.positions, shape.triangles[along > np.quantile(along, 1.0 - part)], 5000, rng)[0]
     turn = Rotation.random(random_state=seed).as_matrix()
     s = compare_scan(shape, Scan(points @ turn.T + [10.0, 20.0, 30.0], 0, len(points))).distances()
-    assert (s["rms_mm"] < 0.01 and s["poses_as_good"] == 1) if is_found else s["poses_as_good"] > 1
+    assert s["rms_mm"] < 0.01 and s["poses_as_good"] == 1

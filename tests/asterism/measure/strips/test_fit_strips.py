@@ -263,12 +263,3 @@ def test_simulate_takes_a_material(tmp_path: Path, capsys, monkeypatch) -> None:
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["design"]["plastic"]["modulus_ratio"] == 2000.0
     assert "none.toml" in command([*words, "none.toml"], capsys, monkeypatch).line
-
-
-@pytest.mark.parametrize("words", [["verify"], ["preview"]])
-def test_a_law_of_another_material_is_refused(words: list[str], tmp_path: Path, capsys, monkeypatch) -> None:
-    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 1\n")
-    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 200000.0\n")
-    done = command([*words, str(tmp_path / "d.toml"), "--material", str(tmp_path / "m.toml")], capsys, monkeypatch)
-    assert done.status == 2 and "plastic.modulus_ratio" in done.err
-    assert not (tmp_path / "d").exists()

@@ -23,9 +23,7 @@ from asterism.homogenize.law.anisotropy import (
     min_bending_ratio,
     natural_curvatures,
 )
-from asterism.homogenize.law.law import Law
-from asterism.homogenize.law.law_table import MAX_SEPARATED_CURL
-from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw, StarTable, to_stored
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -152,16 +150,19 @@ def test_the_better_of_two_near_peaks_is_found() -> None:
     assert (off < 0.02 * np.abs(found)).all()
 
 
-def other_law(lattice: dict[str, Any], along_x: float | None = None) -> Law:
+def other_law(lattice: dict[str, Any], along_x: float | None = None) -> StarLaw:
     """The plain law for other stars, without bumps, with bending along x `along_x` times the mean's."""
     law = plain_law()
     table = law.tables[0]
-    own = np.zeros((*table.node_values.shape[:3], 0 if along_x is None else ANISOTROPY_SIZE))
+    own = np.zeros((*table.solved.shape, 0 if along_x is None else ANISOTROPY_SIZE))
     if along_x is not None:
         own[1:, ..., BENDING_COLUMNS[0]] = along_x - 1.0
-    material = Material.from_dict({**law.material.to_dict(), "lattice": lattice})
-    flat = np.zeros((*table.corrugations.shape[:4], len(CorrugationWaves.of(material.lattice))))
-    return replace(law, material=material, tables=(replace(table, anisotropies=own, corrugations=flat),))
+    design = Design.from_dict(law.plan.design.to_dict() | {"lattice": lattice})
+    flat = np.zeros((*table.solved.shape, 2 * len(CorrugationWaves.of(design.lattice))))
+    values = to_stored(table.node_values, design.lattice.spacing_mm)
+    plan = replace(law.plan, design=design)
+    stored = np.concatenate([values, own, flat], axis=-1)
+    return StarLaw(plan, (StarTable(plan, table.stretch, stored, table.solved),), (), {})
 
 
 def sheet(thickness: float, lattice: dict[str, Any]) -> Design:

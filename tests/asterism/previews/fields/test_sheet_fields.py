@@ -11,14 +11,14 @@ import scipy.sparse as sp
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.axes import law_coordinates
-from asterism.homogenize.law.law_table import QUANTITY_NAMES
+from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
-from tests.asterism.previews.laws import plain_law
+from tests.asterism.previews.laws import plain_law, with_values
 
 SIXFOLD, TURN = PREVIEW_MODEL.sixfold_factor, PREVIEW_MODEL.length_turn_rad
 EARLY = 0.3
@@ -158,7 +158,7 @@ def test_what_no_sheet_can_do_is_refused_with_star_and_value(name: str, value: f
     table = law.tables[0]
     nodes = table.node_values.copy()
     nodes[9:, ..., QUANTITY_NAMES.index(name)] = value
-    broken = replace(law, tables=(replace(table, node_values=nodes),))
+    broken = replace(law, tables=(with_values(table, nodes),))
     with pytest.raises(LawError, match=rf"star 0 at \[0.0, 0.0\]: the law's {said}"):
         star_values(TUBE, layout(TUBE), broken)
 

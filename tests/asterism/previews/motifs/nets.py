@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from asterism.homogenize.cell.motif_responses import MotifResponses
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.previews.motifs.serving_motif_law import serving_motif_law
+from asterism.previews.law_choice import serving_law
 from tests.homogenize.motif_laws import made_up
 
 CROSS = [{"line_mm": [(5, 5), (15, 5)]}, {"line_mm": [(5, 5), (5, 15)]}]
@@ -29,10 +28,7 @@ def net(thickness: object = 0.4, **sections: Any) -> Design:
     )
 
 
-def made_up_cell(design: Design, edge_mm: float, say: Callable[[str], None]) -> MotifResponses:
-    say("made up")
-    return made_up(design, edge_mm)
-
-
 def net_law(design: Design, known: MotifLaw | None = None, say: Callable[[str], None] = lambda text: None) -> MotifLaw:
-    return serving_motif_law(design, print_layout(design), known, say, made_up_cell)
+    law = serving_law(design, print_layout(design), known, say, made_up)
+    assert isinstance(law, MotifLaw)
+    return law

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,8 @@ def test_rods_lie_along_the_triangles_with_their_sizes() -> None:
     assert shape.rod_fields["thickness_mm"] == pytest.approx(np.clip(0.45 + 0.0025 * middle, 0.4, 0.5), abs=1e-3)
 
 
-def test_sizes_are_edited_without_new_cells() -> None:
+def test_sizes_are_edited_without_new_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ASTERISM_CELLS", str(tmp_path))
     said: list[str] = []
     design = net()
     law = net_law(design)
@@ -85,7 +87,7 @@ def test_another_motif_has_other_cells(monkeypatch: pytest.MonkeyPatch) -> None:
         laws.append(net_law(design, known, say))
         return laws[-1]
 
-    monkeypatch.setattr(motif_kind, "serving_motif_law", counted)
+    monkeypatch.setattr(motif_kind, "serving_law", counted)
     session = Preview(net())
     session.update(net(pins=PINS))
     assert laws[1] is laws[0]
@@ -121,7 +123,7 @@ def test_a_session_returns_to_its_snapshot_and_turns_over() -> None:
 
 @pytest.mark.slow
 def test_one_session_takes_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motif_kind, "serving_motif_law", lambda design, *others: net_law(design))
+    monkeypatch.setattr(motif_kind, "serving_law", lambda design, *others: net_law(design))
     session = Preview(net())
     session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
     assert len(session.values.sizes) == 7
@@ -144,5 +146,5 @@ def test_patterns_without_a_law_are_refused_in_one_line(sections: dict[str, Any]
 
 
 def test_a_law_of_stars_is_no_law_of_a_motif() -> None:
-    with pytest.raises(TypeError, match="load_motif_law"):
+    with pytest.raises(TypeError, match="load_law reads the law of a motif"):
         Preview(net(), plain_law())

@@ -21,15 +21,6 @@ def open_shape(page: StudioPage, name: str) -> float:
     return float(page.get("studio.height"))
 
 
-def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
-    height = open_shape(shared, "dome")
-    shared.item("flip").click()
-    shared.wait("studio.isSummarised && studio.state.numbers.side === 'up'")
-    assert shared.get("studio.height") < height
-    shared.item("flip").click()
-    shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
-
-
 def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioPage) -> None:
     shared.open("gallery-dome")
     shared.summarised()

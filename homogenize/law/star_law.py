@@ -1,0 +1,356 @@
+"""The law of stars: its quantities as functions of a star's sizes, with their derivatives.
+
+Curvatures are positive with the plastic on the outside. Stiffnesses are per area of the print, which is the area of the
+stretched fabric.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
+from asterism.homogenize.law.anisotropy import anisotropy_size
+from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.hermite_grid import SlopeRule
+from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.plan import LawPlan, Stretch
+from asterism.homogenize.law.table import CellErrors, LawTable
+from asterism.pattern.design.design import Design
+
+
+@dataclass(frozen=True)
+class LawQuantity:
+    """One quantity of the law.
+
+    Attributes
+    ----------
+    meaning : with its unit.
+    rule : of the slopes at the nodes.
+    form : what is interpolated. "log": the logarithm, so that the quantity stays positive. "asinh": inverse hyperbolic
+        sine, linear for small values of either sign and logarithmic for large ones. "itself": the quantity.
+    per_modulus : the quantity is proportional to the modulus of the fabric.
+    error_floor : an error is relative to the cell's value, or to this part of the largest value in the table if that is
+        larger. The part is larger for quantities that change their sign.
+    """
+
+    meaning: str
+    rule: SlopeRule = "smooth"
+    form: Literal["itself", "log", "asinh"] = "itself"
+    per_modulus: bool = False
+    error_floor: float = 0.03
+
+
+QUANTITIES = {
+    "lam": LawQuantity("length of the flat free sheet over its printed length", "monotone", "log"),
+    "lam_n": LawQuantity("the same for the natural tube: sqrt(hoop stretch x axial stretch)", "monotone", "log"),
+    "kappa": LawQuantity("natural curvature, mean over the directions, 1/mm", form="asinh"),
+    "bending": LawQuantity(
+        "bending stiffness, secant from the flat sheet to the natural tube, N mm", form="log", per_modulus=True
+    ),
+    "a11": LawQuantity("membrane stiffness A11 of the natural tube, N/mm", form="log", per_modulus=True),
+    "a12": LawQuantity("membrane stiffness A12 of the natural tube, N/mm", per_modulus=True, error_floor=0.1),
+    "c3": LawQuantity("sixfold part of the bending energy, N mm^2", per_modulus=True, error_floor=0.1),
+    "offset_mm": LawQuantity("height of the star's centre over the reference surface, mm"),
+}
+QUANTITY_NAMES = tuple(QUANTITIES)
+_QUANTITIES = slice(0, len(QUANTITIES))
+_RULES: tuple[SlopeRule, ...] = tuple(quantity.rule for quantity in QUANTITIES.values())
+_KAPPA = QUANTITY_NAMES.index("kappa")
+_LOG, _ASINH = (np.array([q.form == form for q in QUANTITIES.values()]) for form in ("log", "asinh"))
+# natural curvature times spacing, above which a star is not scale-separated from its sheet
+MAX_SEPARATED_CURL = 1.5
+# natural curvature times spacing, above which its logarithm is interpolated
+SMALL_CURL = 0.03
+
+
+@dataclass(frozen=True)
+class LawValues:
+    """The law at N stars.
+
+    Attributes
+    ----------
+    value : (N,) for each of `QUANTITY_NAMES`.
+    slope : (N, A) derivatives by the sizes of `axes.AXES`, for each of `QUANTITY_NAMES`.
+    inside : (N,) False outside the range of the law, see `LawTable.interpolated`.
+    outside : one line for each star outside the range.
+    not_scale_separated : (N,) True if a sheet of such stars curls to a radius below two thirds of their spacing
+        (`MAX_SEPARATED_CURL`). The values are those of the cell, but a sheet whose stars differ need not follow them:
+        the stated accuracy of the law ends here.
+    """
+
+    value: dict[str, Floats]
+    slope: dict[str, Floats]
+    inside: Bools
+    outside: tuple[str, ...]
+    not_scale_separated: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class StarTable(LawTable):
+    """The law of stars at one stretch.
+
+    The columns are the forms of `QUANTITIES`, K differences between directions (`homogenize.law.anisotropy`; K is 0 for
+    threefold symmetry), and amplitudes (2, W) of `corrugation_waves`: of the flat cell in mm, and their change per
+    curvature in mm^2.
+    """
+
+    error_names = QUANTITY_NAMES
+
+    @staticmethod
+    def columns(plan: LawPlan) -> int:
+        lattice = plan.design.lattice
+        return len(QUANTITIES) + anisotropy_size(lattice) + 2 * len(CorrugationWaves.of(lattice))
+
+    @property
+    def spacing_mm(self) -> float:
+        """Of the stars."""
+        return self.plan.design.lattice.spacing_mm
+
+    @cached_property
+    def node_values(self) -> Floats:
+        """(n1, ..., nA, Q) values of `QUANTITY_NAMES` at the nodes; at length 0 those of the bare fabric."""
+        return from_stored(self.stored[..., _QUANTITIES], self.spacing_mm)
+
+    def __call__(self, *sizes: ArrayLike) -> LawValues:
+        """The law at stars of these sizes.
+
+        Parameters
+        ----------
+        sizes : length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
+
+        Examples
+        --------
+        >>> from asterism.homogenize.law.law_file import load_law
+        >>> table = load_law().at(1.35)
+        >>> found = table([0.0, 9.0], 0.42, 1.2)
+        >>> found.value["lam"].round(3)
+        array([0.741, 0.818])
+        >>> found.value["kappa"].round(4)  # 1/mm; bare fabric stays flat
+        array([0.    , 0.0248])
+        >>> table(9.0, 0.42, 5.0).outside
+        ("star 0: width_mm = 5 is outside the law's 0.8 to 1.6",)
+        """
+        asked = self.rows(sizes)
+        stored, slope = self.interpolated(asked, _QUANTITIES, _RULES)
+        slope *= _rate(stored, self.spacing_mm)[:, None]
+        value, inside = from_stored(stored, self.spacing_mm), self.inside(asked)
+        return LawValues(
+            {name: value[:, q] for q, name in enumerate(QUANTITY_NAMES)},
+            {name: slope[:, :, q] for q, name in enumerate(QUANTITY_NAMES)},
+            inside,
+            tuple(self._why_outside(int(n), asked[n]) for n in np.flatnonzero(~inside)),
+            self.is_tight(value[:, _KAPPA]),
+        )
+
+    def corrugation(self, *sizes: ArrayLike) -> Floats:
+        """(N, 2, W) amplitudes of the stars' heights over the mean surface, for the waves `StarLaw.waves`.
+
+        The amplitudes are `c[:, 0] + k c[:, 1]`, in mm, where k (1/mm) is the sum of the principal curvatures of the
+        sheet. Flat cells give the first, natural tubes the second. Outside the range of the law they are those of the
+        nearest sizes in it.
+
+        Parameters
+        ----------
+        sizes : see `__call__`.
+        """
+        parts = self._smooth(sizes, len(QUANTITIES) + anisotropy_size(self.plan.design.lattice), self.stored.shape[-1])
+        return parts.reshape(len(parts), 2, -1)
+
+    def anisotropy(self, *sizes: ArrayLike) -> Floats:
+        """(N, K) differences between directions, see `homogenize.law.anisotropy`; K is 0 for threefold symmetry.
+
+        Outside the range of the law they are those of the nearest sizes in it.
+
+        Parameters
+        ----------
+        sizes : see `__call__`.
+        """
+        return self._smooth(sizes, len(QUANTITIES), len(QUANTITIES) + anisotropy_size(self.plan.design.lattice))
+
+    def _smooth(self, sizes: Sequence[ArrayLike], start: int, stop: int) -> Floats:
+        rows, rules = self.rows(sizes), list[SlopeRule](["smooth"] * (stop - start))
+        if not rules:
+            return np.empty((len(rows), 0))
+        return self._grid(slice(start, stop), rules)(self._places(self._clipped(rows)))[0]
+
+    def is_tight(self, kappa: Floats) -> Bools:
+        """(...) whether stars of these natural curvatures are not scale-separated."""
+        return np.asarray(np.abs(kappa) * self.spacing_mm > MAX_SEPARATED_CURL)
+
+    def errors(self, sizes: Floats, stored: Floats) -> CellErrors:
+        values = self(*sizes.T)
+        law = np.column_stack([values.value[name] for name in QUANTITY_NAMES])
+        cells = from_stored(stored[:, _QUANTITIES], self.spacing_mm)
+        stated = self.node_values[self.solved & ~self.is_tight(self.node_values[..., _KAPPA])]
+        floor = np.array([q.error_floor for q in QUANTITIES.values()]) * np.abs(stated).max(axis=0)
+        percent = 100 * (law - cells) / np.maximum(np.abs(cells), np.maximum(floor, 1e-12))
+        return CellErrors(
+            percent,
+            values.inside,
+            self.is_tight(cells[:, _KAPPA]) | values.not_scale_separated,
+            values.value,
+            dict(zip(QUANTITY_NAMES, cells.T, strict=True)),
+        )
+
+    def _why_outside(self, star: int, sizes: Floats) -> str:
+        if (beyond := self.beyond(sizes)) is not None:
+            name, size, covered = beyond
+            return f"star {star}: {name} = {size:g} is outside the law's {covered}"
+        place = ", ".join(f"{key} = {size:g}" for key, size in self.plan.named(sizes).items())
+        return f"star {star}: no cell was solved near {place}"
+
+
+def to_stored(rows: Floats, spacing_mm: float) -> Floats:
+    """The interpolated forms (..., Q) of rows (..., Q) of `QUANTITY_NAMES`."""
+    return np.where(
+        _LOG, np.log(np.where(_LOG, rows, 1.0)), np.where(_ASINH, np.arcsinh(rows * spacing_mm / SMALL_CURL), rows)
+    )
+
+
+def from_stored(stored: Floats, spacing_mm: float) -> Floats:
+    """The inverse of `to_stored`."""
+    unit = np.where(_ASINH, SMALL_CURL / spacing_mm, 1.0)
+    return unit * np.where(
+        _LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.sinh(np.where(_ASINH, stored, 0.0)), stored)
+    )
+
+
+def _rate(stored: Floats, spacing_mm: float) -> Floats:
+    """Derivative of `from_stored`."""
+    unit = np.where(_ASINH, SMALL_CURL / spacing_mm, 1.0)
+    return unit * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.cosh(np.where(_ASINH, stored, 0.0)))
+
+
+@dataclass(frozen=True)
+class StarLaw(Law[StarTable]):
+    """The law of stars of one material and lattice."""
+
+    @property
+    def stretches(self) -> tuple[float, ...]:
+        return tuple(float(np.max(table.stretch)) for table in self.tables)
+
+    @cached_property
+    def waves(self) -> CorrugationWaves:
+        """The waves whose amplitudes `StarTable.corrugation` gives."""
+        return CorrugationWaves.of(self.plan.design.lattice)
+
+    def evaluate(self, design: Design, *sizes: ArrayLike) -> LawValues:
+        """The law at stars of these sizes, with stiffnesses for the modulus of the design's fabric.
+
+        Parameters
+        ----------
+        sizes : see `StarTable.__call__`.
+
+        Raises
+        ------
+        LawError
+            See `check`.
+
+        Examples
+        --------
+        >>> from asterism.homogenize.law.law_file import load_law
+        >>> from asterism.pattern.design.design import Design
+        >>> design = Design.from_dict({"stars": {"length_mm": 9.0}, "border": {"rings": 1}})
+        >>> found = load_law().evaluate(design, 9.0, 0.42, 1.2)
+        >>> found.value["bending"].round(3), bool(found.inside[0])  # N mm
+        (array([3.314]), True)
+        """
+        values, scale = self.check(design)(*sizes), self.modulus_ratio(design)
+        factor = {name: scale if quantity.per_modulus else 1.0 for name, quantity in QUANTITIES.items()}
+        return LawValues(
+            {name: value * factor[name] for name, value in values.value.items()},
+            {name: slope * factor[name] for name, slope in values.slope.items()},
+            values.inside,
+            values.outside,
+            values.not_scale_separated,
+        )
+
+    def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
+        """(N, 2, W) `StarTable.corrugation` for the stars of a design, which may be turned by half a turn."""
+        parts = self.check(design).corrugation(*sizes)
+        arms = design.lattice.arms
+        turned = (design.lattice.orientation_deg - self.plan.design.lattice.orientation_deg) * arms / 180.0
+        return np.where(self.waves.odd, -parts, parts) if arms % 2 and round(turned) % 2 else parts
+
+    def anisotropy(self, design: Design, *sizes: ArrayLike) -> Floats:
+        """(N, K) `StarTable.anisotropy` for the stars of a design; half a turn does not change it."""
+        return self.check(design).anisotropy(*sizes)
+
+    def cell_stability(self, stretch: Stretch) -> CellStabilityTable:
+        """The stability of the cells at the stretch of a table. The first call unpacks the samples.
+
+        Raises
+        ------
+        ForeignLaw
+            The law has no table for this stretch.
+        """
+        stretch = self.at(stretch).stretch
+        if stretch not in self._cell_stability:
+            self._cell_stability[stretch] = CellStabilityTable.of(self.samples, stretch)
+        return self._cell_stability[stretch]
+
+    @cached_property
+    def _cell_stability(self) -> dict[Stretch, CellStabilityTable]:
+        return {}
+
+
+@dataclass(frozen=True)
+class CellStabilityTable:
+    """Smallest eigenvalues on 2 x 2 stars of the cells at one stretch. A law from other sources may have no such cells.
+
+    Attributes
+    ----------
+    sizes : (n, A) of the stars, in the order of `homogenize.law.axes.AXES`.
+    flat, rolled : (n,) N/mm, of the flat cell and of its natural tubes (smallest over the directions).
+
+    Examples
+    --------
+    >>> table = CellStabilityTable(np.array([[10.0, 0.3, 1.2]]), np.array([-15.0]), np.array([7.0]))
+    >>> table.eigenvalues(np.array([[10.0, 0.3, 1.2]] * 3), np.array([0.0, 0.5, 1.0])).tolist()
+    [-15.0, -4.0, 7.0]
+    """
+
+    sizes: Floats
+    flat: Floats
+    rolled: Floats
+
+    @classmethod
+    def of(cls, samples: Sequence[dict[str, Any]], stretch: Stretch) -> Self:
+        """The cells with arms and an answer among samples as in a law's file."""
+        known = [
+            each for each in samples if each["problem"] is None and each["length_mm"] > 0 and each["stretch"] == stretch
+        ]
+        return cls(
+            np.array([[each[axis.key] for axis in AXES] for each in known]).reshape(-1, len(AXES)),
+            np.array([each["sample"]["supercell_eigenvalue"] for each in known]),
+            np.array([min(each["sample"]["natural_supercell_eigenvalue"]) for each in known]),
+        )
+
+    def eigenvalues(self, sizes: Floats, part: Floats) -> Floats:
+        """(S,) N/mm, of the nearest cell of each star, linear between its flat and its natural state; infinite if the
+        table has no cells.
+
+        Parameters
+        ----------
+        sizes : (S, A) of the stars.
+        part : (S,) curvature of the sheet over the natural curvature, limited to 0 to 1.
+        """
+        if not len(self.sizes):
+            return np.full(len(sizes), np.inf)
+        known, asked = _coordinates(self.sizes), _coordinates(sizes)
+        span = np.maximum(np.ptp(known, axis=0), 1e-9)
+        nearest = np.linalg.norm((asked[:, None] - known) / span, axis=2).argmin(axis=1)
+        flat, rolled = self.flat[nearest], self.rolled[nearest]
+        return np.asarray(flat + np.clip(part, 0.0, 1.0) * (rolled - flat))
+
+
+def _coordinates(sizes: Floats) -> Floats:
+    """(N, A) coordinates that the law is interpolated over, of sizes (N, A)."""
+    return np.column_stack([axis.coordinate(sizes[:, number]) for number, axis in enumerate(AXES)])

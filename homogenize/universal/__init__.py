@@ -1,1 +1,0 @@
-"""The universal law: unit cells of all fabrics and plastics, as functions of dimensionless groups."""
