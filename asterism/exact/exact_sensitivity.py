@@ -44,6 +44,10 @@ MAX_EQUILIBRIUM_DISTANCE_MM = 0.01
 OFF_CHORDS_MM = 0.25
 
 
+class NoMinimumError(ValueError):
+    """A shape is no minimum of the exact model of its design."""
+
+
 class ExactSensitivity:
     """Sensitivities of the exact shape of a star design, without contact.
 
@@ -55,8 +59,10 @@ class ExactSensitivity:
 
     Raises
     ------
-    ValueError
+    NoMinimumError
         The shape is no minimum of the exact model of the design.
+    ValueError
+        The shape has the mesh of another design.
 
     Examples
     --------
@@ -79,7 +85,7 @@ class ExactSensitivity:
         equilibrium = solve_on_mesh(model, model.with_fitted_frames(start))
         off = float(np.abs(equilibrium.state.positions - shape.positions).max())
         if not equilibrium.is_minimum or off > MAX_EQUILIBRIUM_DISTANCE_MM:
-            raise ValueError(f"shape: is no minimum of the exact model, which has one {off:.2g} mm away")
+            raise NoMinimumError(f"shape: is no minimum of the exact model, which has one {off:.2g} mm away")
         self._state = equilibrium.state
         self._gradient = model.full_gradient(self._state)
         self._triangle, self._weights = locate(mesh.points, mesh.triangles, points, OFF_CHORDS_MM)

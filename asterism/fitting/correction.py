@@ -13,7 +13,7 @@ import numpy as np
 
 from asterism.discrete.release.continuation import Report
 from asterism.equilibrium.arrays import Floats
-from asterism.exact.exact_sensitivity import ExactSensitivity
+from asterism.exact.exact_sensitivity import ExactSensitivity, NoMinimumError
 from asterism.exact.simulation import exact_shape
 from asterism.fitting.bounded_step import bounded_step
 from asterism.fitting.distance import FitDistance, target_distance
@@ -100,7 +100,7 @@ class ExactCorrection:
             if columns is None:
                 try:
                     state, columns = self._columns(sizes.design(base), rounding is None)
-                except ValueError:  # a star may snap, so that the shape has no derivatives
+                except NoMinimumError:  # a star snaps, so that the shape has no derivatives
                     self.search.say("the exact shape is too near to another one to be corrected further")
                     break
                 columns *= sizes.units

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.plan import without_law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
@@ -81,8 +82,7 @@ def serving_law(
         The file that the design names is no law for it, or the cells have no answer; the message has the reason.
     """
     named = law_of(design) if design.law_file is not None or design.rods is None else None
-    sx, sy = design.fabric.stretch_xy
-    if named is not None and (design.law_file is not None or not design.fabric.has_bending or sx != sy):
+    if named is not None and (design.law_file is not None or without_law(design) is not None):
         named.check(design)
         return named
     sheet = plan if plan is not None else print_layout(design)

@@ -26,6 +26,8 @@ from asterism.discrete.release.single_mesh import StartKind, solve_on_mesh
 from asterism.equilibrium.arrays import Array
 
 SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) mm to points in space (n, 3) mm
+# to a tolerance: the softest modes of a sheet without supports hardly change between the two coarsest ones
+LEAST_MESHES_OF_FREE_SHEETS = 3
 
 
 def solve_on_meshes(
@@ -102,17 +104,14 @@ def solve_through_levels(
 
 
 def _goes_on(search: SharedSearch, levels: list[MeshLevel]) -> bool:
-    """Whether another mesh follows the last one of these levels; a second search ends where the first one did.
-
-    The softest modes of a sheet without supports hardly change between the two coarsest meshes: it has three at least.
-    """
+    """Whether another mesh follows the last one of these levels; a second search ends where the first one did."""
     number, ladder = len(levels) - 1, search.ladder
     if search.ends:
         return len(levels) < len(search.ends)
     if ladder.tolerance_percent is not None:
         error = error_of_levels(levels).percent
-        is_free = not len(ladder.layout.support_samples.printed)
-        if error is not None and error <= ladder.tolerance_percent and len(levels) > is_free + 1:
+        least = 2 if len(ladder.layout.support_samples.printed) else LEAST_MESHES_OF_FREE_SHEETS
+        if error is not None and error <= ladder.tolerance_percent and len(levels) >= least:
             return False
     return ladder.finer_than(number)
 

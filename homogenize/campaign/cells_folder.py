@@ -40,9 +40,13 @@ def cells_folder() -> Path:
 
 
 def forget_oldest(folder: Path, most: int = MAX_KEPT_CELLS) -> int:
-    """Remove the cells that were not used for longest, so that at most so many are left; return the number removed."""
+    """Remove the cells that were solved longest ago, so that at most so many are left; return the number removed."""
+    cells = []
     with os.scandir(folder) as entries:
-        cells = [(entry.stat().st_mtime, entry.path) for entry in entries if entry.name.endswith(".json")]
+        for entry in entries:
+            with suppress(FileNotFoundError):  # another process forgets it at this moment
+                if entry.name.endswith(".json"):
+                    cells.append((entry.stat().st_mtime, entry.path))
     leaving = sorted(cells)[: max(len(cells) - most, 0)]
     for _, path in leaving:
         with suppress(OSError):  # another process was faster

@@ -43,7 +43,7 @@ class Law(Generic[Table]):
 
     @property
     def edge_mm(self) -> float:
-        """Edge length of the cells' mesh. Exact models that the law is compared with need the same edge length."""
+        """Edge length of the cells' mesh, mm."""
         return self.plan.edge_mm
 
     @property

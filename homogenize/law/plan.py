@@ -108,7 +108,7 @@ class LawPlan:
     design : of one cell. The stretch of its fabric and its `sizes` are replaced; other sizes of lines are numbers.
     sizes : what the law is a function of. Those of stars are `homogenize.law.axes.AXES`.
     stretches : the law has one table for each.
-    edge_mm : of the cells' mesh. Sheets that use the law have meshes with the same edge length.
+    edge_mm : of the cells' mesh.
     held_out : number of random cells per stretch that test the law.
     """
 

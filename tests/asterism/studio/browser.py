@@ -106,6 +106,23 @@ class StudioPage:
         """Click an item as soon as a condition holds, before the page does anything else: work may be over soon."""
         self.wait(f"({condition}) && (document.querySelector('[data-testid={name}]').click(), true)", seconds)
 
+    def live_sockets(self, is_open: Callable[[], bool] = lambda: True) -> list[Any]:
+        """Reload with connections that the test can close: those made so far, and none while `is_open` says no."""
+        sockets: list[Any] = []
+
+        def pass_on(socket: Any) -> None:
+            if not is_open():
+                socket.close()
+                return
+            sockets.append(socket)
+            socket.connect_to_server()
+
+        self.page.route_web_socket("**/live", pass_on)
+        self.page.reload()
+        self.wait("window.studio && studio.connected")
+        self.rest()
+        return sockets
+
     def rest(self) -> None:
         """Wait until the newest document's equilibrium is drawn."""
         self.wait(REST)

@@ -57,16 +57,7 @@ def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_
 def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
     page = new_page()
     page.open("gallery-dome")
-    sockets: list[Any] = []
-
-    def pass_on(socket: Any) -> None:
-        sockets.append(socket)
-        socket.connect_to_server()
-
-    page.page.route_web_socket("**/live", pass_on)
-    page.page.reload()
-    page.wait("window.studio && studio.connected")
-    page.rest()
+    sockets = page.live_sockets()
     sizes = page.get("studio.sizes")
     sockets[-1].close()
     page.wait("!studio.connected")

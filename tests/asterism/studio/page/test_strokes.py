@@ -74,20 +74,8 @@ def test_two_fingers_zoom_and_do_not_paint(shared: StudioPage) -> None:
 def test_strokes_without_a_connection_follow_when_it_is_there_again(new_page: Any) -> None:
     page = new_page()
     page.open("gallery-dome")
-    sockets: list[Any] = []
     is_open = [True]
-
-    def pass_on(socket: Any) -> None:
-        if not is_open[0]:
-            socket.close()
-            return
-        sockets.append(socket)
-        socket.connect_to_server()
-
-    page.page.route_web_socket("**/live", pass_on)
-    page.page.reload()
-    page.wait("window.studio && studio.connected")
-    page.rest()
+    sockets = page.live_sockets(lambda: is_open[0])
     page.item("tool-brush").click()
     sizes, revision = page.get("studio.sizes"), page.get("studio.revision")
     is_open[0] = False
