@@ -1,12 +1,12 @@
-"""The constants of the preview that are fitted to sheets, chosen together on one half of the frozen designs.
+"""What the parts and the fitted constants of the preview gain, on the frozen designs.
 
 python -m benchmarks.fit_constants FOLDER [--write]
 
-FOLDER is that of `benchmarks.frozen.solve`. The constants that change a shape are tried at factors of their values, one
-after the other, on the working half. A value is taken if the distances become smaller by more than `MIN_GAIN_ERRORS`
-standard errors, and its neighbours are tried again until none is better. The other half of the first set, on which this
-command chooses nothing, shows how far the choice holds. The estimated errors are fitted after the shapes
-(`benchmarks.accuracy.error_model`).
+FOLDER is that of `benchmarks.accuracy`. First each part of the model is turned off, on all designs that models may be
+chosen on. Then the constants that are fitted to sheets are tried at factors of their values, one after the other, on
+the working half. A value is taken if the distances become smaller by more than `MIN_GAIN_ERRORS` standard errors, and
+its neighbours are tried again until none is better. The other half of the first set, on which this command chooses
+nothing, shows how far the choice holds.
 
 The measure of a choice is the mean logarithm of the distance, as the supports hold the sheet, in % of the diameter, at
 least `FLOOR_PERCENT`: the exact shapes themselves differ by that from mesh to mesh. A few sheets that take another form
@@ -24,15 +24,16 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
-from benchmarks.accuracy.comparisons import Reference, is_solved
-from benchmarks.accuracy.error_model import CONSTANTS
-from benchmarks.frozen.draw import SEALED, WORKING, frozen
+from asterism.homogenize.errors import LawError
+from asterism.previews.model import PARTS, PREVIEW_MODEL, PreviewModel, describe, without
+from benchmarks.frozen.draw import CHOSEN_ON, SEALED, WORKING, frozen
 from benchmarks.report import markdown, write_report
+from benchmarks.solved import NEAR, Solved
 
 FACTORS = (0.67, 1.5)
 MIN_GAIN_ERRORS = 2.0
-FLOOR_PERCENT = 0.15
+FLOOR_PERCENT = 0.3
+PARTS_HEADER = ["part turned off", "designs that it changes", "mean gain %", "its standard error"]
 HEADER = [
     "constant", "factor", "value", "gain %, working half", "its standard error", "gain %, other half",
     "its standard error",
@@ -46,32 +47,53 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
-    halves = {
-        half: [Reference(design, options.folder) for _, design in frozen(half) if is_solved(design, options.folder)]
-        for half in (WORKING, SEALED)
+    sets = {
+        group: [each for _, design in frozen(group) if (each := Solved(design, options.folder)).has(NEAR)]
+        for group in CHOSEN_ON
     }
+    halves = {half: sets[half] for half in (WORKING, SEALED)}
     if min(map(len, halves.values())) < 2:
-        parser.error(f"FOLDER: {options.folder} has fewer than two solved designs of a half: benchmarks.frozen.solve")
+        parser.error(f"FOLDER: {options.folder} has fewer than two solved designs of a half: benchmarks.accuracy")
+    text = parts([design for designs in sets.values() for design in designs])
     model, rows = chosen(halves)
-    text = section(rows, model, {half: len(designs) for half, designs in halves.items()})
+    text += "\n\n" + section(rows, model, {half: len(designs) for half, designs in halves.items()})
     print(text)
     if options.write:
         write_report("fit_constants", text, "python -m benchmarks.fit_constants FOLDER --write")
 
 
+def parts(designs: Sequence[Solved]) -> str:
+    """Markdown: what each part of the model gains, the largest gain first."""
+    base, lines = logarithms(designs, PREVIEW_MODEL), []
+    for part in PARTS:
+        gain = 100.0 * (logarithms(designs, without(part)) - base)
+        mean, error = gain.mean(), gain.std(ddof=1) / np.sqrt(len(gain))
+        changed = int((np.abs(gain) > 1.0).sum())
+        lines.append((mean, [part, str(changed), f"{mean:+.1f}", f"{error:.1f}"]))
+        print("  ".join(lines[-1][1]), flush=True)
+    rows = [line for _, line in sorted(lines, key=lambda each: -each[0])]
+    return f"{len(designs)} designs.\n\n{markdown(PARTS_HEADER, rows)}"
+
+
 def shape_constants() -> list[str]:
-    """Names of the constants that are fitted to sheets and change a shape, not the estimate of its error."""
+    """Names of the constants that are fitted to sheets."""
     names = [each.name for each in fields(PreviewModel)]
-    return [name for name in names if describe(name).origin == "fitted to sheets" and name not in CONSTANTS]
+    return [name for name in names if describe(name).origin == "fitted to sheets"]
 
 
-def logarithms(designs: Sequence[Reference], model: PreviewModel) -> Floats:
+def logarithms(designs: Sequence[Solved], model: PreviewModel) -> Floats:
     """(n,) logarithm of the distances of the previews with a model, in % of the diameter."""
-    found = [design.compared(model) for design in designs]
-    return np.log(np.clip([each.rms_percent if each else np.inf for each in found], FLOOR_PERCENT, 100.0))
+    return np.log(np.clip([_distance(design, model) for design in designs], FLOOR_PERCENT, 100.0))
 
 
-def chosen(halves: Mapping[str, Sequence[Reference]]) -> tuple[PreviewModel, list[Row]]:
+def _distance(design: Solved, model: PreviewModel) -> float:
+    try:
+        return design.compared(model).rms_percent
+    except LawError:  # neighbours contract too differently with these constants
+        return np.inf
+
+
+def chosen(halves: Mapping[str, Sequence[Solved]]) -> tuple[PreviewModel, list[Row]]:
     """The model after all changes that gain, and the gains of other values around it, on both halves."""
     model, is_better = PREVIEW_MODEL, True
     while is_better:
@@ -94,7 +116,7 @@ def tried_value(
     factor: float,
     model: PreviewModel,
     base: Mapping[str, Floats],
-    halves: Mapping[str, Sequence[Reference]],
+    halves: Mapping[str, Sequence[Solved]],
 ) -> Row:
     """The gains of a factor of a constant by half: mean in %, and its standard error over the designs."""
     value = factor * getattr(model, name)

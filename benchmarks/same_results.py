@@ -1,6 +1,6 @@
-"""Do two checkouts of the project compute the same? Previews and exact shapes of the gallery and of random designs.
+"""Do two checkouts of the project compute the same? Previews and exact shapes of the gallery and of drawn designs.
 
-python -m benchmarks.same_results OTHER_CHECKOUT [--random 20] [--designs NAME ...]
+python -m benchmarks.same_results OTHER_CHECKOUT [--drawn 20] [--designs NAME ...]
 
 Each checkout verifies every design in a process of its own, with the Python of this one. Compared are heights and
 energies of the preview and of both exact shapes, the distance between them and what the preview states about its error;
@@ -21,10 +21,9 @@ from typing import Any
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
-from benchmarks.accuracy.designs import drawn, meshed
+from benchmarks.frozen.draw import WORKING, frozen
 from benchmarks.report import ROOT
 
-EDGE_MM = 2.0
 TOLERANCE = 1e-9
 # only the public API, which both checkouts have
 PROGRAM = """
@@ -53,11 +52,11 @@ def main() -> int:
     """Compare, print one line a design, and return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.same_results")
     parser.add_argument("other", type=Path)
-    parser.add_argument("--random", type=int, default=20)
+    parser.add_argument("--drawn", type=int, default=20)
     parser.add_argument("--designs", nargs="*")
     options = parser.parse_args()
-    designs = [meshed(gallery.load(name), EDGE_MM) for name in gallery.names()]
-    designs += [drawn(seed, EDGE_MM) for seed in range(options.random)]
+    designs = [gallery.load(name) for name in gallery.names()]
+    designs += [design for _, design in frozen(WORKING)[: options.drawn]]
     worst = 0.0
     with tempfile.TemporaryDirectory() as folder:
         for design in designs:

@@ -17,7 +17,7 @@ from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
 from asterism.homogenize.law.table import LawTable
 from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.law_record import law_record
-from asterism.previews.law_warnings import directions_warning, held_out_warning, pleat_warning, symmetry_warning
+from asterism.laws.law_warnings import directions_warning, held_out_warning, pleat_warning, symmetry_warning
 from asterism.process.count_line import without_numbers
 from asterism.results.words import table_lines
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.clock import Clock
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
@@ -15,7 +14,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.error_estimate import estimate_error
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PreviewModel
@@ -74,10 +72,8 @@ class StarKind(PatternKind):
             **{name: (1.0 - part) * both[arms, 0] + part * both[arms, 1] for name, both in ends.items()},
         }
 
-    def summary(
-        self, state: StarState, shape: Shape, mesh: Mesh, up: Floats, clock: Clock, seconds: dict[str, float]
-    ) -> PreviewRecord:
-        return summary(state, shape, mesh, estimate_error(state, shape, up, clock), seconds)
+    def summary(self, state: StarState, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> PreviewRecord:
+        return summary(state, shape, mesh, seconds)
 
 
 def kind_of(design: Design) -> PatternKind:

@@ -26,8 +26,6 @@ from typing import Any, Literal
 Origin = Literal["derived", "computed from cells", "computed from sheets", "fitted to sheets", "unknown"]
 
 STUDY = "python -m benchmarks.fit_constants FOLDER"
-ERRORS = "one fit of the three constants of the estimated error"
-ERROR_DESIGNS = "the study, designs beside it, and sheets on few supports"
 POINT_PINS = "pytest tests/asterism/previews/test_point_pins.py"
 
 
@@ -175,22 +173,6 @@ class PreviewModel:
         "pytest tests/asterism/previews/test_arms.py", "flat cells",
     )  # fmt: skip
     arm_support_share: float = _unknown(0.25, "-", "share of the distance to a support that a tip moves at most")
-    # estimated error: error_estimate.py, the same three constants for distance, height and other forms
-    energy_uncertainty: float = _fitted(
-        0.049, "-", "standard deviation of the energy over the energy at stake", ERROR_DESIGNS, ERRORS
-    )
-    stiffness_uncertainty: float = _fitted(
-        0.297, "-", "relative standard deviation of each stiffness of the sheet", ERROR_DESIGNS, ERRORS
-    )
-    buckling_share: float = _fitted(
-        0.188, "-", "standard deviation of the shape of a narrow sheet over what it is narrower", ERROR_DESIGNS, ERRORS
-    )
-    mesh_error_percent: float = _of(
-        0.37, "% of diameter", "distance of exact shapes on two meshes, median of supported sheets",
-        "computed from sheets", "python -m benchmarks.accuracy FOLDER", "the study",
-    )  # fmt: skip
-    # stars that may be inverted: warnings.py
-    inverted_min_arm: float = _unknown(0.5, "spacing", "stars with longer arms may be inverted")
 
 
 PREVIEW_MODEL = PreviewModel()

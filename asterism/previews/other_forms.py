@@ -6,8 +6,7 @@ together, or the sites of the lattice of a motif.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,17 +42,16 @@ class OtherForm:
     distance_percent: float
 
 
-def other_forms(state: AnyPreviewState, diameter_mm: float) -> list[OtherForm]:
-    """The lowest one first; each is a different form from the one shown and from those before it."""
-    return [form for form, _ in other_minima(state, diameter_mm)]
+def other_forms(state: AnyPreviewState) -> list[tuple[OtherForm, Trial]]:
+    """Each form with the trial that found it, the lowest one first.
 
-
-def other_minima(state: AnyPreviewState, diameter_mm: float) -> list[tuple[OtherForm, Trial]]:
-    """The forms of `other_forms`, each with the trial that found it."""
-    shown, layout = state.equilibrium, state.layout
+    It is another form than the last equilibrium, and than those before it.
+    """
+    shown, layout = state.resting, state.layout
     minima = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
     if len(minima) < 2 or len(layout.sample_points) < MIN_STARS:
         return []
+    diameter_mm = diameter(state.shell.node_positions(shown.x))
     known, forms = [(shown.x, _free(state, shown.x))], list[tuple[OtherForm, Trial]]()
     for trial in minima:
         apart = [100.0 * _distance(state, form, trial.x, free) / diameter_mm for form, free in known]
@@ -84,14 +82,3 @@ def _free(state: AnyPreviewState, x: Floats) -> FreeMotions:
         return FreeMotions()
     positions = state.sheet.space.locate(supports.printed).value @ x
     return free_motions(supports, positions, state.design.gravity.pull)
-
-
-def forms_met(state: AnyPreviewState) -> list[tuple[OtherForm, Trial]]:
-    """`other_minima` of the last equilibrium, by the diameter of the smooth sheet."""
-    resting = state.resting
-    return other_minima(replace(state, result=resting), diameter(state.shell.node_positions(resting.x)))
-
-
-def close_form(forms: Sequence[OtherForm], energy_uncertainty: float) -> OtherForm | None:
-    """The lowest other form, if the law cannot tell which is lower: its gap is below the law's uncertainty."""
-    return next((form for form in forms if form.gap < energy_uncertainty), None)

@@ -120,15 +120,8 @@ class PatternKind(ABC):
         )
 
     @abstractmethod
-    def summary(
-        self, state: AnyPreviewState, shape: Shape, mesh: Mesh, up: Floats, clock: Clock, seconds: dict[str, float]
-    ) -> PreviewRecord:
-        """The record of a shape.
-
-        Parameters
-        ----------
-        up : (3,) unit vector, z of the shape in the pose of the shell.
-        """
+    def summary(self, state: AnyPreviewState, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> PreviewRecord:
+        """The record of a shape on a mesh."""
 
     def with_shown_sheet(self, state: AnyPreviewState, clock: Clock) -> AnyPreviewState:
         """The state with triangles to show, with rods along their edges.

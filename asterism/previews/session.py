@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NoReturn
 
-import numpy as np
-
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.errors import Error
@@ -25,7 +23,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.kinds import kind_of, serves
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.other_forms import OtherForm, forms_met
+from asterism.previews.other_forms import OtherForm, other_forms
 from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.places import Places
 from asterism.previews.point_lens import PointLens, checked_points, checked_positions
@@ -261,7 +259,7 @@ class Preview:
     @property
     def forms(self) -> list[OtherForm]:
         """Other minima of the last search, the lowest one first; `show_form` shows one of them."""
-        return [form for form, _ in forms_met(self.state)]
+        return [form for form, _ in other_forms(self.state)]
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
         """The positions of printed points in space.
@@ -430,7 +428,7 @@ class Preview:
         ValueError
             The list has no such index.
         """
-        minima = forms_met(self.state)
+        minima = other_forms(self.state)
         if not (is_whole(number) and 0 <= number < len(minima)):
             raise ValueError(f"number = {number!r}: must be a whole number from 0 to {len(minima) - 1}")
         return self._at_form(self.design, minima[number][1].x)
@@ -473,10 +471,9 @@ class Preview:
         with clock("shown"):
             places = shown.lens(state.x, state.values)
             shape = kind.shape(state.sheet, shown.mesh, places)
-        up = np.eye(3)[2]
         if not shape.held:
-            shape, up = shape.aligned(), shape.upright()[2]
-        return replace(shape, summary=kind.summary(state, shape, shown.mesh, up, clock, self.seconds))
+            shape = shape.aligned()
+        return replace(shape, summary=kind.summary(state, shape, shown.mesh, self.seconds))
 
     def _said(self, text: str) -> None:
         """Pass on a line of a long computation, which the caller may end by the error of its check."""

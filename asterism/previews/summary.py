@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from asterism.fem.search.linear_response import STIFFNESSES
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.error_estimate import ErrorEstimate, probability_lower
+from asterism.previews.expected_error import expected_error
+from asterism.previews.other_forms import other_forms
 from asterism.previews.state import AnyPreviewState, StarState
 from asterism.previews.warnings import overstretched_stars, preview_warnings
 from asterism.process.version import __version__
@@ -22,9 +23,7 @@ from asterism.shape.shape import Shape
 EQUAL_AXES_DEG = 2.0
 
 
-def summary(
-    state: StarState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
-) -> PreviewRecord:
+def summary(state: StarState, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> PreviewRecord:
     """The record of a preview of stars. Keys that it shares with the record of an exact shape have the same meaning.
 
     Parameters
@@ -35,7 +34,7 @@ def summary(
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
     crossings = count_crossings(shape)
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
-    numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
+    numbers = common_numbers(state, shape, mesh, axis, seconds) | {
         "is_minimum": state.equilibrium.is_minimum and not overstretched,
         "law": {
             "material": law.plan.design.name,
@@ -50,7 +49,7 @@ def summary(
         "stars_uneven": list(values.strongly_anisotropic),
         "smoothing_mm": state.sheet.stars.cells.width_mm,
         "self_intersections": crossings,
-        "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm, overstretched),
+        "warnings": preview_warnings(state, shape, crossings, overstretched),
     }
     return PreviewRecord.from_json(numbers)
 
@@ -59,7 +58,6 @@ def common_numbers(
     state: AnyPreviewState,
     shape: Shape,
     mesh: Mesh,
-    estimate: ErrorEstimate,
     axis_deg: float | None,
     seconds: dict[str, float],
 ) -> dict[str, Any]:
@@ -70,7 +68,9 @@ def common_numbers(
     mesh : mesh of the shape.
     axis_deg : direction of the axis of a rolled sheet, on the print; None for other shapes.
     """
-    equilibrium, layout, sources = state.equilibrium, state.layout, estimate.sources
+    equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
+    across, height = diameter(shape.positions), shape.height_mm
+    forms = other_forms(state) if equilibrium.trials else []
     clearance = needle_clearance(layout, shape)
     return {
         "model": PreviewRecord.model_name,
@@ -81,9 +81,6 @@ def common_numbers(
         "energy_n_mm": equilibrium.energy,
         "energy_parts_n_mm": equilibrium.energies,
         "soft_modes_n_mm3": [float(value) for value in equilibrium.soft_modes],
-        "soft_amplitudes_percent": sources.amplitudes_percent.tolist(),
-        "stiffness_percent": dict(zip(STIFFNESSES, sources.stiffness_percent.tolist(), strict=True)),
-        "size_ratio": sources.size_ratio if np.isfinite(sources.size_ratio) else None,
         "stars": len(layout.centres),
         "roll_axis_deg": axis_deg,
         "equivalent_axes_deg": equivalent_axes_deg(state, axis_deg),
@@ -94,12 +91,9 @@ def common_numbers(
             {name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")}
             for trial in equilibrium.trials
         ],
-        "other_forms": [
-            vars(form) | {"probability": probability_lower(form.gap, state.model)} for form in sources.other_forms
-        ],
-        "expected_rms_percent": estimate.distance_percent,
-        "expected_height_percent": estimate.height_percent,
-        "height_doubts_mm": vars(sources.height) if sources.height else None,
+        "other_forms": [vars(form) for form, _ in forms],
+        "expected_rms_percent": error and error.distance,
+        "expected_height_percent": error and error.height * across / height if height else None,
         "shell_triangles": state.sheet.space.mesh.nelements,
         "dofs": state.shell.reduction.map.shape[1],
         "vertices": len(mesh.points),
@@ -116,7 +110,7 @@ def common_numbers(
         "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
         "above_needles_mm": clearance and clearance.above_mm,
         "below_needles_mm": clearance and clearance.below_mm,
-        "diameter_mm": sources.diameter_mm,
+        "diameter_mm": across,
         "contraction": contraction(layout, shape),
         "version": __version__,
         "design": state.design.to_dict(),

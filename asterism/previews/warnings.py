@@ -1,10 +1,5 @@
 """Warnings of a preview: one line each, with the star or the place, and what the user can do.
 
-**Stars that may stay inverted** on a supported sheet follow from the two states of their unit cells. Flat cells of long
-thin arms are unstable on 2 x 2 stars: adjacent stars prefer to bump up and down in turn. Their natural tubes are
-stable. Supports hold a sheet flatter than its stars curl. The smallest eigenvalue is interpolated between both states
-at the curvature of the sheet. Stars may be inverted where it is negative for two adjacent stars.
-
 **Overstretched stars.** Around them a preview is longer than its fabric can be, so that it is no shape of the sheet. A
 cell of the released sheet can return to its printed lengths. So its fabric stores no more energy than in print, apart
 from the bending of its arms, which is small beside it. Let q be the mean of `tr(F^T F)/2` over a cell, with the
@@ -32,19 +27,12 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import pdist
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.fem.search.mean_fields import side_of
+from asterism.fem.search.mean_fields import mean_fields, side_of
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.error_estimate import ErrorEstimate
-from asterism.previews.law_warnings import (
-    directions_warning,
-    held_out_warning,
-    pleat_warning,
-    symmetry_warning,
-)
-from asterism.previews.places import smooth_surface
 from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import AnyPreviewState, StarState
@@ -112,49 +100,25 @@ def support_ratio(layout: Layout) -> float:
     return float((in_space[apart] / in_print[apart]).max(initial=0.0))
 
 
-def stars_that_may_be_inverted(state: StarState) -> Ints:
-    """Numbers of the stars that may be inverted; none on a sheet without supports, which curls."""
-    layout, values = state.layout, state.values
-    long = values.sizes[:, 0] >= state.model.inverted_min_arm * layout.spacing_mm
-    pairs = layout.neighbours[long[layout.neighbours].all(axis=1)]
-    if not state.is_supported or not len(pairs):  # most sheets: the samples of the law stay packed
-        return np.empty(0, dtype=np.int64)
-    kappa = values.value["kappa"][:-1]
-    curvature = 2.0 * smooth_surface(state.sheet.arms.at_centres, state.x).mean_curvature
-    part = curvature / np.where(kappa == 0.0, np.inf, kappa)
-    table = state.law.cell_stability(state.design.fabric.stretch_xy[0])
-    unstable = table.eigenvalues(values.sizes, part) < 0.0
-    return np.asarray(layout.star_number[np.unique(pairs[unstable[pairs].all(axis=1)])])
-
-
-def preview_warnings(
-    state: StarState,
-    estimate: ErrorEstimate,
-    axis_deg: float | None,
-    crossings: int,
-    height_mm: float,
-    overstretched: Sequence[int] = (),
-) -> list[str]:
-    """The warnings, in the order of their causes: stars, law, supports, equilibrium, other forms, shape.
+def preview_warnings(state: StarState, shape: Shape, crossings: int, overstretched: Sequence[int] = ()) -> list[str]:
+    """The warnings, in the order of their causes: stars, supports, equilibrium, shape.
 
     Parameters
     ----------
-    axis_deg : direction of the axis of a rolled sheet, on the print; None for other shapes.
-    crossings : number of pairs of triangles that pass through each other.
-    height_mm : height of the shape.
+    crossings : number of pairs of triangles of the shape that pass through each other.
     overstretched : numbers of the stars around which the shape is longer than its fabric can be.
     """
     return [
         *_about_stars(state),
-        *_about_supports(state, estimate, height_mm),
-        *form_warnings(state, estimate),
-        *shape_warnings(state, axis_deg, crossings),
+        *_about_supports(state, shape),
+        *form_warnings(state),
+        *shape_warnings(crossings),
         *_about_lengths(overstretched, len(state.layout.centres)),
     ]
 
 
 def _about_stars(state: StarState) -> Iterator[str]:
-    """Stars that the law does not describe, and the law's own errors."""
+    """Stars that the law does not describe."""
     values, count = state.values, len(state.layout.centres)
     if len(values.outside) > 1:
         yield PlacedWarning(
@@ -167,9 +131,6 @@ def _about_stars(state: StarState) -> Iterator[str]:
     yield from site_warnings(state.layout)
     yield from sizing_warnings(state.design, state.layout)
     yield from _about_bonds(state)
-    for line in (directions_warning, held_out_warning, symmetry_warning, pleat_warning):
-        if text := line(state.law):
-            yield text
     if values.not_scale_separated and not state.is_supported:  # supported sheets are as accurate with them
         yield PlacedWarning(
             f"{len(values.not_scale_separated)} of {count} stars curl to a radius below two thirds of their spacing, "
@@ -198,21 +159,15 @@ def _about_bonds(state: StarState) -> Iterator[str]:
     )
 
 
-def _about_supports(state: StarState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:
+def _about_supports(state: StarState, shape: Shape) -> Iterator[str]:
     """Pins that fix too little or stretch the sheet flat, inverted stars, and a requested side that was not reached."""
     layout = state.layout
-    yield from support_warnings(state, estimate, height_mm)
+    yield from support_warnings(state, shape)
     if inverted := layout.star_number[layout.star_branch < 0].tolist():
         yield PlacedWarning(
             f"{len(inverted)} stars of the design are inverted (branch down), but the law describes bumps up; "
             f"check with the exact model: {star_numbers(inverted)}",
             inverted,
-        )
-    if len(stars := stars_that_may_be_inverted(state)):
-        yield PlacedWarning(
-            f"the supports hold the sheet so flat that {len(stars)} of {len(layout.centres)} stars may be inverted "
-            f"beside others; check with the exact model: {star_numbers(stars.tolist())}",
-            stars.tolist(),
         )
     yield from side_warnings(state)
 
@@ -227,28 +182,25 @@ def _about_lengths(overstretched: Sequence[int], count: int) -> Iterator[str]:
         )
 
 
-# the softest mode is neutral if the next one is this many times stiffer
-MIN_NEUTRAL_RATIO = 5.0
 # a supported sheet is flat because of its pins if its size over its natural size is above MAX_SIZE_RATIO, and its
 # height over its diameter is below MIN_HEIGHT_RATIO
 MAX_SIZE_RATIO = 1.1
 MIN_HEIGHT_RATIO = 0.03
-# % of the diameter: a larger estimated error is a warning
-FAR_PERCENT = 2.5
-# why an error is large, by the largest contribution (`asterism.previews.error_estimate`)
-CAUSES = {
-    "soft": "the sheet is soft, so that small errors of the energy move it far",
-    "stiffness": "the shape depends on the balance of several stiffnesses",
-    "narrow": "the supports hold the sheet narrower than its natural size, so that it may buckle into another form",
-    "form": "the exact model may take another form",
-}
 
 
-def support_warnings(state: AnyPreviewState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:
+def size_ratio(state: AnyPreviewState) -> float:
+    """Size that the supports allow over the natural size; inf for a sheet that they do not hold along the print."""
+    if not state.is_supported:
+        return np.inf
+    means = mean_fields(state.shell)
+    return means.chord / means.stretch
+
+
+def support_warnings(state: AnyPreviewState, shape: Shape) -> Iterator[str]:
     """Pins that fix too little, or stretch the sheet flat."""
-    layout, ratio = state.layout, estimate.sources.size_ratio
+    layout, ratio = state.layout, size_ratio(state)
     yield from pin_warnings(layout, state.design.gravity.on)
-    if MAX_SIZE_RATIO < ratio < np.inf and height_mm / estimate.sources.diameter_mm < MIN_HEIGHT_RATIO:
+    if MAX_SIZE_RATIO < ratio < np.inf and shape.height_mm / diameter(shape.positions) < MIN_HEIGHT_RATIO:
         scale = layout.common_pin_scale
         advice = "" if scale is None else f"; use a scale of about {scale / ratio:.2g} to let it rise"
         yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"
@@ -261,35 +213,18 @@ def side_warnings(state: AnyPreviewState) -> Iterator[str]:
         yield f"the edges go {side}: the preview reached no equilibrium with edges {state.side}, as requested"
 
 
-def form_warnings(state: AnyPreviewState, estimate: ErrorEstimate) -> Iterator[str]:
-    """Other forms that the sheet may have, and results that are not a stable equilibrium."""
-    shown, far = state.equilibrium, estimate.distance_percent
-    if shown.guess == EDIT_START and (not state.is_supported or estimate.sources.size_ratio < MIN_SIZE_RATIO):
+def form_warnings(state: AnyPreviewState) -> Iterator[str]:
+    """A form that an edit kept, and results that are not a stable equilibrium."""
+    shown = state.equilibrium
+    if shown.guess == EDIT_START and (not state.is_supported or size_ratio(state) < MIN_SIZE_RATIO):
         yield "the edit kept the form of the sheet before it; start a new preview to search for forms of lower energy"
     if not shown.converged:
         yield f"not an equilibrium: gradient {shown.gradient_norm:.1e} N is above {shown.tolerance:.1e} N"
     elif not shown.definite:
         yield "an unstable equilibrium: a real sheet leaves this shape; start a new preview to search for a minimum"
-    if far is not None and far > FAR_PERCENT:
-        cause = CAUSES[estimate.main_part]
-        yield f"the exact shape may be {far:.1f} % of the diameter away: {cause}; check with the exact model"
-    elif far is None and estimate.sources.size_ratio < MIN_SIZE_RATIO:
-        yield f"{CAUSES['narrow']}; check with the exact model"
-    if (other := estimate.close_form) is not None:
-        energy = f"nearly the same energy ({100.0 * other.gap:+.1f} %); the exact model may take that form"
-        if other.gap < -estimate.energy_uncertainty:
-            energy = f"{-100.0 * other.gap:.0f} % less energy; the exact model will probably take that form"
-        yield f"another form, {other.distance_percent:.0f} % of the diameter away (rms), has {energy}"
 
 
-def shape_warnings(state: AnyPreviewState, axis_deg: float | None, crossings: int) -> Iterator[str]:
-    """A sheet that passes through itself, and a roll whose axis is nearly arbitrary."""
+def shape_warnings(crossings: int) -> Iterator[str]:
+    """A sheet that passes through itself."""
     if crossings:
         yield f"{passing(crossings)}; the exact model can prevent that (solver.contact, --contact)"
-    stiffness = state.equilibrium.soft_modes
-    if axis_deg is not None and len(stiffness) > 1 and stiffness[1] > MIN_NEUTRAL_RATIO * stiffness[0]:
-        softer = f"one motion of the sheet is {stiffness[1] / stiffness[0]:.0f} times softer than all others"
-        if state.is_supported:
-            yield f"{softer}, so that small changes of the design move the sheet far"
-        else:
-            yield f"{softer}: the axis about which it rolls ({axis_deg:.0f} deg) is nearly arbitrary"

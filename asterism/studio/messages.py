@@ -251,16 +251,12 @@ class Notice:
 
 @dataclass(frozen=True)
 class Form:
-    """One of several minima: its number, its name, and its energy above that of the form shown.
-
-    `probability` is that of having less energy than the form shown, as the energies of the law are uncertain.
-    """
+    """One of several minima: its number, its name, and its energy above that of the form shown."""
 
     index: int
     name: str
     energy_percent: float
     is_shown: bool
-    probability: float | None = None
 
 
 @dataclass(frozen=True)

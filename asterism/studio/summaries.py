@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from asterism.previews.error_estimate import probability_lower
 from asterism.previews.session import Preview
 from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
@@ -33,11 +32,7 @@ def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
         Notice(str(line), sites_of(sites, line.stars) if isinstance(line, PlacedWarning) else ())
         for line in shape.summary["warnings"]
     ]
-    model = preview.state.model
-    forms = [
-        Form(index, form.start, 100.0 * form.gap, False, probability_lower(form.gap, model))
-        for index, form in enumerate(preview.forms)
-    ]
+    forms = [Form(index, form.start, 100.0 * form.gap, False) for index, form in enumerate(preview.forms)]
     if forms:
         # its index among the forms
         forms.insert(0, Form(-1, preview.equilibrium.guess, 0.0, True))

@@ -1,8 +1,8 @@
 """The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and later sets.
 
-python -m benchmarks.frozen.draw --second | --third
+python -m benchmarks.frozen.draw --second | --third | --fourth
 
-Six kinds: free sheets and supported sheets with the outlines of `benchmarks.accuracy.designs`, canopies on four to six
+Six kinds: free sheets and supported sheets with five kinds of outlines, canopies on four to six
 needles, ribbons, held edges under weight, and stars of four to six arms. All designs stand in designs.json, from where
 the other commands read them: a later change of what can be printed does not draw other ones. The command adds a set
 that is not there, and says if it draws others than those that are. The second set has as many designs of each kind as
@@ -22,24 +22,25 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
 from asterism.results.files import write_file
-from benchmarks.accuracy.designs import EDGE_MM, OUTLINES, drawn_supports, printable, size_field
 
 WORKING, SEALED = HALVES = ("working", "sealed")
-SECOND, THIRD = LATER = ("second", "third")
+SECOND, THIRD, FOURTH = LATER = ("second", "third", "fourth")
 GROUPS = (*HALVES, *LATER)
-CHOSEN_ON = (*HALVES, SECOND)  # models may be chosen on these; the third set only judges
+CHOSEN_ON = (*HALVES, SECOND, THIRD)  # models may be chosen on these; the fourth set only judges
 FREE, SUPPORTED, CANOPY, RIBBON, WEIGHT, ARMS = KINDS = (
     "free", "supported", "canopy", "ribbon", "weight", "arms",
 )  # fmt: skip
 COUNTS = {
     SECOND: {FREE: 20, SUPPORTED: 20, CANOPY: 16, RIBBON: 8, WEIGHT: 8, ARMS: 8},
     THIRD: {FREE: 10, SUPPORTED: 10, CANOPY: 8, RIBBON: 4, WEIGHT: 4, ARMS: 8},
+    FOURTH: {FREE: 16, SUPPORTED: 16, CANOPY: 10, RIBBON: 6, WEIGHT: 6, ARMS: 6},
 }
-SEEDS = {SECOND: 39, THIRD: 40}  # the next set needs an entry in both
+SEEDS = {SECOND: 39, THIRD: 40, FOURTH: 41}  # the next set needs an entry in both
 STARS = (12, 130)  # fewest and most
 # fewest and most stars that the area of an outline is drawn for
 AIMED_STARS = {FREE: (14, 80), SUPPORTED: (14, 80), CANOPY: (40, 125), WEIGHT: (14, 60), ARMS: (14, 40)}
@@ -89,8 +90,7 @@ def _chosen(design: Design) -> Data:
 def drawn(kind: str, number: int, group: str) -> Design:
     """Drawn again until it can be printed and its number of stars is within `STARS`."""
     rng = np.random.default_rng([SEEDS[group], KINDS.index(kind), number])
-    named = {"name": f"{group}-{kind}-{number:02d}", "mesh": {"edge_mm": EDGE_MM}}
-    return printable(lambda: named | DRAWN[kind](rng, number), STARS)
+    return _printable(lambda: {"name": f"{group}-{kind}-{number:02d}"} | DRAWN[kind](rng, number), STARS)
 
 
 def _free(rng: np.random.Generator, number: int) -> Data:
@@ -101,13 +101,13 @@ def _free(rng: np.random.Generator, number: int) -> Data:
 def _supported(rng: np.random.Generator, number: int) -> Data:
     """Needles, lifted needles, or two edges moved together; weight is a kind of its own."""
     outline = _outline(rng, number, SUPPORTED)
-    supports = drawn_supports(rng, outline, (number // len(OUTLINES) + number) % 4)
+    supports = _drawn_supports(rng, outline, (number // len(_OUTLINES) + number) % 4)
     return {"border": _polygon(outline), "stars": _stars(rng, outline)} | supports
 
 
 def _weight(rng: np.random.Generator, number: int) -> Data:
     outline = _outline(rng, number, WEIGHT)
-    return {"border": _polygon(outline), "stars": _stars(rng, outline)} | drawn_supports(rng, outline, 4)
+    return {"border": _polygon(outline), "stars": _stars(rng, outline)} | _drawn_supports(rng, outline, 4)
 
 
 def _canopy(rng: np.random.Generator, number: int) -> Data:
@@ -139,7 +139,7 @@ def _arms(rng: np.random.Generator, number: int) -> Data:
     """Four to six arms: free sheets, and sheets on needles."""
     kind, arms, turn = OTHER_STARS[number // 2 % len(OTHER_STARS)]
     outline = _outline(rng, number, ARMS)
-    supports = drawn_supports(rng, outline, 1) if number % 2 else {}
+    supports = _drawn_supports(rng, outline, 1) if number % 2 else {}
     stars = {
         "length_mm": round(float(rng.uniform(5.5, 8.5)), 2),
         "thickness_mm": round(float(rng.uniform(0.28, 0.45)), 2),
@@ -155,7 +155,7 @@ DRAWN: dict[str, Callable[[np.random.Generator, int], Data]] = {
 
 def _outline(rng: np.random.Generator, number: int, kind: str) -> Floats:
     """(n, 2) mm, the outlines in turn, with an area for a number of stars."""
-    return _scaled(rng, OUTLINES[number % len(OUTLINES)](rng), kind)
+    return _scaled(rng, _OUTLINES[number % len(_OUTLINES)](rng), kind)
 
 
 def _scaled(rng: np.random.Generator, outline: Floats, kind: str) -> Floats:
@@ -170,12 +170,91 @@ def _polygon(outline: Floats) -> Data:
 
 def _stars(rng: np.random.Generator, outline: Floats) -> Data:
     size = float(np.abs(outline).max())
-    stars = {"length_mm": size_field(rng, 4.5, 10.5, size), "thickness_mm": size_field(rng, 0.26, 0.5, size)}
+    stars = {"length_mm": _size_field(rng, 4.5, 10.5, size), "thickness_mm": _size_field(rng, 0.26, 0.5, size)}
     return stars | ({"width_mm": round(float(rng.uniform(0.9, 1.5)), 2)} if rng.random() < 0.5 else {})
 
 
 def _fabric(rng: np.random.Generator) -> Data:
     return {"fabric": {"stretch": 1.35 if rng.random() < 0.8 else 1.75}}
+
+
+def _size_field(rng: np.random.Generator, low: float, high: float, size: float) -> Any:
+    """A number, or from one value to another: from the middle outwards, or along a direction."""
+    one, other = (round(float(value), 3) for value in rng.uniform(low, high, 2))
+    kind = rng.random()
+    if kind < 0.35:
+        return one
+    if kind < 0.7:
+        power = float(rng.choice([0.5, 1.0, 2.0]))
+        return {"profile": "radial", "from": one, "to": other, "over_mm": round(size, 1), "power": power}
+    angle = rng.uniform(0.0, 2.0 * np.pi)
+    end = np.round(size * np.array([np.cos(angle), np.sin(angle)]), 1)
+    return {"profile": "linear", "from": one, "to": other, "start_mm": (-end).tolist(), "end_mm": end.tolist()}
+
+
+def _printable(draw: Callable[[], dict[str, Any]], stars: tuple[int, int]) -> Design:
+    """The first of the drawn tables that can be printed and has a number of stars from `stars[0]` to `stars[1]`."""
+    while True:
+        data = draw()
+        try:
+            design = Design.from_dict(data)
+            if stars[0] <= len(layout(design).centres) <= stars[1]:
+                return design
+        except DesignError:
+            continue
+
+
+def _circle(rng: np.random.Generator) -> Floats:
+    return rng.uniform(45, 65) * _unit_circle()
+
+
+def _ellipse(rng: np.random.Generator) -> Floats:
+    return _unit_circle() * [rng.uniform(60, 80), rng.uniform(35, 50)]
+
+
+def _unit_circle() -> Floats:
+    angle = 2.0 * np.pi * np.arange(24) / 24
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _l_shape(rng: np.random.Generator) -> Floats:
+    (a, b), (c, d) = rng.uniform(50, 70, 2), rng.uniform(45, 65, 2)
+    return np.array([[-a, -b], [a, -b], [a, d - b], [c - a, d - b], [c - a, b], [-a, b]])
+
+
+def _t_shape(rng: np.random.Generator) -> Floats:
+    a, bar, stem = rng.uniform(55, 75), rng.uniform(40, 50), rng.uniform(22, 30)
+    low, high = -rng.uniform(45, 65), 45.0
+    return np.array(
+        [[-stem, low], [stem, low], [stem, high - bar], [a, high - bar], [a, high], [-a, high], [-a, high - bar],
+         [-stem, high - bar]]
+    )  # fmt: skip
+
+
+def _trapezoid(rng: np.random.Generator) -> Floats:
+    base, top, height = rng.uniform(60, 80), rng.uniform(30, 55), rng.uniform(40, 55)
+    return np.array([[-base, -height], [base, -height], [top, height], [-top, height]])
+
+
+_OUTLINES = (_circle, _l_shape, _t_shape, _ellipse, _trapezoid)
+
+
+def _drawn_supports(rng: np.random.Generator, outline: Floats, kind: int) -> dict[str, Any]:
+    """Three needles, four to six, lifted ones, two edges moved together, or one edge under weight."""
+    scale, corners = round(float(rng.uniform(0.65, 0.9)), 2), len(outline)
+    needles = 3 if kind == 0 else min(int(rng.integers(4, 7)), corners)
+    chosen = np.unique(np.rint(np.linspace(0, corners, needles, endpoint=False) + rng.uniform(0, 1)).astype(int))
+    numbers = (chosen % corners).tolist()
+    if kind < 2:
+        return {"pins": [{"corners": numbers, "scale": scale}]}
+    if kind == 2:
+        lifted = {"corners": numbers[1::2], "scale": scale, "offset_mm": [0.0, 0.0, float(rng.integers(8, 30))]}
+        return {"pins": [{"corners": numbers[::2], "scale": scale}, lifted]}
+    if kind == 3:
+        edges = [{"edges": list(range(first, first + corners // 4))} for first in (0, corners // 2)]
+        return {"pins": [edge | {"scale": scale} for edge in edges]}
+    weight = {"gravity": {"on": True}, "fabric": {"modulus_mpa": 7.1875}}
+    return {"pins": [{"edges": list(range(corners // 4)), "scale": scale}]} | weight
 
 
 if __name__ == "__main__":

@@ -34,7 +34,6 @@ from asterism.reports.plots import comparison_views
 from asterism.results.files import write_file
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
-from benchmarks.accuracy.designs import EDGE_MM, meshed
 from benchmarks.report import PICTURES, ROOT, markdown, number
 
 GALLERY_HEADER = [
@@ -136,7 +135,7 @@ def pages(*names: str) -> None:
 
 def verified() -> None:
     """verified.png: the exact dome, its preview, and one in the other, seen from the same place."""
-    design = meshed(designs.load("dome"), EDGE_MM)
+    design = designs.load("dome")
     plan = layout(design)
     comparison = compare_shapes(exact_shape(design), preview(design), plan, symmetries(design, plan))
     views = comparison_views(comparison)

@@ -1,23 +1,13 @@
-"""Previews of the motif of drawn rods: the parts of a preview that depend on the kind of pattern.
-
-The estimated error is as for stars (`asterism.previews.error_estimate`), with a floor in place of the mesh error. The
-floor is that of the shell: it has no rods that end at the rim, where the exact sheet bends more or less than its
-cell. The error of the height has a further part in % of the height, for the same reason, and one in mm, which counts on
-low sheets.
-"""
+"""Previews of the motif of drawn rods: the parts of a preview that depend on the kind of pattern."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.clock import Clock
 from asterism.fem.search.relax import is_collapsing
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.motif_law import MotifLaw
@@ -28,7 +18,6 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.error_estimate import ErrorEstimate, error_sources
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, holes_within_cells
@@ -41,40 +30,12 @@ from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
 
-# share of the places on rods: with more of them outside the law no estimate is available
-MAX_OUTSIDE_SHARE = 0.1
-
-
-# floor of the distance in % of the diameter, and of the height in % of it and in mm: judged from a few sheets, and not
-# fitted. Absolute errors of the height of six sheets whose form is the exact one: 0.2, 0.4, 1.2, 1.9, 2.9 and 3.8 mm
-FLOOR_PERCENT, HEIGHT_PERCENT, HEIGHT_MM = 0.8, 10.0, 1.5
-
-
-def estimate_motif_error(state: AnyPreviewState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:
-    """The estimated error of a state with its near-zero modes.
-
-    Parameters
-    ----------
-    shape : the sheet, its height along z.
-    up : (3,) unit vector, that direction in the pose of the shell.
-    """
-    is_known = len(state.values.outside) <= MAX_OUTSIDE_SHARE * state.values.places
-    estimate = ErrorEstimate.of(error_sources(state, shape, up, clock), state.model, is_known, FLOOR_PERCENT)
-    doubts, near = estimate.sources.height, estimate.height_percent
-    if doubts is None or near is None:
-        return estimate
-    parts = near, HEIGHT_PERCENT, 100.0 * HEIGHT_MM / doubts.height
-    return replace(estimate, height_percent=math.hypot(*parts))
-
-
 # largest Gaussian modulus over the one at which bending becomes indefinite without a warning
 MAX_RIM_SHARE = 1.5
 
 
-def _warnings(
-    state: AnyPreviewState, estimate: ErrorEstimate, axis_deg: float | None, crossings: int, height_mm: float
-) -> Iterator[str]:
-    """One line each, in the order of their causes: motif, supports, equilibrium, other forms, shape."""
+def _warnings(state: AnyPreviewState, shape: Shape, crossings: int) -> Iterator[str]:
+    """One line each, in the order of their causes: motif, supports, equilibrium, shape."""
     values = state.values
     if values.outside:
         share = 100.0 * len(values.outside) / values.places
@@ -96,14 +57,14 @@ def _warnings(
     if cut := holes_within_cells(state.layout, state.design.border.tip_margin_mm):
         which = f"hole {cut[0]} is" if len(cut) == 1 else f"hole {cut[0]} and {len(cut) - 1} more are"
         yield (
-            f"{which} smaller than a cell of the motif, with rods cut off there, which the preview describes roughly "
-            "and its estimated error leaves out; check with the exact model"
+            f"{which} smaller than a cell of the motif, with rods cut off there, which the preview describes roughly; "
+            "check with the exact model"
         )
-    yield from support_warnings(state, estimate, height_mm)
+    yield from support_warnings(state, shape)
     yield from side_warnings(state)
     if not collapses:
-        yield from form_warnings(state, estimate)
-    yield from shape_warnings(state, axis_deg, crossings)
+        yield from form_warnings(state)
+    yield from shape_warnings(crossings)
 
 
 class MotifKind(PatternKind):
@@ -148,15 +109,12 @@ class MotifKind(PatternKind):
             "width_mm": np.concatenate(width),
         }
 
-    def summary(
-        self, state: AnyPreviewState, shape: Shape, mesh: Mesh, up: Floats, clock: Clock, seconds: dict[str, float]
-    ) -> PreviewRecord:
-        estimate = estimate_motif_error(state, shape, up, clock)
+    def summary(self, state: AnyPreviewState, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> PreviewRecord:
         layout, law, values = state.layout, state.law, state.values
         nearest = cKDTree(shape.printed).query(layout.sample_points)[1]
         axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
         crossings = count_crossings(shape)
-        numbers = common_numbers(state, shape, mesh, estimate, axis, seconds) | {
+        numbers = common_numbers(state, shape, mesh, axis, seconds) | {
             "rods_total": len(layout.graph.rods),
             "law": {
                 "material": law.plan.design.name,
@@ -170,6 +128,6 @@ class MotifKind(PatternKind):
             "stars_uneven": [],
             "smoothing_mm": 0.0,
             "self_intersections": crossings,
-            "warnings": list(_warnings(state, estimate, axis, crossings, shape.height_mm)),
+            "warnings": list(_warnings(state, shape, crossings)),
         }
         return PreviewRecord.from_json(numbers)

@@ -6,9 +6,6 @@ from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ShapeRecord
 from asterism.results.words import distance_error
 
-# other forms that are the lower one with a smaller probability have no row in the table
-MIN_SHOWN_PROBABILITY = 0.05
-
 
 class TrialRecord(Record):
     """An initial guess that the search followed."""
@@ -33,15 +30,11 @@ class OtherFormRecord(Record):
         "percent of the diameter.",
         unit="%",
     )
-    probability: float = key(
-        "Probability that its energy is below that of the form shown, as the energies of the law are uncertain.",
-        default=ABSENT,
-    )
 
     def in_words(self) -> str:
         """The row of this form in the table on the terminal."""
         energy = f"{100.0 * abs(self.gap):.1f} % {'more' if self.gap >= 0.0 else 'less'} energy"
-        return f"{self.distance_percent:.0f} % away, {energy}, the lower one with probability {self.probability:.2f}"
+        return f"{self.distance_percent:.0f} % away, {energy}"
 
 
 class LawOriginRecord(Record):
@@ -53,19 +46,9 @@ class LawOriginRecord(Record):
     made_by: str | None = key("Command that made the law; null if the law's file does not name it.")
 
 
-class HeightDoubtsRecord(Record):
-    """What the estimated error of the height is computed from."""
-
-    height: float = key("Height of the preview.", unit="mm")
-    lowest: float = key("Distance of the lowest point from the smooth surface.", unit="mm")
-    softness: float = key("How far the energy of the sheet would part its highest from its lowest point.", unit="mm")
-    stiffness: float = key("How far they part per relative error of the stiffnesses of the sheet.", unit="mm")
-
-
-def _likely_forms(record: PreviewRecord) -> dict[str, str] | None:
-    """A row for each other form that may well be the lower one."""
-    likely = [form for form in record.other_forms if form.get("probability", 0.0) >= MIN_SHOWN_PROBABILITY]
-    return {f"other form {number}": form.in_words() for number, form in enumerate(likely, 1)} or None
+def _other_forms(record: PreviewRecord) -> dict[str, str] | None:
+    """A row for each other form."""
+    return {f"other form {number}": form.in_words() for number, form in enumerate(record.other_forms, 1)} or None
 
 
 def _law(record: PreviewRecord) -> str:
@@ -115,19 +98,6 @@ class PreviewRecord(ShapeRecord):
         label="softest modes",
         show=lambda record: ", ".join(f"{value:.1e}" for value in record.soft_modes_n_mm3) + " N/mm3",
     )
-    soft_amplitudes_percent: list[float] = key(
-        "How far these motions would go with the energy of the sheet, rms, in percent of the diameter. "
-        "`expected_rms_percent` is computed from them.",
-        unit="%",
-    )
-    stiffness_percent: dict[str, float] = key(
-        "How far the sheet moves, rms in percent of the diameter, per relative error of its stiffnesses: `membrane`, "
-        "`bending`, `sixfold` and `gaussian`; 0 without a minimum. `expected_rms_percent` is computed from them.",
-        unit="%",
-    )
-    size_ratio: float | None = key(
-        "Size that the supports allow over the natural size; null for free sheets, and for sheets with one fixed point."
-    )
     stars: int = key(
         "Stars of the design.",
         label="stars",
@@ -146,23 +116,20 @@ class PreviewRecord(ShapeRecord):
     )
     starts: list[TrialRecord] = key("All initial guesses that were followed.")
     other_forms: list[OtherFormRecord] = key(
-        "Other minima that the search met, the lowest first.", label="other form", show=_likely_forms
+        "Other minima that the search met, the lowest first.", label="other form", show=_other_forms
     )
     law: LawOriginRecord = key("The law that was used.", label="law", show=_law)
     expected_rms_percent: float | None = key(
-        "Estimated error: rms distance from the exact shape in percent of the diameter, measured as a verification "
-        "does; null if no estimate is available. Fitted so that nine of ten designs are nearer.",
+        "Estimated error: rms distance from the exact shape in percent of the diameter, within which nine of ten exact "
+        "shapes of sheets of this kind were found; null with many stars that the law does not describe.",
         unit="%",
         label="estimated error",
         show=_expected_distance,
     )
     diameter_mm: float = key("Largest distance of two points of the sheet.", unit="mm")
     expected_height_percent: float | None = key(
-        "Estimated error of the height, bumps included, in percent of it; null if no estimate is available.",
+        "Estimated error of the height, bumps included, in percent of it; null as `expected_rms_percent`.",
         unit="%",
-    )
-    height_doubts_mm: HeightDoubtsRecord | None = key(
-        "What the estimated error of the height is computed from; null if it was not computed.", unit="mm"
     )
     law_in_range: bool = key("All stars are within the range of the law.")
     stars_outside_law: list[str] = key("The stars outside the range of the law, with the reason, one sentence each.")

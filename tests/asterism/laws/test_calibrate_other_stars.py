@@ -11,8 +11,8 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.star_law import StarLaw
+from asterism.laws.law_warnings import directions_warning
 from asterism.pattern.design.design import Design
-from asterism.previews.law_warnings import directions_warning
 from asterism.previews.session import Preview
 from tests.asterism.laws.test_calibrate import PLAN, run
 
@@ -64,11 +64,9 @@ def test_arms_that_overlap_are_cells_without_an_answer(five: tuple[StarLaw, str]
     assert not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
 
 
-def test_previews_warn_and_say_what_they_expect(five: tuple[StarLaw, str]) -> None:
+def test_previews_take_the_law_of_their_lattice(five: tuple[StarLaw, str]) -> None:
     law = five[0]
-    summary = Preview(sheet(5), law).shape().summary
-    assert any(LEFT in warning for warning in summary["warnings"])
-    assert 0.3 < summary["expected_rms_percent"] < 3.0 and summary["expected_height_percent"] > 0.0
+    assert Preview(sheet(5), law).shape().summary["is_minimum"]
     with pytest.raises(LawError, match=r"lattice\.arms = 3: the law is for another lattice, of 5"):
         Preview(sheet(3), law)
 

@@ -7,11 +7,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.layout.load_design import load_design
 from asterism.previews.run import preview
-from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.print.bed_placement import size_warning
-
-# % of the diameter: the estimated error of a template whose supports do not hold it narrow
-MAX_ERROR_PERCENT = 4.0
 
 
 def test_there_is_a_template_for_each_common_form() -> None:
@@ -33,8 +29,4 @@ def test_a_template_is_certified_and_printable(name: str) -> None:
     assert design.required_stars.thickness_mm in (0.3, 0.4)
     summary = preview(design).summary
     assert summary.is_minimum and summary.law_in_range and not summary.self_intersections
-    if summary.size_ratio is None or summary.size_ratio >= MIN_SIZE_RATIO:
-        assert summary.expected_rms_percent < MAX_ERROR_PERCENT
-    else:  # the supports bring the ends together: the sheet may buckle into another form, as a warning says
-        assert any("narrower than its natural size" in line for line in summary.warnings)
     assert summary.height_mm > 25.0

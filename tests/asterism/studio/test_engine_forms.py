@@ -115,9 +115,9 @@ def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:
     summary = engine.summary(1)
     assert [form.is_shown for form in summary.forms] == [True, False]
     shown, other = summary.forms
-    assert shown.probability is None and other.energy_percent > 0.0
+    assert shown.energy_percent == 0.0 < other.energy_percent
     (known,) = asterism.preview(asterism.Design.from_dict(data)).summary["other_forms"]
-    assert other.probability == pytest.approx(known["probability"], rel=1e-6)
+    assert other.energy_percent == pytest.approx(100.0 * known["gap"], rel=1e-6)
     engine.send(ShowForm(2, 0))
     assert engine.frame(2).is_minimum
     engine.send(ShowForm(3, 7))

@@ -39,7 +39,7 @@ export function formsPart(studio, { on }) {
   function list(others, isSearching) {
     return [
       section("Forms", h("span", { class: "count" }, String(others.length))),
-      hint("The same print can take each of them. The lower the energy, the more stable the form. The probability is that of having less energy than the form shown."),
+      hint("The same print can take each of them. The lower the energy, the more stable the form."),
       h(
         "ul",
         { class: "list" },
@@ -50,9 +50,7 @@ export function formsPart(studio, { on }) {
 
   function item(form, isSearching) {
     const sign = form.energy_percent >= 0 ? "+" : "";
-    const energy = Number.isFinite(form.probability)
-      ? `energy ${sign}${percent(form.energy_percent)}, probability ${form.probability.toFixed(2)}`
-      : "";
+    const energy = form.is_shown ? "" : `energy ${sign}${percent(form.energy_percent)}`;
     return h(
       "button",
       {

@@ -30,7 +30,6 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.fields.directional import tensors, tube_of_largest_gain
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 
 PLAN = layout(gallery.load("tube"))
@@ -182,15 +181,3 @@ def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_th
         found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
         assert np.abs(found.tube_curvature).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
         assert bool(found.not_scale_separated) is tight
-
-
-@pytest.mark.parametrize(
-    ("lattice", "along_x", "known"), [({"kind": "square"}, 0.9, True), ({"orientation_deg": 10.0}, None, False)]
-)
-def test_only_of_turned_stars_previews_expect_nothing(
-    lattice: dict[str, Any], along_x: float | None, known: bool
-) -> None:
-    """These may roll about axes that the law does not have."""
-    summary = Preview(sheet(0.45, lattice), other_law(lattice, along_x)).shape().summary
-    assert (summary["expected_rms_percent"] is not None) is known
-    assert (summary["expected_height_percent"] is not None) is known

@@ -12,22 +12,10 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.previews.motifs import motif_kind
-from asterism.previews.motifs.motif_kind import HEIGHT_MM, HEIGHT_PERCENT
 from asterism.previews.run import preview
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.previews.motifs.nets import CROSS, GRADED, net, net_law
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scale", [0.8, 0.99])
-def test_the_height_is_known_to_millimetres_and_to_percent(scale: float) -> None:
-    design = net(pins=[{"where": "corners", "scale": scale}])
-    shape = Preview(design, net_law(design)).shape()
-    percent = shape.summary["expected_height_percent"]
-    least = (HEIGHT_PERCENT**2 + (100.0 * HEIGHT_MM / shape.height_mm) ** 2) ** 0.5
-    assert percent >= least and 0.01 * percent * shape.height_mm > HEIGHT_MM
-
 
 PINS = [{"where": "corners"}]
 

@@ -51,7 +51,7 @@ def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
     height = open_shape(shared, "fig8-l-increasing")
     forms = shared.get("studio.state.forms")
     assert [form["is_shown"] for form in forms] == [True, False]
-    assert f"probability {forms[1]['probability']:.2f}" in shared.item(f"form-{forms[1]['index']}").inner_text()
+    assert f"+{forms[1]['energy_percent']:.1f}" in shared.item(f"form-{forms[1]['index']}").inner_text()
     shared.item(f"form-{forms[1]['index']}").click()
     # the form that was shown is the other one
     shared.wait(f"Math.abs(studio.height - {height}) > 1 && studio.state.forms[1]?.energy_percent < 0")

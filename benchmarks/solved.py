@@ -1,0 +1,96 @@
+"""Exact shapes of designs, kept in a folder: they take most of the time. Finished ones are not computed again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.run import preview
+from asterism.reports.write_results import write_results
+from asterism.shape.cell_mean import CellMean
+from asterism.shape.comparison import Comparison, compare_shapes
+from asterism.shape.read_shape import read_shape
+from asterism.shape.shape import Shape
+from asterism.verification.minima import right_shape
+
+NEAR, RELEASED, FINE = "near", "released", "fine"
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The exact shapes of a design, in a folder of its name below `folder`.
+
+    Attributes
+    ----------
+    design : what is solved.
+    folder : that of all designs.
+    """
+
+    design: Design
+    folder: Path
+
+    def has(self, start: str) -> bool:
+        """Whether the shape of a start, `near`, `released` or `fine`, is there."""
+        return (self.folder / self.design.name / start / "summary.json").exists()
+
+    def near(self) -> Shape:
+        """From the preview, at the design's tolerance."""
+        return self._kept(NEAR, lambda: exact_shape(self.design, near=preview(self.design)))
+
+    def released(self) -> Shape:
+        """From the flat print, at the design's tolerance."""
+        return self._kept(RELEASED, lambda: exact_shape(self.design))
+
+    def fine(self) -> Shape:
+        """From `near`, with four times the vertices."""
+        return self._kept(
+            FINE,
+            lambda: exact_shape(self.design, near=self.near(), edge_mm=0.5 * self.near().summary["edge_mm"]),
+        )
+
+    @cached_property
+    def right(self) -> Shape:
+        """The one that counts: the lower of `near` and, if it is there, `released`."""
+        both = {NEAR: self.near(), **({RELEASED: self.released()} if self.has(RELEASED) else {})}
+        return both[right_shape(both)]
+
+    def compared(self, model: PreviewModel = PREVIEW_MODEL) -> Comparison:
+        """The preview of a model with the shape that counts."""
+        return self.distance(preview(self.design, model=model))
+
+    def distance(self, shape: Shape, exact: Shape | None = None) -> Comparison:
+        """A shape with an exact one, by default the one that counts."""
+        plan = self._plan
+        if exact is not None:
+            return compare_shapes(exact, shape, plan, self._symmetries, self.design.gravity.pull)
+        return compare_shapes(self.right, shape, plan, self._symmetries, self.design.gravity.pull, mean=self._mean)
+
+    @cached_property
+    def _plan(self) -> Layout:
+        return print_layout(self.design)
+
+    @cached_property
+    def _symmetries(self) -> list[Symmetry]:
+        return symmetries(self.design, self._plan)
+
+    @cached_property
+    def _mean(self) -> CellMean:
+        return CellMean(self.right.printed, self.right.weights, self._plan.lattice_vectors)
+
+    def _kept(self, start: str, solve: Callable[[], Shape]) -> Shape:
+        here = self.folder / self.design.name / start
+        if self.has(start):
+            shape = read_shape(here)
+            if shape.summary.get("design") == self.design.to_dict():
+                return shape
+        shape = solve()
+        write_results(shape, here)
+        return shape
