@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from shlex import join
 from typing import Annotated, Literal
 
 import typer
@@ -23,9 +22,10 @@ def preview(
         typer.Option(help="Side to which the edges bend; auto: the side follows from the stars."),
     ] = "auto",
     material: MaterialFile = None,
+    settle: Annotated[bool, typer.Option(help="Go on to the exact shape that the preview leads to.")] = False,
 ) -> int:
     """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars, or with the rods of a
-    motif.
+    motif. With --settle the exact model goes on from there.
 
     Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
@@ -41,29 +41,21 @@ def preview(
 
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = law_from_file(chosen, law, design, material)
-    with run.computing():
+    if settle:
+        from asterism.exact.cost import exact_cost
+
+        run.cost(exact_cost(chosen))
+    with run.computing(compile_ahead="discrete" if settle else None):
         shape = compute(chosen, chosen_law, side, run.say)
+        if settle:
+            from asterism.exact.simulation import exact_shape
+
+            shape = exact_shape(chosen, report=run.report, say=run.say, near=shape)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     warnings = shape.summary["warnings"]
     run.warn(*warnings, *size_warning(chosen))
-    if warnings and side != "auto":
-        run.warn(
-            "asterism verify checks the form of --side auto; check this one in Python: "
-            "asterism.simulate(design, near=shape)"
-        )
-    elif warnings:
-        run.warn(f"check with the exact model:  {_check_command(design, law, material)}")
+    if warnings and not settle:
+        run.warn("go on to the exact shape with --settle")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER
-
-
-def _check_command(design: Path, law: Path | None, material: Path | None) -> str:
-    """The command that compares a preview of these options with the exact shape.
-
-    >>> _check_command(Path("dome.toml"), None, Path("knit.toml"))
-    'asterism verify dome.toml --material knit.toml'
-    """
-    options = {"--law": law, "--material": material}
-    words = [str(word) for option, value in options.items() if value is not None for word in (option, value)]
-    return join(["asterism", "verify", str(design), *words])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import asterism
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.results.records.preview import PreviewRecord
 from tests.asterism.commands import command
@@ -55,15 +56,15 @@ def test_writes_the_files_of_a_simulation(
 
 
 @pytest.mark.usefixtures("blank_pictures")
-def test_a_form_on_a_side_is_not_sent_to_the_other_one(
+def test_a_preview_settles_to_the_exact_shape_of_its_form(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Verifications look at the side that the stars want. Stars outside the law are warned of."""
-    (folder / "small.toml").write_text(DESIGN.replace("thickness_mm = 0.3", "thickness_mm = 0.15"))
-    words = ["preview", "small.toml", "-o", "out", "--law", "plain.npz"]
-    up, auto = (command([*words, *side], capsys, monkeypatch) for side in (["--side", "up"], []))
-    assert "asterism verify small.toml --law plain.npz" in auto.err
-    assert "asterism.simulate(design, near=shape)" in up.err and "verify small.toml" not in up.err
+    words = ["preview", "small.toml", "-o", "out", "--law", "plain.npz", "--side", "up", "--settle"]
+    done = command(words, capsys, monkeypatch)
+    assert done.status == 0
+    shape = asterism.read_shape(folder / "out")
+    assert shape.summary["model"] == "exact" and shape.summary["is_minimum"]
+    assert "estimated error" not in done.out
 
 
 @pytest.mark.parametrize(
@@ -102,9 +103,9 @@ def test_stars_outside_the_law_are_named(
     done = command(["preview", "small.toml", "--law", "plain.npz"], capsys, monkeypatch)
     assert done.status == 0
     assert "star 0 at [0.0, 0.0]: thickness_mm = 0.9 is outside" in done.err
-    assert done.err.endswith("asterism verify small.toml --law plain.npz\n")
+    assert done.err.endswith("go on to the exact shape with --settle\n")
     summary = json.loads((folder / "small" / "summary.json").read_text())
-    assert not any("asterism verify" in line for line in summary["warnings"])
+    assert not any("--settle" in line for line in summary["warnings"])
     # nothing is known of the error there
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
     assert "estimated error      not known" in done.out and "give or take" not in done.out
