@@ -15,13 +15,9 @@ Both models give the same u for `A = (ln(L/h) - (d - c))/g`. d - c and g are com
 
 **Bare fabric at large strains**, as beside a pin. The law's energy is quadratic in Green's strain. It is accurate up to
 strains of a few tens of percent, and far too stiff beyond. The fabric of the exact model is neo-Hookean
-(`discrete.energies.membrane`), with the energy per rest area
-
-    W = mu/2 (tr C - 2 - 2 ln J) + lam/2 (ln J)^2,    C = 1 + 2 E/lambda^2,    J^2 = det C,
-
-where E is the strain in printed coordinates from the rest metric lambda^2. The shell's energy gets the difference
-between W and its quadratic part, times the share of bare fabric. Only supports stretch fabric this far. In supported
-sheets the rest metric does not follow the curvature, so that W depends on the metric alone.
+(`fem.shell.neo_hookean`). The energy of the shell gets the difference between that energy W and its quadratic part,
+times the share of bare fabric; strains count from the rest metric lambda^2. Only supports stretch fabric this far. In
+supported sheets the rest metric does not follow the curvature, so that W depends on the metric alone.
 """
 
 from __future__ import annotations
@@ -31,15 +27,12 @@ from dataclasses import replace
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.equilibrium.compiled import loop
 from asterism.fem.shell.density import Density, EnergyTerm
 from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.neo_hookean import neo_hookean
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-
-# below this det C, ln J continues as a parabola: during a search, strains may be impossible for a surface
-MIN_DET_C = 0.1
 
 
 def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:
@@ -54,47 +47,20 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
     lam = plane * membrane[:, 0, 1] / membrane[:, 0, 0]
     mu = 0.5 * (plane - lam)
 
-    def law(e: Floats) -> tuple[Floats, Floats, Floats]:
-        energy, gradient, hessian = np.empty(len(e)), np.empty((len(e), 6)), np.empty((len(e), 6, 6))
-        _beyond_quadratic(np.ascontiguousarray(e), square, mu, lam, energy, gradient, hessian)
-        return energy, gradient, hessian
+    quadratic = np.zeros((len(mu), 3, 3))
+    quadratic[:, :2, :2] = lam[:, None, None]
+    quadratic[:, [0, 1], [0, 1]] += 2.0 * mu[:, None]
+    quadratic[:, 2, 2] = mu
 
-    return law
+    def beyond(e: Floats) -> tuple[Floats, Floats, Floats]:
+        strain, gradient, hessian = e[:, :3] / square[:, None], np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
+        energy, slope, curve = neo_hookean(strain, mu, lam)
+        linear = np.einsum("pab,pb->pa", quadratic, strain)
+        gradient[:, :3] = (slope - linear) / square[:, None]
+        hessian[:, :3, :3] = (curve - quadratic) / (square**2)[:, None, None]
+        return energy - 0.5 * np.einsum("pa,pa->p", strain, linear), gradient, hessian
 
-
-@loop
-def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    """Set energy (P,), gradient and Hessian at strains e (P, 6), of which the last three are bending strains."""
-    turn, stress = np.empty(3), np.empty(3)
-    for p in range(e.shape[0]):
-        e11, e22, shear = e[p, 0] / square[p], e[p, 1] / square[p], e[p, 2] / square[p]
-        c11, c22 = 1.0 + 2.0 * e11, 1.0 + 2.0 * e22
-        det = c11 * c22 - shear * shear
-        at = max(det, MIN_DET_C)
-        by = (det - at) / at
-        log = 0.5 * (np.log(at) + by - 0.5 * by * by)  # ln J, and its derivatives by det C
-        first, second = 0.5 * (1.0 - by) / at, -0.5 / (at * at)
-        slope = lam[p] * log - mu[p]  # of W by ln J
-        rate = lam[p] * first * first + slope * second
-        turn[0], turn[1], turn[2] = 2.0 * c22, 2.0 * c11, -2.0 * shear  # of det C by the strain
-        stress[0] = 2.0 * mu[p] * e11 + lam[p] * (e11 + e22)
-        stress[1] = 2.0 * mu[p] * e22 + lam[p] * (e11 + e22)
-        stress[2] = mu[p] * shear
-        energy[p] = mu[p] * (e11 + e22 - log) + 0.5 * lam[p] * log * log
-        energy[p] -= 0.5 * (stress[0] * e11 + stress[1] * e22 + stress[2] * shear)
-        for a in range(3):
-            along = mu[p] if a < 2 else 0.0
-            gradient[p, a] = (slope * first * turn[a] - stress[a] + along) / square[p]
-            for b in range(3):
-                value = rate * turn[a] * turn[b]
-                if a < 2 and b < 2:
-                    value -= lam[p]
-                    value += -2.0 * mu[p] if a == b else 4.0 * slope * first
-                if a == 2 and b == 2:
-                    value -= mu[p] + 2.0 * slope * first
-                hessian[p, a, b] = value / (square[p] * square[p])
-        gradient[p, 3:] = 0.0
-        hessian[p, :3, 3:] = hessian[p, 3:, :3] = hessian[p, 3:, 3:] = 0.0
+    return beyond
 
 
 # lower limit of the softness: the region around a pin is at most twice as stiff as the sheet

@@ -20,6 +20,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
+from asterism.fem.shell.neo_hookean import MIN_DET_C
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
 from asterism.fem.supports.conditions import vertices_at
 from asterism.pattern import gallery
@@ -29,7 +30,7 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.model import PREVIEW_MODEL
-from asterism.previews.point_pins import MIN_DET_C, amounts_of, around, softened, spot, stretched_fabric
+from asterism.previews.point_pins import amounts_of, around, softened, spot, stretched_fabric
 from asterism.previews.session import Preview
 from asterism.previews.supports import conditions
 from asterism.shape.comparison import compare_shapes
