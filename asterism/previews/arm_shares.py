@@ -33,14 +33,13 @@ class ArmShares:
     arms : the arms.
     cells : the points.
     reach : mm, distance from the middle of an arm up to which fabric follows it.
-    along, lifted : (n, A) shares of the tips' moves along the sheet, and along its normal.
+    along : (n, A) shares of the tips' moves along the sheet.
     """
 
     arms: Arms
     cells: PointCells
     reach: float
     along: sp.csc_matrix
-    lifted: sp.csc_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +88,7 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
     beside, beyond = (b * layout.spacing_mm for b in (model.fabric_beside_arm, model.fabric_beyond_tip))
     reach = 0.5 * float(arms.length.max()) + DECAY_LENGTHS * beyond
     known, kept = np.zeros(len(arms.length), dtype=bool), (np.zeros(1, dtype=np.int32), np.empty(0, dtype=np.int32))
-    shares = np.empty((2, 0))
+    shares = np.empty(0)
     if before is None:
         cells = PointCells.of(points, CELL_SPACINGS * layout.spacing_mm, layout.pin_points, beside)
     else:
@@ -97,17 +96,15 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
         if len(before.arms.length) == len(arms.length) and before.reach == reach:
             known = (before.arms.centre == arms.centre).all(axis=1) & (before.arms.tip == arms.tip).all(axis=1)
             kept = before.along.indptr, before.along.indices
-            shares = np.stack([before.along.data, before.lifted.data])
+            shares = before.along.data
     given = cells.order, cells.points, cells.to_pin, cells.starts, cells.origin, cells.size
     of_arms = arms.centre, arms.direction, arms.length, arms.room, known, *kept, shares, beside, beyond, reach
     starts = np.zeros(len(known) + 1, dtype=np.int32)
-    _follow(*given, *of_arms, starts, np.empty(0, dtype=np.int32), np.empty((2, 0)))
+    _follow(*given, *of_arms, starts, np.empty(0, dtype=np.int32), np.empty(0))
     starts = np.cumsum(starts, dtype=np.int32)
-    point, share = np.empty(starts[-1], dtype=np.int32), np.empty((2, starts[-1]))
+    point, share = np.empty(starts[-1], dtype=np.int32), np.empty(starts[-1])
     _follow(*given, *of_arms, starts, point, share)
-    shape = len(points), len(known)
-    along, lifted = (sp.csc_matrix((values, point, starts), shape) for values in share)
-    return ArmShares(arms, cells, reach, along, lifted)
+    return ArmShares(arms, cells, reach, sp.csc_matrix((share, point, starts), (len(points), len(known))))
 
 
 @loop
@@ -115,7 +112,7 @@ def _follow(  # type: ignore[no-untyped-def]
     order, points, to_pin, cells, origin, size, centre, direction, length, room,
     known, old_starts, old_point, old_share, beside, beyond, reach, starts, point, share,
 ):  # fmt: skip
-    """Set the CSC arrays: row indices `point` (m,) and values `share` (2, m) behind the column pointer `starts`.
+    """Set the CSC arrays: row indices `point` (m,) and values `share` (m,) behind the column pointer `starts`.
 
     If `point` is empty, `starts[a + 1]` is set to the number of entries of arm a instead. Columns of `known` arms are
     copied from the old arrays.
@@ -127,7 +124,7 @@ def _follow(  # type: ignore[no-untyped-def]
             first, last = old_starts[a], old_starts[a + 1]
             if point.size:
                 for i in range(first, last):
-                    point[k], share[0, k], share[1, k] = old_point[i], old_share[0, i], old_share[1, i]
+                    point[k], share[k] = old_point[i], old_share[i]
                     k += 1
             else:
                 starts[a + 1] = last - first
@@ -156,7 +153,7 @@ def _follow(  # type: ignore[no-untyped-def]
                         - np.sqrt(CREASE_ROUNDING**2 + (aside * per_beside) ** 2 + (ahead * per_beyond) ** 2)
                     )
                     share_of_arm *= max(1.0 - np.sqrt(aside * aside + ahead * ahead) * per_room, 0.0) * to_pin[place]
-                    point[k], share[0, k], share[1, k] = order[place], part * share_of_arm, part * part * share_of_arm
+                    point[k], share[k] = order[place], part * share_of_arm
                 k += 1
         if not point.size:
             starts[a + 1] = k

@@ -27,7 +27,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.previews.fields.free_rim import beside, stars_share
+from asterism.previews.fields.star_cells import beside, stars_share
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 

@@ -1,18 +1,16 @@
 """All constants of the preview model, each with its unit, its meaning and where its value comes from.
 
 The law of the unit cells holds for an endless sheet of equal stars. A real sheet has a rim, supports and stars that
-change from place to place. The parts of the model describe these (`PARTS`); the modules of
-this package state their equations. Tolerances, iteration limits and mesh sizes are no model: they stand in the files
-that use them.
+change from place to place. The parts of the model describe these (`PARTS`); the modules of this package state their
+equations. Tolerances, iteration limits and mesh sizes are no model: they stand in the files that use them.
 
 Lengths without a unit of their own are counted in spacings of the stars.
 
 Examples
 --------
-A preview without the turn of free rims, and the origin of a constant:
+A preview without the curl of free rims, and the origin of a constant:
 
->>> from dataclasses import replace
->>> replace(PREVIEW_MODEL, has_rim_turn=False).has_rim_turn
+>>> "arms into free rims" in without("arms into free rims").parts
 False
 >>> describe("rim_arm_among").origin
 'fitted to sheets'
@@ -35,7 +33,7 @@ class Constant:
 
     Attributes
     ----------
-    unit : `-` for ratios, switches included.
+    unit : `-` for ratios.
     meaning : one sentence.
     origin : `derived` from mechanics or geometry; `computed from cells`; `computed from sheets` of the exact model, one
         effect at a time; `fitted to sheets`, so that previews come close to exact shapes; or `unknown`.
@@ -50,12 +48,12 @@ class Constant:
     designs: str = ""
 
 
-def _of(default: float | bool | tuple[float, ...], *about: str) -> Any:
+def _of(default: float | tuple[Any, ...], *about: str) -> Any:
     """A field with this default, described by the entries of `Constant`."""
     return field(default=default, metadata={"about": Constant(*about)})  # type: ignore[arg-type]
 
 
-def _derived(default: float | bool, unit: str, meaning: str) -> Any:
+def _derived(default: float, unit: str, meaning: str) -> Any:
     return _of(default, unit, meaning, "derived")
 
 
@@ -67,6 +65,13 @@ def _unknown(default: float, unit: str, meaning: str) -> Any:
     return _of(default, unit, meaning, "unknown", "origin unknown", "origin unknown")
 
 
+# corrections of the fields (`fields/sheet_fields.py`), and parts of the shape that is shown
+PARTS = (
+    "rosette metric", "directions", "roll axis", "arms into free rims", "Gaussian curvature", "softness at points",
+    "neo-Hookean fabric", "bumps", "arms that keep their length",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class PreviewModel:
     """Constants and switches of the preview; `describe` gives unit, meaning and origin of each.
@@ -74,13 +79,15 @@ class PreviewModel:
     A preview takes another model as `Preview(design, model=replace(PREVIEW_MODEL, ...))`. Constants are not checked.
     """
 
+    parts: tuple[str, ...] = _of(PARTS, "-", "the parts that act", "derived")
+
     # stars that are not the same in all directions: fields/directional.py
     anisotropy_share: float = _fitted(
         0.7, "-", "share of the cells' difference between directions that acts in sheets",
         "18 free sheets of four to six arms or on a square lattice",
         "a choice among shares",
     )  # fmt: skip
-    # roll axis, the sixfold term: fields/sheet_fields.py, fields/star_values.py
+    # roll axis, the sixfold term: fields/roll_axis.py, fields/star_values.py
     sixfold_factor: float = _fitted(
         1.4, "-", "sixfold term of sheets over that of cells", "fig8-l-increasing, fig8-l-decreasing, random-39; tube"
     )
@@ -89,21 +96,12 @@ class PreviewModel:
         0.7, "-", "share of the bending stiffness that the sixfold term may take away in one direction",
         "computed from cells", "origin unknown", "cells of the paper's material stay below",
     )  # fmt: skip
-    # lengths at rest follow the curvature: fields/sheet_fields.py
-    has_curvature_lengths: bool = _derived(True, "-", "switch: free sheets contract more where they curl")
-    length_turn_rad: float = _of(
-        1.5, "rad", "turn over a spacing in which cells make most of that way", "computed from cells",
-        "origin unknown", "cells of long thin stars",
-    )  # fmt: skip
-    # stars and bare fabric: fields/sheet_fields.py
-    has_series_bending: bool = _derived(True, "-", "switch: compliances of stars and bare fabric add")
     # Gaussian curvature works against the stress within cells: fields/self_stress.py
     gaussian_area: float = _fitted(
         1.0 / 60.0, "-", "area of the Gaussian modulus, in squared spacings; flat sheets give 1/100 to 1/59",
         "ribbons and free caps",
     )  # fmt: skip
-    # the metric where stars change: fields/star_arms.py
-    has_rosette_metric: bool = _derived(True, "-", "switch: fabric along an arm contracts as that arm's star does")
+    # the metric where stars change: fields/rosette.py
     arm_setback: float = _derived(0.5, "spacing", "how far back along an arm its star is: half way to the next one")
     last_arm_margin: float = _unknown(0.3, "spacing", "an arm is a last one if the next star is further away by this")
     # smoothed cells: fields/star_cells.py
@@ -114,11 +112,7 @@ class PreviewModel:
     cell_radius: float = _derived(
         3.0**-0.5, "spacing", "a bump ends here: the corners of a cell of the triangular lattice"
     )  # fmt: skip
-    # holes in the pattern: fields/holes.py
-    has_holes: bool = _derived(True, "-", "switch: bare sites with stars all around have no free rim")
     # supported points: point_pins.py
-    has_point_softness: bool = _derived(True, "-", "switch: sheets give way around pulled points as on the exact mesh")
-    has_neo_hookean_fabric: bool = _derived(True, "-", "switch: bare fabric of sheets on points is neo-Hookean")
     point_spot_radius: float = _of(
         0.35, "shell edge", "radius of the softer spot at a pin", "computed from sheets",
         POINT_PINS, "wedges of bare fabric",
@@ -135,20 +129,15 @@ class PreviewModel:
         (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74), "-", "g: compliance that a softness of one adds",
         "computed from sheets", POINT_PINS, "wedges of bare fabric",
     )  # fmt: skip
-    # free rims: fields/free_rim.py
-    has_rim_turn: bool = _derived(True, "-", "switch: a free rim goes on with the slope of the arms' tips")
+    # free sides: fields/free_sides.py
     rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
     # arms that point into a free rim: fields/rim_arms.py
-    has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")
     rim_arm_start: float = _derived(0.5, "spacing", "border distance at which an arm carries none: no room ahead")
     rim_arm_full: float = _derived(1.5, "spacing", "border distance at which it carries all: room for a whole cell")
     rim_arm_among: float = _fitted(
         0.2, "-", "share that an arm carries that leads to another star", "42 free sheets; 100x40, 100x85, tube"
     )
-    # supported sides of round outlines: fields/supported_edge.py
-    supported_rim_width: float = _unknown(0.5, "spacing", "width of the rim moved to its supports; 0 moves none")
     # bumps: bumps.py
-    has_bumps: bool = _derived(True, "-", "switch: bumps lie on the smooth surface")
     bump_turn_rad: float = _of(
         0.55, "rad", "turn over a spacing in which bumps come most of the way from flat to natural",
         "computed from cells", "origin unknown", "cells of long thin stars",
@@ -158,12 +147,6 @@ class PreviewModel:
         "a fit to their bumps", "seven equal stars on held borders",
     )  # fmt: skip
     # arms as rods: arms.py
-    has_arm_lengths: bool = _derived(True, "-", "switch: arms keep their printed length")
-    arm_mean_share: float = _of(
-        0.3, "-", "share of the sheet's mean curvature in the bending of an arm", "computed from cells",
-        "pytest tests/asterism/previews/test_arms.py", "rolled cells: 0.13 to 0.41",
-    )  # fmt: skip
-    has_last_arms: bool = _derived(True, "-", "switch: arms without a star ahead stay curled")
     fabric_beside_arm: float = _of(
         0.15, "spacing", "distance beside an arm in which the fabric follows it", "computed from cells",
         "pytest tests/asterism/previews/test_arms.py", "flat cells",
@@ -189,26 +172,6 @@ def describe(name: str) -> Constant:
     return {each.name: each.metadata["about"] for each in fields(PreviewModel)}[name]  # type: ignore[no-any-return]
 
 
-PARTS: dict[str, dict[str, Any]] = {
-    "rosette metric": {"has_rosette_metric": False},
-    "lengths that follow curvature": {"has_curvature_lengths": False},
-    "series bending": {"has_series_bending": False},
-    "Gaussian curvature": {"gaussian_area": 0.0},
-    "roll axis": {"sixfold_factor": 0.0},
-    "directions": {"anisotropy_share": 0.0},
-    "holes": {"has_holes": False},
-    "softness at points": {"has_point_softness": False},
-    "neo-Hookean fabric": {"has_neo_hookean_fabric": False},
-    "turn of free rims": {"has_rim_turn": False},
-    "arms into free rims": {"has_rim_arms": False},
-    "supported rims": {"supported_rim_width": 0.0},
-    "bumps": {"has_bumps": False},
-    "arms that keep their length": {"has_arm_lengths": False},
-    "arms that bend with the mean curvature": {"arm_mean_share": 0.0},
-    "last arms": {"has_last_arms": False},
-}
-
-
 def without(part: str) -> PreviewModel:
     """The model with one part turned off.
 
@@ -219,7 +182,9 @@ def without(part: str) -> PreviewModel:
 
     Examples
     --------
-    >>> without("rosette metric").has_rosette_metric
+    >>> "roll axis" in without("roll axis").parts
     False
     """
-    return replace(PREVIEW_MODEL, **PARTS[part])
+    if part not in PARTS:
+        raise KeyError(part)
+    return replace(PREVIEW_MODEL, parts=tuple(each for each in PARTS if each != part))

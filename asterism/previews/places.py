@@ -11,7 +11,6 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.tabulation import Evaluation
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.fields.supported_edge import SupportedEdge
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ class SheetLens:
     def __init__(self, sheet: Any, points: Floats) -> None:
         self.points = np.atleast_2d(np.asarray(points, dtype=float))
         self._at = sheet.space.locate(self.points)
-        self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
+        self.sheet = sheet
 
     def renewed(self, sheet: Any) -> Self:
         """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
@@ -118,13 +117,10 @@ class SheetLens:
 
     def _follow(self, sheet: Any) -> None:
         """Take another sheet of the same print."""
-        if not self.sheet.has_pins_of(sheet.layout):
-            self._rim = SupportedEdge(sheet, self.points)
         self.sheet = sheet
 
     def _smooth(self, x: Floats) -> SmoothSurface:
-        smooth = smooth_surface(self._at, x)
-        return replace(smooth, places=smooth.places + self._rim(x))
+        return smooth_surface(self._at, x)
 
     def __call__(self, x: Floats, values: Any) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""

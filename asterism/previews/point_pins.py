@@ -32,6 +32,7 @@ from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.neo_hookean import neo_hookean
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh
+from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 
@@ -119,24 +120,26 @@ def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
     return edges, angles
 
 
-def with_point_softness(fields: Fields, soft: Floats, bare: Floats, model: PreviewModel = PREVIEW_MODEL) -> Fields:
-    """The fields with reduced membrane stiffness around pins, and with neo-Hookean bare fabric.
+def softness_at_points(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with reduced membrane stiffness around pins."""
+    return fields if at.softness is None else softened_fields(fields, at.softness)
 
-    Parameters
-    ----------
-    soft : (T, Q) softness, from `softness`.
-    bare : (T, Q) share of bare fabric.
-    """
-    density = fields.density
-    assert isinstance(density, Density)
-    stiffness = density.stiffness
-    if model.has_point_softness:
-        stiffness = softened(stiffness, 1.0 / (1.0 + soft))
-    if not model.has_neo_hookean_fabric:
-        return replace(fields, density=replace(density, stiffness=stiffness))
-    return replace(
-        fields, density=replace(density, stiffness=stiffness, term=stretched_fabric(fields, stiffness, bare))
-    )
+
+def neo_hookean_fabric(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with neo-Hookean bare fabric, on sheets that are pulled at points."""
+    if at.softness is None:
+        return fields
+    assert isinstance(fields.density, Density)
+    bare = 1.0 - np.asarray(at.weights.sum(axis=1)).reshape(at.shape)
+    term = stretched_fabric(fields, np.asarray(fields.density.stiffness), bare)
+    return replace(fields, density=replace(fields.density, term=term))
+
+
+def softened_fields(fields: Fields, soft: Floats) -> Fields:
+    """The fields with the membrane stiffness divided by 1 + s, for a softness s (T, Q), from `softness`."""
+    assert isinstance(fields.density, Density)
+    stiffness = softened(np.asarray(fields.density.stiffness), 1.0 / (1.0 + soft))
+    return replace(fields, density=replace(fields.density, stiffness=stiffness))
 
 
 def softened(stiffness: Floats, part: Floats) -> Floats:

@@ -17,35 +17,30 @@ from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.arms import Arms
-from asterism.previews.fields.free_rim import free_normals, stars_share
+from asterism.previews.fields.free_sides import free_normals
 from asterism.previews.fields.rim_arms import rim_curvature_share
-from asterism.previews.fields.self_stress import gaussian_moduli
-from asterism.previews.fields.sheet_fields import free_length_share, sheet_fields
+from asterism.previews.fields.sheet_fields import sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
+from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.point_pins import with_point_softness
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
 from asterism.previews.supports import weight
 
-# spacings: half of the distance across a free rim over which the decrease of the stars' share is taken
-BORDER_STEP = 0.05
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
 
 
 @dataclass(frozen=True)
 class StarShares:
-    """The shares of the stars at the quadrature points (n, 2) mm of a sheet, and the normals of its rim.
+    """The shares of the stars at the quadrature points (n, 2) mm of a sheet, and the normals of its free sides.
 
     Attributes
     ----------
     cells : smoothed cells of the stars.
     shares : shares of the stars at the points.
     along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
-    rim_normals : (n, 2) normals of free sides, from `asterism.previews.fields.free_rim.free_normals`.
-    across : the shares a step inwards and outwards from the points that have a normal.
-    spacing_mm : of the stars.
+    rim_normals : (n, 2) normals of free sides, from `asterism.previews.fields.free_sides.free_normals`.
     carried : (S, N), see `asterism.previews.fields.rim_arms.rim_curvature_share`; None for supported sheets.
     """
 
@@ -53,8 +48,6 @@ class StarShares:
     shares: Shares
     along_arms: tuple[tuple[Floats, Shares], ...]
     rim_normals: Floats
-    across: tuple[Shares, Shares]
-    spacing_mm: float
     carried: Floats | None
 
     @classmethod
@@ -64,21 +57,9 @@ class StarShares:
         shares = cells.shares(points)
         back = model.arm_setback * lattice.spacing_mm
         along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
-        normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_supported_in_plane
+        normals, curls = free_normals(layout, points, model), not layout.is_supported_in_plane
         part = rim_curvature_share(layout, lattice.arm_directions, model) if curls else None
-        rim = normals.any(axis=1)
-        step = BORDER_STEP * lattice.spacing_mm * normals[rim]
-        across = cells.shares(points[rim] - step), cells.shares(points[rim] + step)
-        return cls(cells, shares, along, normals, across, lattice.spacing_mm, part)
-
-    def border(self, length: Floats) -> Floats:
-        """(n,) 1/mm, decrease of the stars' share across free rims, for arm lengths (S,) in mm; zero elsewhere."""
-        rim = np.flatnonzero(self.rim_normals.any(axis=1))
-        decrease = np.zeros(len(self.rim_normals))
-        if len(rim):
-            inner, outer = (stars_share(shares(length)) for shares in self.across)
-            decrease[rim] = (inner - outer) / (2.0 * BORDER_STEP * self.spacing_mm)
-        return decrease
+        return cls(cells, shares, along, normals, part)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,18 +102,19 @@ class Sheet(PrintSheet):
         LawError
             The rest metric is not positive definite: adjacent stars contract too differently.
         """
-        stars, length, spacing, model = self.stars, values.sizes[:, 0], self.layout.spacing_mm, self.model
-        arms = [(along, shares(length)) for along, shares in stars.along_arms]
-        shares = stars.shares(length)
-        early = 0.0 if self.layout.is_supported_in_plane else free_length_share(values, spacing, model)
-        gaussian, shape = gaussian_moduli(values, spacing, model), self.table.weights.shape
-        border = stars.border(length) if model.has_rim_turn else None
-        fields = sheet_fields(
-            shares, values, shape, arms, stars.rim_normals, border, early, stars.carried, gaussian, spacing, model
+        stars, length = self.stars, values.sizes[:, 0]
+        places = StarPlaces(
+            stars.shares(length),
+            values,
+            self.table.weights.shape,
+            [(along, shares(length)) for along, shares in stars.along_arms],
+            stars.rim_normals,
+            stars.carried,
+            self.pin_softness,
+            self.layout.spacing_mm,
+            self.model,
         )
-        if self.pin_softness is not None:
-            bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self.pin_softness.shape)
-            fields = with_point_softness(fields, self.pin_softness, bare, model)
+        fields = sheet_fields(places)
         try:
             fields.rest(self.table.points)
         except FieldError as error:

@@ -44,14 +44,13 @@ class StarLens(SheetLens):
     def __call__(self, x: Floats, values: StarValues) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth = self._smooth(x)
-        if not self._model.has_bumps:
+        if "bumps" not in self._model.parts:
             return Places(smooth, np.zeros_like(smooth.places))
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
         rim = self._nearest, self._spacing, self._model
         heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
-        out, lift = self._arms.moves(x, values.value["kappa"])
-        heights += self._arm_shares.lifted @ lift
+        out = self._arms.moves(x)
         if self._held:
             heights *= flattening(values, weights, smooth.area, self._model)
         return Places(smooth, smooth.moved(self._arm_shares.along @ out) + heights[:, None] * smooth.normals)

@@ -105,7 +105,5 @@ def _mixed(values: StarValues, changed: StarValues, stars: np.ndarray) -> StarVa
         corrugation=mix(values.corrugation, changed.corrugation),
         sizes=mix(values.sizes, changed.sizes),
         tip_heights=mix(values.tip_heights, changed.tip_heights),
-        tip_slope=mix(values.tip_slope, changed.tip_slope),
-        tube_curvature=mix(values.tube_curvature, changed.tube_curvature),
         anisotropy=mix(values.anisotropy, changed.anisotropy),
     )

@@ -121,6 +121,24 @@ class Density:
         return self.term is None and not np.any(self.sixfold)
 
 
+# det b = b . G b/2 of curvatures b11, b22, 2 b12
+GAUSSIAN: Floats = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -0.5]])
+
+
+def gaussian_limits(bending: Floats) -> tuple[Floats, Floats]:
+    """Lowest and highest Gaussian modulus (...,) with which a bending stiffness (..., 3, 3) is positive definite.
+
+    Examples
+    --------
+    >>> low, high = gaussian_limits(np.diag([4.0, 9.0, 4.0]))
+    >>> float(low.round(6)), float(high.round(6))
+    (-6.0, 6.0)
+    """
+    inverse = np.linalg.inv(np.linalg.cholesky(bending))
+    sizes = np.linalg.eigvalsh(inverse @ GAUSSIAN @ np.swapaxes(inverse, -1, -2))
+    return np.asarray(-1.0 / sizes[..., -1]), np.asarray(-1.0 / sizes[..., 0])
+
+
 @loop
 def _evaluate(  # type: ignore[no-untyped-def]
     stiffness, sixfold, orientation, saturation, prestress, constant, e, energy, stress, tangent

@@ -6,9 +6,14 @@ and sheets are in between. Therefore the share `anisotropy_share` of the anisotr
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import Density
+from asterism.fem.shell.fields import Fields
 from asterism.homogenize.law.anisotropy import (
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
@@ -18,11 +23,29 @@ from asterism.homogenize.law.anisotropy import (
     voigt_matrices,
 )
 
+if TYPE_CHECKING:
+    from asterism.previews.fields.star_places import StarPlaces
+
 # Search for the direction of largest energy gain. The first pass separates two maxima of nearly equal height:
 FIRST_ANGLES: Floats = np.radians(np.arange(-90.0, 90.0, 2.5))
 # later passes try angles around the best one, relative to the last step
 ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)
 LATER_PASSES = 2
+
+
+def directions(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with the bending tensor and the rest curvature of anisotropic stars."""
+    anisotropy = at.values.anisotropy
+    if not anisotropy.shape[1]:
+        return fields
+    assert isinstance(fields.density, Density)
+    q, m = tensors(at.mean("kappa"), np.asarray(at.weights @ anisotropy[:-1]).reshape(*at.shape, -1))
+    stiffness = with_bending_tensor(fields.density.stiffness, at.log_mean("bending") / at.lam**4, q)
+    return replace(
+        fields,
+        density=replace(fields.density, stiffness=stiffness),
+        curvature=rest_curvature_tensor(at.lam, q, m),
+    )
 
 
 def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:

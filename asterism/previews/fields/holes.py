@@ -20,7 +20,7 @@ MAX_NEIGHBOUR_STEP = 1.0 + 1e-6
 
 def in_holes(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> np.ndarray:
     """(n,) bool, whether printed points (n, 2) mm are nearer to a site of a hole than to all stars."""
-    holes = hole_sites(layout, model) if model.has_holes else np.empty((0, 2))
+    holes = hole_sites(layout, model)
     if not len(holes):
         return np.zeros(len(points), dtype=bool)
     return np.asarray(cKDTree(holes).query(points)[0] < cKDTree(layout.centres).query(points)[0])

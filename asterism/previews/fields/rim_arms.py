@@ -1,6 +1,6 @@
 """Curl of a free rim along the arms that point into it.
 
-The fabric between two stars lies under the arm of only one of them (`asterism.previews.fields.star_arms`). Likewise, a
+The fabric between two stars lies under the arm of only one of them (`asterism.previews.fields.rosette`). Likewise, a
 rim below arms that point outwards curls along these arms. This term bends three corners of a sheet of three-armed stars
 down, or determines the axis about which it rolls. In a free sheet, the additional rest curvature of bare fabric is the
 deviator of a strain rosette of the stars half a spacing back along each arm.
@@ -19,17 +19,31 @@ If an arm leads to another star, the rim beside it takes the share `rim_arm_amon
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.fields import Fields
+from asterism.homogenize.law.anisotropy import BENDING_POISSON
 from asterism.pattern.geometry.planar import distance_along
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.free_rim import MIN_STAR_SHARE, beside, stars_share
-from asterism.previews.fields.star_arms import are_last_arms, rosette
+from asterism.previews.fields.rosette import rosette
+from asterism.previews.fields.star_cells import MIN_STAR_SHARE, beside, stars_share
+from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+
+
+def rim_arms(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with the curl of free rims."""
+    if at.normals is None or at.carried is None:
+        return fields
+    rim = arm_curvature(at.weights, at.values, at.normals, at.arms, at.carried).reshape(*at.shape, 3)
+    more = at.lam[..., None] ** 2 * rim / (1.0 + BENDING_POISSON)
+    return replace(fields, curvature=np.asarray(fields.curvature) - more)
 
 
 def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
@@ -63,7 +77,7 @@ def arm_curvature(
     Parameters
     ----------
     weights : (n, S) share of each star at n places.
-    normals : (n, 2), from `asterism.previews.fields.free_rim.free_normals`.
+    normals : (n, 2), from `asterism.previews.fields.free_sides.free_normals`.
     arms : for each of N arms its direction (2,), and the weights (n, S) half a spacing back along it.
     part : (S, N), from `rim_curvature_share`.
     """
@@ -75,3 +89,20 @@ def arm_curvature(
     deviator = rosette(parts * more, np.array([direction for direction, _ in arms]))
     near = np.where(normals.any(axis=1), beside(weights, values.value["kappa"][:-1]), 0.0)
     return np.asarray(near[:, None] * deviator)
+
+
+def are_last_arms(
+    layout: Layout, centres: Floats, directions: Floats, model: PreviewModel = PREVIEW_MODEL
+) -> np.ndarray:
+    """(n,) bool, whether arms end at the rim: the site ahead has no star.
+
+    Parameters
+    ----------
+    centres : (n, 2) mm, centres of the stars.
+    directions : (n, 2) unit vectors of the arms.
+    """
+    ahead = layout.spacing_mm * directions
+    steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    sites = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
+    to_star = cKDTree(layout.centres).query(centres + ahead)[0]
+    return np.asarray(to_star > sites.query(ahead)[0] + model.last_arm_margin * layout.spacing_mm)

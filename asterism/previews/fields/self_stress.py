@@ -8,7 +8,8 @@ Gaussian modulus g, of the energy -g det b per printed area,
 
     g = a d^2 (A11 + A12) (lam^2 - lam_bare^2) / 2,    a = `gaussian_area`,
 
-with the spacing d and the membrane stiffness A of bare fabric. Periodic cells on tubes have no Gaussian curvature, so
+with the spacing d and the membrane stiffness A of bare fabric. It is multiplied by the squared share of the stars, so
+that its slope vanishes at the border. Periodic cells on tubes have no Gaussian curvature, so
 that they cannot show g. Ribbons can, since all of their area is near a border. Without g, previews of ribbons roll up
 to a quarter too little, and sheets supported at their corners rise a tenth too little.
 
@@ -21,11 +22,28 @@ sheets give.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import Density, gaussian_limits
+from asterism.fem.shell.fields import Fields
+from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+
+# largest modulus, as a share of the one at which the bending energy becomes indefinite
+MAX_GAUSSIAN_SHARE = 0.95
+
+
+def self_stress(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with the Gaussian modulus -g."""
+    assert isinstance(fields.density, Density)
+    moduli = gaussian_moduli(at.values, at.spacing_mm, at.model)
+    saved = at.stars * np.asarray(at.weights @ moduli).reshape(at.shape)
+    most = -gaussian_limits(np.asarray(fields.density.stiffness)[..., 3:, 3:])[0]
+    return replace(fields, gaussian=-np.minimum(saved, MAX_GAUSSIAN_SHARE * most))
 
 
 def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:

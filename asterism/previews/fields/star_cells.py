@@ -162,6 +162,8 @@ HALF_WAY = 0.5
 GAUSSIAN_REACH = 3.0
 # at most this many stars share a place
 MAX_STARS = 24
+# a place with a smaller share of stars counts as far from all stars
+MIN_STAR_SHARE = 0.02
 
 
 class Shares:
@@ -230,6 +232,27 @@ def _entries(matrix: sp.csr_matrix) -> tuple[Ints, Ints]:
     """(m,) row of each entry, and its place in the matrix, counted row by row."""
     row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
     return row, row * matrix.shape[1] + matrix.indices
+
+
+def stars_share(weights: sp.csr_matrix) -> Floats:
+    """(n,) share of all stars together; bare fabric has the rest to 1."""
+    return np.asarray(weights @ np.ones(weights.shape[1]))
+
+
+def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> Floats:
+    """(n, ...) mean of values (S, ...) over the stars near each place.
+
+    Far from all stars, it is the value of the `nearest` star (n,), or zero if `nearest` is not given.
+    """
+    mean, share = weights @ of, stars_share(weights)
+    if nearest is None:
+        return np.asarray(mean / _rows(np.maximum(share, MIN_STAR_SHARE), mean))
+    return np.asarray((mean + MIN_STAR_SHARE * of[nearest]) / _rows(share + MIN_STAR_SHARE, mean))
+
+
+def _rows(of: Floats, like: Floats) -> Floats:
+    """(n,) reshaped to (n, 1, ...), to divide the rows of the array `like`."""
+    return of.reshape(-1, *[1] * (like.ndim - 1))
 
 
 class StarCells:

@@ -40,9 +40,6 @@ class StarValues:
         and to the other side, or hardly, in others.
     tip_heights : (S + 1, 2) mm and mm^2, corrugation at the tips of a star's arms, mean over the arms: flat, and change
         per curvature.
-    tip_slope : (S + 1,) slope `2 B / l` at the tips of a star's bump, a cap of height B over arms of length l, on its
-        natural tube.
-    tube_curvature : (S + 1,) 1/mm, natural curvature of the tube of largest gain; `kappa` for isotropic stars.
     anisotropy : (S + 1, K) difference between directions, `anisotropy_share` times `homogenize.law.anisotropy`;
         K = 0 for most laws.
     """
@@ -55,8 +52,6 @@ class StarValues:
     not_scale_separated: tuple[int, ...]
     strongly_anisotropic: tuple[int, ...]
     tip_heights: Floats
-    tip_slope: Floats
-    tube_curvature: Floats
     anisotropy: Floats
 
     @property
@@ -89,14 +84,13 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     outside = tuple(_placed(line, where) for line in values.outside)
     differs = law.anisotropy(design, *asked.T)
     anisotropy = model.anisotropy_share * differs
-    tube_curvature = tube_of_largest_gain(values.value["kappa"], anisotropy)
     # as for cells, the whole difference between directions counts here, without `anisotropy_share`
     curls = values.not_scale_separated | (
         np.abs(tube_of_largest_gain(values.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
     corrugation = law.corrugation(design, *asked.T)
-    tip_heights, tip_slope = _bumps(design, law, asked[:, 0], corrugation, values.value["kappa"], model)
+    tip_heights = _tip_heights(design, law, asked[:, 0], corrugation, model)
     c3, too_much = _bounded_sixfold(values.value, model.max_sixfold_share)
     strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
     return StarValues(
@@ -108,8 +102,6 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
         not_scale_separated,
         strongly_anisotropic,
         tip_heights,
-        tip_slope,
-        tube_curvature,
         anisotropy,
     )
 
@@ -122,26 +114,19 @@ def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats
     return np.where(too_much, c3 * limit / np.where(too_much, size, 1.0), c3), too_much
 
 
-def _bumps(
-    design: Design, law: StarLaw, length: Floats, corrugation: Floats, kappa: Floats, model: PreviewModel
-) -> tuple[Floats, Floats]:
-    """`tip_heights` and `tip_slope` of stars, see `StarValues`.
+def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floats, model: PreviewModel) -> Floats:
+    """`tip_heights` of stars, see `StarValues`.
 
     Parameters
     ----------
     length : (n,) mm, length of the arms.
     corrugation : (n, 2, W) amplitudes of the law's waves, as in `StarValues`.
-    kappa : (n,) 1/mm, natural curvature.
     """
     lattice = design.lattice
     reach = np.minimum(length, model.cell_radius * lattice.spacing_mm)
     arms = np.asarray(lattice.arm_directions)
     waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
-    tip_heights = np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
-    tops = corrugation @ law.waves(np.zeros((1, 2)))[0]
-    flat, more = (tops - tip_heights).T
-    tip_slope = 2.0 * (flat + kappa * more) / np.where(length > 0.0, reach, np.inf)
-    return tip_heights, tip_slope
+    return np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
 
 
 def _placed(line: str, where: Sequence[str]) -> str:

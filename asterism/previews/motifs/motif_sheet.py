@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.shell.density import Density, EnergyTerm, on_metric
+from asterism.fem.shell.density import Density, EnergyTerm, gaussian_limits, on_metric
 from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.shell.neo_hookean import neo_hookean
 from asterism.fem.supports.loads import area_load
-from asterism.homogenize.cell.rod_bending import GAUSSIAN
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.plan import rounded, source_of
 from asterism.homogenize.law.tensor_forms import TO_VOIGT
@@ -28,7 +27,7 @@ from asterism.pattern.rods.curves import polyline
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, bare_share, reach_mm
 from asterism.previews.motifs.rim_tension import Rims, rims_of
-from asterism.previews.point_pins import with_point_softness
+from asterism.previews.point_pins import softened_fields
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
 
 
@@ -134,9 +133,7 @@ class MotifSheet(PrintSheet):
             density = Density(stiffness, term=bare_fabric(self.design.fabric, metric, self.bare))
         fields = Fields(density, metric, curvature, self.gaussian(metric, stiffness))
         if self.pin_softness is not None:
-            # the law of stretched stars is not that of rods
-            model = replace(self.model, has_neo_hookean_fabric=False)
-            fields = with_point_softness(fields, self.pin_softness, self.bare, model)
+            fields = softened_fields(fields, self.pin_softness)
         try:
             fields.rest(self.table.points)
         except FieldError as error:
@@ -219,20 +216,6 @@ def motif_sheet_of(
 def _lines(design: Design) -> object:
     """All of the motif but for its sizes."""
     return [line.model_dump(mode="json", exclude=ROD_SIZES) for line in design.required_rods.motif]
-
-
-def gaussian_limits(bending: Floats) -> tuple[Floats, Floats]:
-    """Lowest and highest Gaussian modulus (...,) with which a bending stiffness (..., 3, 3) is positive definite.
-
-    Examples
-    --------
-    >>> low, high = gaussian_limits(np.diag([4.0, 9.0, 4.0]))
-    >>> float(low.round(6)), float(high.round(6))
-    (-6.0, 6.0)
-    """
-    inverse = np.linalg.inv(np.linalg.cholesky(bending))
-    sizes = np.linalg.eigvalsh(inverse @ GAUSSIAN @ np.swapaxes(inverse, -1, -2))
-    return np.asarray(-1.0 / sizes[..., -1]), np.asarray(-1.0 / sizes[..., 0])
 
 
 def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fabric) -> tuple[Floats, Floats]:

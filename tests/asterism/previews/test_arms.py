@@ -1,16 +1,11 @@
-"""Arms of previews keep their length, bend like cells' arms, and leave alone what is held."""
+"""Arms of previews keep their length, and leave alone what is held."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from asterism.exact.simulation import exact_shape
 from asterism.fem.search.simple_shapes import SimpleShape
-from asterism.homogenize.cell.natural_curvature import trace_tubes
-from asterism.homogenize.cell.rolling import heights_over_mean_surface
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -18,13 +13,10 @@ from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.arm_shares import arm_shares
 from asterism.previews.arms import Arms
-from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed
-
-RIGID = PREVIEW_MODEL.arm_mean_share
 
 EDGE = 1.15
 
@@ -62,38 +54,6 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
     assert np.sqrt(weights @ ((moved - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
 
 
-@pytest.mark.parametrize("angle", [0.0, np.pi / 6.0])
-def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
-    length = 7.0
-    cell, flat = relaxed(length, 0.3, EDGE)
-    tube = trace_tubes(cell, flat, angle).natural
-    assert tube is not None
-    offset = _from_star(cell)
-    directions = np.asarray(cell.design.lattice.arm_directions)
-    tips = [np.linalg.norm(offset - length * d, axis=1).argmin() for d in directions]
-    around = (directions @ [-np.sin(angle), np.cos(angle)]) ** 2
-    lift = heights_over_mean_surface(cell, tube)[tips]
-    bend = 0.5 * length**2 * tube.contracted_curvature * (around - around.mean())
-    assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
-
-
-def test_last_arms_poke_down_as_in_the_exact_model() -> None:
-    data = gallery.load("dome").to_dict() | {
-        "stars": {"length_mm": 9.0, "thickness_mm": 0.35},
-        "border": {"rings": 1},
-        "pins": [{"where": "border", "scale": 0.8}],
-    }
-    preview = Preview(Design.from_dict(data))
-    plan, last = preview.sheet.layout, preview.sheet.arms.last
-    inner = np.linalg.norm(plan.centres, axis=1)[plan.arm_star] < 1.0
-    assert 0 < last.sum() < len(last) and not last[inner].any()
-    right = exact_shape(preview.design, near=preview.shape()).at(plan.arm_tip)[last, 2]
-    found = preview.at(plan.arm_tip).bumpy[last, 2]
-    without = Preview(preview.design, model=replace(PREVIEW_MODEL, has_last_arms=False)).at(plan.arm_tip).bumpy[last, 2]
-    assert right.min() < -1.0
-    assert np.abs(found - right).mean() < 0.6 * np.abs(without - right).mean()
-
-
 def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     """Arms that the border cuts, and a pin in the middle of an arm."""
     cut = {"border": {"rectangle_mm": [80.0, 60.0], "star_margin_mm": 2.0}, "stars": {"length_mm": 12.0}}
@@ -109,14 +69,14 @@ def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     assert (bumpy / smooth).max() < 2.0
     pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
     shares = arm_shares(pinned.sheet.arms, np.array([[0.0, -4.0]]))
-    assert max(shares.along.max(), shares.lifted.max()) < 1e-9
+    assert shares.along.max() < 1e-9
 
 
 def test_held_borders_stay() -> None:
     preview = sheet([{"where": "border", "scale": 0.8}])
     mesh = mesh_layout(preview.sheet.layout, 4.0)
     shares = arm_shares(Arms(preview.sheet.layout, preview.sheet.space), mesh.points[mesh.pin_vertices[0]])
-    assert max(shares.along.max(), shares.lifted.max()) < 0.02
+    assert shares.along.max() < 0.02
 
 
 def _from_star(cell: UnitCell) -> np.ndarray:
@@ -130,39 +90,10 @@ def _from_star(cell: UnitCell) -> np.ndarray:
 def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_is_wider() -> None:
     """Along the print they move by more: that shrinks too."""
     preview = sheet([])
-    plan, arms, kappa = preview.sheet.layout, preview.sheet.arms, np.full(len(preview.sheet.layout.centres), 0.01)
+    plan, arms = preview.sheet.layout, preview.sheet.arms
     narrow, wide = (_laid(preview, SimpleShape("flat"), stretch) for stretch in (0.8, 1.1))
-    assert arms.moves(narrow, kappa)[0] == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
-    assert not arms.moves(wide, kappa)[0].any()
-
-
-@pytest.mark.parametrize("stretch", [0.8, 1.0])
-def test_arms_on_a_tube_lift_by_a_part_of_what_they_bend_more_than_the_mean(stretch: float) -> None:
-    """As long as they are, and not as short as the sheet beneath them."""
-    preview, curvature = sheet([]), 2e-3
-    plan, arms = preview.sheet.layout, preview.sheet.arms
-    _, lift = arms.moves(_laid(preview, SimpleShape("arc", curvature), stretch), np.zeros(len(plan.centres)))
-    expected = 0.5 * RIGID * curvature * plan.arm_length**2 * (0.5 - arms.direction[:, 0] ** 2)
-    among = ~arms.last
-    assert lift[among] == pytest.approx(expected[among], abs=0.01 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: float) -> None:
-    preview, kappa = sheet([]), 0.01
-    plan, arms = preview.sheet.layout, preview.sheet.arms
-    _, lift = arms.moves(_laid(preview, SimpleShape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
-    kept = kappa * plan.arm_length**2 / 6.0
-    assert lift == pytest.approx(np.where(arms.last, -side * kept, 0.0))
-
-
-def test_the_lift_of_an_arm_grows_with_the_square_of_the_way_to_its_tip() -> None:
-    preview = sheet([])
-    plan, arms, parts = preview.sheet.layout, preview.sheet.arms, np.array([0.25, 0.5, 0.75, 1.0])
-    shares = arm_shares(arms, plan.centres[0] + parts[:, None] * (plan.arm_tip[0] - plan.centres[0]))
-    assert plan.arm_star[0] == 0
-    assert shares.along[:, [0]].toarray().ravel() == pytest.approx(parts)
-    assert shares.lifted[:, [0]].toarray().ravel() == pytest.approx(parts**2)
+    assert arms.moves(narrow) == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
+    assert not arms.moves(wide).any()
 
 
 def _laid(preview: Preview, shape: SimpleShape, stretch: float) -> np.ndarray:

@@ -66,12 +66,14 @@ def test_a_free_sheet_rolls_with_the_plastic_outside(curly: Preview) -> None:
         min(shape.summary["equivalent_axes_deg"], key=lambda a: abs(a - shape.summary["roll_axis_deg"]))
     )
     # tubes of three-armed stars roll about axes at right angles to an arm, and by symmetry about three of them
-    assert np.round(shape.summary["equivalent_axes_deg"]).tolist() == [30.0, 90.0, 150.0]
+    axes = np.array(shape.summary["equivalent_axes_deg"])
+    assert np.abs((axes - 30.0 + 30.0) % 60.0 - 30.0).max() < 2.0
+    assert {*np.rint((axes - 30.0) / 60.0)} == {0.0, 1.0, 2.0}
 
 
 def test_bumps_are_as_high_as_the_law_says(curly: Preview, monkeypatch: pytest.MonkeyPatch) -> None:
     tips = len(curly.sheet.layout.arm_tip)
-    monkeypatch.setattr(Arms, "moves", lambda *_: (np.zeros((tips, 2)), np.zeros(tips)))
+    monkeypatch.setattr(Arms, "moves", lambda *_: np.zeros((tips, 2)))
     shape = curly.shape()
     bump = shape.point_fields["bump_mm"]
     heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])

@@ -29,7 +29,9 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.fields.directional import tensors, tube_of_largest_gain
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
+from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.model import PREVIEW_MODEL, without
 from tests.asterism.previews.laws import plain_law
 
 PLAN = layout(gallery.load("tube"))
@@ -37,21 +39,17 @@ PLAIN = star_values(gallery.load("tube"), PLAN, plain_law())
 STARS = len(PLAN.centres)
 
 
-def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
-    """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`; lengths differ by `gap`."""
+def values(along_x: float, moment: float = 0.0) -> StarValues:
+    """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`."""
     own = np.zeros((STARS + 1, ANISOTROPY_SIZE))
     own[:-1, BENDING_COLUMNS[:2]] = along_x - 1.0, 1.0 - along_x
     own[:-1, MOMENT_COLUMNS[:2]] = moment, -moment
-    kappa = PLAIN.value["kappa"]
-    flat = PLAIN.value["lam_n"].copy()
-    flat[:-1] *= 1.0 + gap
-    value = PLAIN.value | {"c3": np.zeros(STARS + 1), "lam": flat}
-    return replace(PLAIN, value=value, anisotropy=own, tube_curvature=tube_of_largest_gain(kappa, own))
+    return replace(PLAIN, value=PLAIN.value | {"c3": np.zeros(STARS + 1)}, anisotropy=own)
 
 
 def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
     """(6,) stress of a sheet of the first star on its natural length with curvatures about y and x, over lam^2."""
-    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1), early=0.3)
+    fields = sheet_fields(StarPlaces(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1)))
     square = stars.value["lam_n"][0] ** 2
     state = square * np.array([0.5, 0.5, 0.0, -curvature[0], -curvature[1], 0.0])
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
@@ -67,27 +65,17 @@ def test_a_tube_about_either_axis_has_no_moment_around_it_at_its_own_curvature(a
     assert abs(moments(stars, (x, 0.0))[3]) < 1e-12 * scale
     assert abs(moments(stars, (0.0, y))[4]) < 1e-12 * scale
     gains = (kappa + moment) * x, (kappa - moment) * y
-    assert stars.tube_curvature[0] == pytest.approx((x, y)[int(np.argmax(gains))])
-    assert stars.tube_curvature[-1] == stars.value["kappa"][-1] == 0.0
-
-
-def test_the_tube_that_gains_most_has_its_natural_length() -> None:
-    """Others are as much longer as they are flatter, `sheet_fields` says by how much."""
-    stars = values(0.6, gap=0.03)
-    scale = np.abs(moments(stars, (0.0, 0.0))[:2]).max()
-    assert np.abs(moments(stars, (stars.tube_curvature[0], 0.0))[:3]).max() < 1e-12 * scale
-    alike = values(1.0, gap=0.03)
-    np.testing.assert_allclose(
-        moments(alike, (0.01, 0.0)),
-        moments(replace(alike, anisotropy=np.empty((STARS + 1, 0))), (0.01, 0.0)),
-        rtol=1e-12,
-    )
+    best = tube_of_largest_gain(stars.value["kappa"], stars.anisotropy)
+    assert best[0] == pytest.approx((x, y)[int(np.argmax(gains))])
+    assert best[-1] == stars.value["kappa"][-1] == 0.0
 
 
 def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -> None:
     stars = values(0.6)
     weights = sp.csr_matrix(np.array([[0.0], [1.0]]) * np.eye(1, STARS))
-    stiffness = np.asarray(sheet_fields(weights, stars, (2, 1)).densities(np.zeros((2, 1, 2))).stiffness)[:, 0, 3:, 3:]
+    model = without("Gaussian curvature")
+    fields = sheet_fields(StarPlaces(weights, stars, (2, 1), model=model))
+    stiffness = np.asarray(fields.densities(np.zeros((2, 1, 2))).stiffness)[:, 0, 3:, 3:]
     assert stiffness[0, 0, 0] == stiffness[0, 1, 1]
     assert stiffness[1, 0, 0] / stiffness[1, 1, 1] == pytest.approx(0.6 / 1.4)
     assert stiffness[1, 0, 1] == pytest.approx(BENDING_POISSON * 0.5 * (stiffness[1, 0, 0] + stiffness[1, 1, 1]))
@@ -99,7 +87,7 @@ def test_caps_of_soft_directions_stay_stable() -> None:
     low = min_bending_ratio(tensors(stars.value["kappa"], stars.anisotropy)[0])
     assert low[0] < 0.21 and low[-1] == pytest.approx(1.0)
     weights = sp.csr_matrix(np.eye(1, STARS))
-    fields = sheet_fields(weights, stars, (1, 1), gaussian=np.full(STARS, 1e6))
+    fields = sheet_fields(StarPlaces(weights, stars, (1, 1), model=replace(PREVIEW_MODEL, gaussian_area=1e6)))
     stiffness = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, 3:, 3:]
     assert np.linalg.eigvalsh(stiffness).min() > 0.0
 
@@ -179,5 +167,6 @@ def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_th
     for thickness, tight in ((0.3, True), (0.4, False)):
         design = sheet(thickness, lattice)
         found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
-        assert np.abs(found.tube_curvature).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
+        curl = tube_of_largest_gain(found.value["kappa"], found.anisotropy)
+        assert np.abs(curl).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
         assert bool(found.not_scale_separated) is tight

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -14,12 +12,12 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.fields.rim_arms import arm_curvature, rim_curvature_share
 from asterism.previews.fields.star_values import star_values
-from asterism.previews.model import PREVIEW_MODEL
+from asterism.previews.model import PREVIEW_MODEL, without
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import SPACING, plain_law
 
 NONE, ALL, AMONG = PREVIEW_MODEL.rim_arm_start, PREVIEW_MODEL.rim_arm_full, PREVIEW_MODEL.rim_arm_among
-WITHOUT = replace(PREVIEW_MODEL, has_rim_arms=False)
+WITHOUT = without("arms into free rims")
 
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)

@@ -9,19 +9,21 @@ import pytest
 import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.fields import Fields
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
+from asterism.previews.fields.self_stress import gaussian_moduli
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
+from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from tests.asterism.previews.laws import plain_law, with_values
 
-SIXFOLD, TURN = PREVIEW_MODEL.sixfold_factor, PREVIEW_MODEL.length_turn_rad
-EARLY = 0.3
+SIXFOLD = PREVIEW_MODEL.sixfold_factor
 
 TUBE = gallery.load("tube")
 VALUES = star_values(TUBE, layout(TUBE), plain_law())
@@ -30,7 +32,7 @@ STARS = len(VALUES.sizes)
 
 def tube_energy(curvature: float, direction_deg: float) -> float:
     """N/mm of a sheet rolled with the plastic outside, with lengths at rest; counted from flat."""
-    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), VALUES, (1, 1))
+    fields = sheet_fields(StarPlaces(sp.csr_matrix(np.eye(1, STARS)), VALUES, (1, 1)))
     lam = VALUES.value["lam_n"][0]
     a = np.radians(direction_deg)
     t = np.array([np.cos(a) ** 2, np.sin(a) ** 2, 2 * np.cos(a) * np.sin(a)])
@@ -62,29 +64,8 @@ def test_the_natural_curvature_is_the_best_one() -> None:
     assert tube_energy(-kappa, 75.0) > 0.0
 
 
-def test_a_sheet_held_flat_is_longer_than_a_tube_by_part_of_what_the_cells_are() -> None:
-    lam, kappa = VALUES.value["lam_n"][0], VALUES.value["kappa"][0]
-    flat = VALUES.value["lam"].copy()
-    flat[:-1] = 1.03 * lam
-    values = replace(VALUES, value=VALUES.value | {"lam": flat, "c3": np.zeros(STARS + 1)})
-    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), values, (1, 1), early=EARLY)
-    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
-
-    def stress(a: float, k: float) -> Floats:
-        state = np.r_[0.5 * a, 0.5 * a, 0.0, -k * lam**2, 0.0, 0.0]
-        return fields.density((state - rest)[None, None])[1][0, 0]  # type: ignore[operator, no-any-return]
-
-    part = EARLY * ((1.03 * lam) ** 2 - lam**2)
-    scale = np.abs(stress(1.03 * lam**2, 0.0)[:2]).max()
-    assert np.abs(stress(lam**2, kappa)[:3]).max() < 1e-12 * scale
-    assert np.abs(stress(lam**2 + part, 0.0)[:3]).max() < 1e-12 * scale
-    assert np.abs(stress(lam**2 - 0.5 * part, 1.5 * kappa)[:3]).max() < 1e-12 * scale
-    # a natural tube stays in equilibrium
-    assert abs(stress(lam**2, kappa)[3]) < 1e-12 * abs(stress(lam**2, 0.0)[3])
-
-
 def test_the_rim_is_bare_fabric() -> None:
-    fields = sheet_fields(sp.csr_matrix((1, STARS)), VALUES, (1, 1))
+    fields = sheet_fields(StarPlaces(sp.csr_matrix((1, STARS)), VALUES, (1, 1)))
     points = np.zeros((1, 1, 2))
     assert fields.rest(points)[0, 0] == pytest.approx([0.5 / 1.35**2, 0.5 / 1.35**2, 0, 0, 0, 0])
     stiffness: Floats = np.asarray(fields.densities(points).stiffness)[0, 0]
@@ -96,14 +77,19 @@ def test_the_rim_is_bare_fabric() -> None:
 def test_caps_of_stars_cost_less_and_bare_fabric_has_no_modulus_of_gaussian_curvature() -> None:
     shares = np.array([0.0, 0.5, 1.0])
     weights = sp.csr_matrix(shares[:, None] * np.eye(1, STARS))
-    assert not np.any(sheet_fields(weights, VALUES, (3, 1)).gaussian)
     bending = VALUES.value["bending"][0] / VALUES.value["lam_n"][0] ** 4
-    modulus = np.asarray(sheet_fields(weights, VALUES, (3, 1), gaussian=np.full(STARS, 0.1 * bending)).gaussian)[:, 0]
+
+    def fields(share: float) -> Fields:
+        """With a modulus of this share of the bending stiffness."""
+        area = share * bending / gaussian_moduli(VALUES, 1.0, replace(PREVIEW_MODEL, gaussian_area=1.0))[0]
+        model = replace(PREVIEW_MODEL, gaussian_area=area)
+        return sheet_fields(StarPlaces(weights, VALUES, (3, 1), spacing_mm=1.0, model=model))
+
+    modulus = np.asarray(fields(0.1).gaussian)[:, 0]
     assert modulus[0] == 0.0
     # as the square of the share
     assert modulus[1:] == pytest.approx(-0.1 * bending * np.array([0.25, 1.0]))
-    fields = sheet_fields(weights, VALUES, (3, 1), gaussian=np.full(STARS, 10.0 * bending))
-    stiffness = np.asarray(fields.densities(np.zeros((3, 1, 2))).stiffness)[:, 0, 3:, 3:]
+    stiffness = np.asarray(fields(10.0).densities(np.zeros((3, 1, 2))).stiffness)[:, 0, 3:, 3:]
     assert (np.linalg.eigvalsh(stiffness) > 0.0).all()
 
 
@@ -111,7 +97,7 @@ def test_half_way_between_two_stars_logarithms_are_averaged() -> None:
     values = star_values(gallery.load("fig8-l-decreasing"), layout(gallery.load("fig8-l-decreasing")), plain_law())
     weights = np.zeros((1, STARS))
     weights[0, [0, 30]] = 0.5
-    rest = sheet_fields(sp.csr_matrix(weights), values, (1, 1)).rest(np.zeros((1, 1, 2)))[0, 0]
+    rest = sheet_fields(StarPlaces(sp.csr_matrix(weights), values, (1, 1))).rest(np.zeros((1, 1, 2)))[0, 0]
     lam = values.value["lam_n"][[0, 30]]
     assert 2.0 * rest[0] == pytest.approx(lam[0] * lam[1])
 
@@ -170,41 +156,3 @@ def test_an_arm_cut_short_counts_as_it_is() -> None:
     sizes = law_coordinates(plan, 3)
     assert sizes[:, 0].min() < 9.9 < sizes[:, 0].max() == pytest.approx(10.0)
     assert sizes[:, 1:] == pytest.approx(np.tile([0.4, 1.2], (len(sizes), 1)))
-
-
-def test_stars_and_bare_fabric_bend_in_series() -> None:
-    weights = sp.csr_matrix(np.array([[1.0], [0.5], [0.0]]) * np.eye(1, STARS))
-    bending, natural = VALUES.value["bending"], VALUES.value["lam_n"]
-    fields = sheet_fields(weights, VALUES, (3, 1))
-    found = 1.0 / fields.density.stiffness[:, 0, 3, 3]  # type: ignore[index]
-    lam = np.exp(np.array([1.0, 0.5, 0.0]) * np.log(natural[0] / natural[-1])) * natural[-1]
-    alone = np.array([1.0 / bending[0], 0.5 / bending[0] + 0.5 / bending[-1], 1.0 / bending[-1]])
-    assert found / found[0] == pytest.approx(lam**4 * alone / (lam[0] ** 4 * alone[0]))
-
-
-def test_free_stars_that_curl_little_shorten_with_their_curvature_and_others_are_done() -> None:
-    curls = np.array([0.0, 0.02, 0.5])
-    found = free_length_share(replace(VALUES, value=VALUES.value | {"kappa": curls}), 17.3)
-    turn = 0.02 * 17.3 / TURN
-    # the slope of tanh at the natural turn, over that of a straight line from flat
-    slope = turn / np.cosh(turn) ** 2 / np.tanh(turn)
-    assert found == pytest.approx([1.0, slope, 0.0], abs=1e-3)
-
-
-def test_between_stars_that_curl_to_opposite_sides_lengths_stay_between_theirs() -> None:
-    """Where their curls cancel nothing says which curvature makes the sheet shorter, and so none does."""
-    value = {name: found.copy() for name, found in VALUES.value.items()}
-    value["kappa"][1] *= -0.7
-    value["lam"][:-1] = 1.03 * value["lam_n"][:-1]
-    stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, tube_curvature=value["kappa"])
-    share = np.linspace(0.0, 1.0, 201)
-    shares = [1.0 - share, share, *np.zeros((STARS - 2, len(share)))]
-    fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1), early=EARLY)
-    stiffness = np.asarray(fields.densities(np.zeros((len(share), 1, 2))).stiffness)[:, 0]
-    # mm, by which half of the metric changes per curvature
-    coupling = -np.linalg.solve(stiffness[:, :3, :3], stiffness[:, :3, 3:])[:, 0, 0]
-    assert coupling[0] > 0.0 > coupling[-1]
-    assert np.all(np.abs(coupling) <= 1.01 * np.abs(coupling[[0, -1]]).max())
-    assert np.abs(np.diff(coupling)).max() < 0.02 * np.abs(coupling).max()
-    metric = fields.rest(np.zeros((len(share), 1, 2)))[:, 0, 0]
-    assert np.abs(np.diff(metric)).max() < 1e-3 * metric.max()

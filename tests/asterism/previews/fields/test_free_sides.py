@@ -1,8 +1,6 @@
-"""Free rims lie as low as the arms' tips and go on with their slope; held ones do not turn."""
+"""Free sides of a sheet, and the bare rim, which lies as low as the tips of the arms."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,11 +10,8 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.bumps import corrugation_heights
-from asterism.previews.fields.free_rim import free_normals, rim_curvature, stars_share
+from asterism.previews.fields.free_sides import free_normals
 from asterism.previews.fields.star_values import star_values
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.session import Preview
-from asterism.previews.sheet import StarShares
 from tests.asterism.previews.laws import SPACING, plain_law
 
 TUBE = gallery.load("tube")
@@ -48,37 +43,6 @@ def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> 
     assert free_normals(alone, places) == pytest.approx(expected)
 
 
-def test_bare_fabric_turns_across_the_rim_by_the_bumps_beside_it() -> None:
-    share = np.array([1.0, 0.6, 0.0])
-    weights = sp.csr_matrix(share[:, None] * np.eye(1, COUNT))
-    normals = np.tile([0.6, 0.8], (3, 1))
-    border = np.array([0.0, 0.05, 0.01])
-    found = rim_curvature(weights, VALUES, normals, border)
-    # the plain law: one wave, 1 on the star
-    wave = plain_law().waves(np.vstack([np.zeros((1, 2)), 10.0 * np.asarray(TUBE.lattice.arm_directions)]))[:, 0]
-    top = (0.1 + 0.5 * VALUES.value["kappa"][0]) * 10.0
-    slope = 2.0 * top * (1.0 - wave[1:].mean() / wave[0]) / 10.0
-    assert found[1] == pytest.approx(0.05 * slope * np.array([0.36, 0.64, 0.48]))
-    assert found[[0, 2]] == pytest.approx(0.0)  # among stars, and far from all of them
-
-
-@pytest.mark.parametrize("half_width", [30.0, 34.0])
-def test_the_rim_turns_by_one_slope_however_wide_it_is(half_width: float) -> None:
-    """The decrease of the share across the rim adds up to the share inside less that at the side."""
-    data = TUBE.to_dict() | {"border": {"rectangle_mm": [2.0 * half_width, 240.0]}, "pins": []}
-    design = Design.from_dict(data)
-    plan = layout(design)
-    across = np.linspace(0.0, half_width, 401)
-    points = np.column_stack([across, np.full(401, 3.0)])
-    shares = StarShares.at(points, design, plan, PREVIEW_MODEL)
-    length = np.full(len(plan.centres), 8.0)
-    share = stars_share(shares.shares(length))
-    near = shares.rim_normals[:, 0] > 0.5
-    turned = np.trapezoid(shares.border(length)[near], across[near])
-    assert turned == pytest.approx(share[near][0] - share[-1], abs=0.02)
-    assert turned > 0.8
-
-
 def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
     weights = sp.csr_matrix(np.array([[0.2], [1e-9]]) * np.eye(1, COUNT))
     kappa = VALUES.value["kappa"][0]
@@ -88,27 +52,6 @@ def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
     tip = VALUES.tip_heights[0] @ np.array([1.0, kappa])
     assert tip < 0.0
     assert heights == pytest.approx([0.8 * tip, tip])  # far from all stars too
-
-
-@pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.78}]])
-def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
-    pins: list[dict[str, object]],
-) -> None:
-    design = rectangle(pins)
-    plan = layout(design)
-    # a little inside of each side, in its middle
-    middle = 0.97 * 0.5 * (plan.outline + np.roll(plan.outline, -1, axis=0))
-
-    def tilt(model: PreviewModel) -> np.ndarray:
-        normals = Preview(design, plain_law(), model=model).at(np.vstack([0.6 * middle, middle])).surface.normals
-        inner, outer = np.split(normals, 2)
-        return np.asarray(np.degrees(np.arccos((inner * outer).sum(axis=1))))
-
-    curled, straight = tilt(PREVIEW_MODEL), tilt(replace(PREVIEW_MODEL, has_rim_turn=False))
-    if pins:
-        assert curled == pytest.approx(straight)
-    else:
-        assert (curled - straight).mean() > 2.0
 
 
 def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:

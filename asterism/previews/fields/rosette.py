@@ -17,12 +17,22 @@ stars, a_r is `lam^2 I`. A gradient of the sizes changes a_r only for three arms
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.layout.layout import Layout
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.fem.shell.fields import Fields
+from asterism.previews.fields.star_places import StarPlaces
+
+
+def rosette_metric(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with the rest metric of changing stars."""
+    if not at.arms:
+        return fields
+    along = [at.log_mean("lam_n", weights) for _, weights in at.arms]
+    directions = np.array([direction for direction, _ in at.arms])
+    return replace(fields, metric=arm_metric(at.lam, np.stack(along, axis=-1), directions))
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
@@ -62,20 +72,3 @@ def rosette(along: Floats, directions: Floats) -> Floats:
     x, y = directions.T
     rest = (2.0 if len(directions) == 4 else 4.0) / len(directions) * (along - along.mean(axis=-1, keepdims=True))
     return np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)
-
-
-def are_last_arms(
-    layout: Layout, centres: Floats, directions: Floats, model: PreviewModel = PREVIEW_MODEL
-) -> np.ndarray:
-    """(n,) bool, whether arms end at the rim: the site ahead has no star.
-
-    Parameters
-    ----------
-    centres : (n, 2) mm, centres of the stars.
-    directions : (n, 2) unit vectors of the arms.
-    """
-    ahead = layout.spacing_mm * directions
-    steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
-    sites = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
-    to_star = cKDTree(layout.centres).query(centres + ahead)[0]
-    return np.asarray(to_star > sites.query(ahead)[0] + model.last_arm_margin * layout.spacing_mm)
