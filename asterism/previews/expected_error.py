@@ -27,12 +27,14 @@ class ExpectedError(NamedTuple):
     height: float
 
 
-# most stars of a sheet of few
+# without supports that act along the print
+FREE = ExpectedError(4.0, 3.3)
+# held, and under weight
+HEAVY = ExpectedError(5.0, 6.0)
+# held, of at most FEW_STARS, and of more
+HELD_FEW = ExpectedError(5.0, 3.0)
+HELD_MANY = ExpectedError(1.3, 2.1)
 FEW_STARS = 24
-FREE_FEW = ExpectedError(5.0, 5.0)
-FREE_MANY = ExpectedError(5.0, 5.0)
-HELD_FEW = ExpectedError(4.0, 4.0)
-HELD_MANY = ExpectedError(4.0, 4.0)
 # motifs of drawn rods, free or held
 MOTIF = ExpectedError(5.0, 5.0)
 # share of the stars or rods: with more of them unlike those of the measured sheets, nothing is stated
@@ -58,6 +60,8 @@ def expected_error(state: AnyPreviewState) -> ExpectedError | None:
     stars = len(layout.centres)
     if max(len(values.outside), len(values.strongly_anisotropic), inverted) > MAX_FOREIGN_SHARE * stars:
         return None
-    if state.is_supported:
-        return HELD_FEW if stars <= FEW_STARS else HELD_MANY
-    return FREE_FEW if stars <= FEW_STARS else FREE_MANY
+    if not state.is_supported:
+        return FREE
+    if state.design.gravity.on:
+        return HEAVY
+    return HELD_FEW if stars <= FEW_STARS else HELD_MANY
