@@ -579,13 +579,6 @@ def test_stars_turned_by_half_a_turn_make_the_sheet_turned_by_it() -> None:
     np.testing.assert_allclose(*distances, atol=0.02)
 
 
-def test_sheets_that_slide_on_all_their_pins_are_expected_to_be_as_far_off_as_free_ones() -> None:
-    curly = {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 2}, "fabric": {"stretch": 1.75}}
-    sliding = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "slide": "plane"}]}))
-    held = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "scale": 0.66}]}))
-    assert sliding.summary["expected_rms_percent"] > held.summary["expected_rms_percent"]
-
-
 @pytest.mark.parametrize(
     "pins", [{"points_mm": [[0.0, 0.0]]}, {"corners": [0]}, {"corners": [0, 2, 4], "slide": "plane"}]
 )
