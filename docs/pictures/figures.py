@@ -6,6 +6,7 @@ Meshes, law and shell are the product's own; the rest are diagrams.
 from __future__ import annotations
 
 import sys
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,10 @@ def figure(width: float, height: float, columns: int = 1, **options: Any) -> tup
 def save(sheet: Figure, name: str) -> None:
     """NAME.svg, the same bytes every time."""
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name, "font.family": "sans-serif"}):
-        FigureCanvasSVG(sheet).print_svg(FOLDER / f"{name}.svg", metadata={"Date": None})
+        text = StringIO()
+        FigureCanvasSVG(sheet).print_svg(text, metadata={"Date": None})
+    # matplotlib writes a line for each corner
+    (FOLDER / f"{name}.svg").write_text(" ".join(text.getvalue().split()) + "\n", encoding="utf-8")
 
 
 def box(axes: Any, x: float, y: float, text: str, colour: str = BLUE, width: float = 2.3, height: float = 0.75) -> None:
@@ -150,7 +154,7 @@ def joints() -> None:
     for column, (name, paths) in enumerate(lines.items()):
         shift = 2.0 * column
         for path in paths:
-            axes.plot(*(np.array(path) + [shift, 0]).T, color=ARM, lw=4, solid_capstyle="butt", solid_joinstyle="round")
+            axes.plot(shift + np.array(path)[:, 0], np.array(path)[:, 1], color=ARM, lw=4, solid_capstyle="butt")
         x, y = nodes.get(name, (0.6, 0))
         axes.plot(x + shift, y, "o", mfc="white", mec="#e64a19", mew=1.5, ms=9)
         axes.text(shift + 0.6, -1.0, name, ha="center", fontsize=9, color=INK)
