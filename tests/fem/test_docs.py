@@ -1,4 +1,4 @@
-"""The programs of the page on shells run and find minima; the tests that the explanation names exist."""
+"""The programs of the page on shells run and find minima; the tests that the page on validation names exist."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_the_sheet_on_its_corners_rises_in_the_middle() -> None:
     assert abs(names["middle"][0, 2]) > 1.0
 
 
-def test_the_page_names_every_validation_of_the_shell() -> None:
-    page = (ROOT / "docs" / "explanation" / "shell.md").read_text(encoding="utf-8")
-    files = {path.name for path in (ROOT / "tests" / "validation").glob("test_shell_*.py")}
-    assert set(re.findall(r"`(test_\w+\.py)`", page)) == files
+def test_the_page_on_validation_names_every_file() -> None:
+    page = (ROOT / "docs" / "validation" / "index.md").read_text(encoding="utf-8")
+    files = {path.name for path in (ROOT / "tests" / "validation").glob("test_*.py")}
+    assert {name for name in re.findall(r"`(test_\w+\.py)`", page)} == files
