@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -35,6 +36,8 @@ DESIGNS = [(page, block) for page in PAGES for block in re.findall(r"```toml\n(.
 BLOCKS = [(page, block) for page in PAGES for block in re.findall(r"```python\n(.*?)```", TEXT[page], re.DOTALL)]
 # those of the shell's pages have tests of their own
 PYTHON = [(page, block) for page, block in BLOCKS if "import asterism\n" in block]
+
+EXAMPLES = sorted((ROOT / "docs" / "examples").glob("*.py"))
 
 command = runpy.run_path(str(ROOT / ".ci" / "readme.py"))["command"]
 
@@ -124,17 +127,13 @@ def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> Non
 LONG_CALLS = ("asterism.fit(", "asterism.solve_for", "asterism.verify(", "asterism.sweep(", "asterism.compare_designs(")
 
 
+def _slow(code: str) -> Any:
+    return pytest.mark.slow if any(call in code for call in LONG_CALLS) else ()
+
+
 @pytest.mark.parametrize(
     ("page", "block"),
-    [
-        pytest.param(
-            page,
-            block,
-            marks=pytest.mark.slow if any(call in block for call in LONG_CALLS) else (),
-            id=f"{page.name}-{i}",
-        )
-        for i, (page, block) in enumerate(PYTHON)
-    ],
+    [pytest.param(page, block, marks=_slow(block), id=f"{page.name}-{i}") for i, (page, block) in enumerate(PYTHON)],
 )
 def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a small design in place of the gallery's dome, in a folder that holds it as a file."""
@@ -145,3 +144,15 @@ def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeyp
     monkeypatch.setattr(asterism, "new", lambda name: design if name == "dome" else gallery.load(name), raising=False)
     save_design(design, tmp_path / "dome.toml")
     exec(compile(block, page.name, "exec"), {})
+
+
+@pytest.mark.parametrize(
+    "script", [pytest.param(file, marks=_slow(file.read_text(encoding="utf-8")), id=file.stem) for file in EXAMPLES]
+)
+def test_examples_run(script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = script.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 25
+    (picture,) = re.findall(r"^Picture: (\S+)$", text, re.MULTILINE)
+    assert (ROOT / "docs" / "pictures" / picture).exists()
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(script))

@@ -1,0 +1,11 @@
+"""The files for the printer: solids, 1:1 layouts, needles and instructions.
+
+Picture: sheet-layout.png
+"""
+
+from pathlib import Path
+
+import asterism
+
+asterism.export(asterism.new("roof"), "roof-print", printer="ultimaker2", preview=True)
+print(sorted(path.name for path in Path("roof-print").iterdir()))
