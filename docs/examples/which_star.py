@@ -1,6 +1,6 @@
 """Which star matters: the three whose length changes the height of a dome most.
 
-Picture: dome.png
+Picture: preview-dome.png
 """
 
 import asterism
