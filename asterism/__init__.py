@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from asterism.fitting.fit import Fit, fit
     from asterism.fitting.load_target import load_target
     from asterism.fitting.sensitivity import sensitivity
+    from asterism.fitting.settings import FitSettings
     from asterism.fitting.solve_for import solve_for
     from asterism.fitting.solve_needle import solve_for_point
     from asterism.fitting.target import TargetSurface
@@ -64,6 +65,7 @@ _HOMES = {
     "Design": ("asterism.pattern.design.design", "Design"),
     "Error": ("asterism.equilibrium.errors", "Error"),
     "Fit": ("asterism.fitting.fit", "Fit"),
+    "FitSettings": ("asterism.fitting.settings", "FitSettings"),
     "Law": ("asterism.homogenize.law.law", "Law"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
@@ -105,6 +107,7 @@ __all__ = [
     "Design",
     "Error",
     "Fit",
+    "FitSettings",
     "Law",
     "Preview",
     "Shape",

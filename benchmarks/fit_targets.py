@@ -29,7 +29,8 @@ from asterism.fitting.distance import target_distance
 from asterism.fitting.errors import ReachError
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit, fit
-from asterism.fitting.residual import FitPlaces
+from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
@@ -159,10 +160,11 @@ def row(name: str, exact: bool) -> dict[str, Any]:
     target, begun = make(), time.process_time()
     data: dict[str, Any] = {}
     try:
-        fitted = fit(target, needles=needles, printer=load_printer("ultimaker2"), exact=exact)
+        fitted = fit(target, FitSettings(needles=needles, exact=exact), printer=load_printer("ultimaker2"))
     except ReachError as error:
         data["refused"] = str(error)
-        fitted = fit(target, needles=needles, printer=load_printer("ultimaker2"), exact=False, nearest=True)
+        settings = FitSettings(needles=needles, exact=False, nearest=True)
+        fitted = fit(target, settings, printer=load_printer("ultimaker2"))
     data["cpu_s"] = time.process_time() - begun
     if exact and name in SHOWN:
         _picture(fitted).save(PICTURES / f"fit-{name.replace(' ', '-')}.webp", quality=78, method=6)
@@ -175,11 +177,12 @@ def row(name: str, exact: bool) -> dict[str, Any]:
 def _exact_first_guess(name: str) -> float:
     """Distance of the exact shape of the first guess, started from its preview."""
     make, needles = TARGETS[name]
-    guess = guess_design(make(), paper_law(), needles=needles)
+    guess = guess_design(make(), paper_law(), FitSettings(needles=needles))
     plan = layout(guess.design)
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
+    residual = Residual(guess.target, places, not plan.pins)
     shape = exact_shape(guess.design, near=preview(guess.design))
-    return float(target_distance(shape, guess.target, places, plan.lattice_vectors).mean_percent)
+    return float(target_distance(shape, residual, plan.lattice_vectors).mean_percent)
 
 
 def _picture(fitted: Fit) -> Image.Image:

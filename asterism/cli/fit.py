@@ -9,8 +9,9 @@ import typer
 
 from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import FileUnit, LawFile, output_option
-from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
-from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
+from asterism.cli.common.run import DONE, INTERRUPTED, NO_ANSWER, Run, command
+from asterism.fitting.errors import FitInterrupted
+from asterism.fitting.settings import FitSettings
 
 
 @command
@@ -36,41 +37,12 @@ def fit(
         Literal["auto", "normals", "other"],
         typer.Option(help="Side of the plastic; auto: the convex one. normals: that of the file's normals."),
     ] = "auto",
-    stretch: Annotated[
-        float | None, typer.Option(help="Stretch of the fabric (default: the smallest one of the law that suffices).")
-    ] = None,
-    needles: Annotated[
-        int | None,
-        typer.Option(
-            min=0, max=MAX_FITTED_NEEDLES, help="Number of needles along the outline (default: by its length)."
-        ),
-    ] = None,
-    free: Annotated[bool, typer.Option("--free", help="No needles; the same as --needles 0.")] = False,
-    border: Annotated[
-        bool | None,
-        typer.Option(
-            "--border/--no-border",
-            help="Hold the whole border along that of the target, in place of needles (default: on saddles).",
-        ),
-    ] = None,
-    width_mm: Annotated[float | None, typer.Option(min=0.0, help="Width of all arms in mm (default: 1.2).")] = None,
     printer: Annotated[
         str, typer.Option(help="Printer to whose layers and lines sizes are rounded (see asterism printers).")
     ] = "ultimaker2",
     rounding: Annotated[
         bool, typer.Option("--rounding/--no-rounding", help="Round sizes to the layers and lines of the printer.")
     ] = True,
-    exact: Annotated[bool, typer.Option("--exact/--no-exact", help="Check the design with the exact model.")] = True,
-    corrections: Annotated[
-        int,
-        typer.Option(min=0, max=MAX_ASKED_CORRECTIONS, help="Largest number of corrections by the exact model."),
-    ] = MAX_CORRECTIONS,
-    nearest: Annotated[
-        bool, typer.Option("--nearest", help="If the target is out of reach, make the sheet that comes nearest.")
-    ] = False,
-    within: Annotated[
-        float, typer.Option(min=0.0, help="Distance in % of the diameter within which the target counts as reached.")
-    ] = REACHED_PERCENT,
     weight: Annotated[
         str | None,
         typer.Option(
@@ -80,12 +52,14 @@ def fit(
         ),
     ] = None,
     law: LawFile = None,
+    *,
+    settings: FitSettings,
 ) -> int:
     """Find star sizes whose sheet comes near to a target surface.
 
     Writes the design file, and a folder beside it, DESIGN-fit, with report.html, summary.json, shape.vtu, shape.obj,
     rods.vtu, target.obj and fit.png. The exit status is 1 if the shape is further from the target than --within, or
-    is no minimum.
+    is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
     """
     from asterism.fitting.fit import fit as compute
     from asterism.fitting.load_target import load_target
@@ -99,42 +73,28 @@ def fit(
     file = output or target.with_suffix(".toml")
     if file.suffix != ".toml":
         raise Mistake(f"--output: {str(file)!r} must end with .toml")
-    if free and needles:
-        raise Mistake(f"--free: conflicts with --needles {needles}")
-    if border and (free or needles is not None):
-        raise Mistake(f"--border: conflicts with {'--free' if free else f'--needles {needles}'}")
-    if needles in (1, 2):
-        raise Mistake(f"--needles: {needles} needles hold no sheet; must be 0, or 3 or more")
     directory = file.with_name(f"{file.stem}-fit")
     check_writable(file.parent, file.name)
     check_writable(directory)
     surface = load_target(target, unit, size_mm, side, heights_mm, extent_mm)
     run.warn(*surface.notes)
+    if weight is not None:
+        surface = surface.weighted(weight)
     chosen_printer = load_printer(printer) if rounding else None
     chosen_law = None if law is None else load_law(law)
     if isinstance(chosen_law, MotifLaw):
         raise Mistake(f"--law: {law} is the law of a motif, not of stars")
-    with run.computing():
-        fitted = compute(
-            surface,
-            chosen_law,
-            stretch,
-            0 if free else needles,
-            chosen_printer,
-            exact,
-            nearest,
-            within,
-            say=run.say,
-            report=run.report,
-            border=border,
-            corrections=corrections,
-            weight=weight,
-            width_mm=width_mm,
-        )
+    try:
+        with run.computing():
+            fitted = compute(surface, settings, chosen_law, chosen_printer, run.say, run.report)
+    except FitInterrupted as interruption:
+        fitted = interruption.fitted
     files = write_fit(fitted, directory)
     write_file(file, table_text(fitted.design.to_dict(), file))
     run.table(fitted.summary.table())
     run.lines([str(file)])
     run.files(directory, files)
     run.warn(*fitted.summary.warnings)
+    if fitted.summary.interrupted:
+        return INTERRUPTED
     return DONE if fitted.summary.reached else NO_ANSWER

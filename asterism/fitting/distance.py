@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.target import TargetSurface
+from asterism.fitting.residual import Residual
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 
@@ -64,16 +63,17 @@ class FitDistance:
         return float(100.0 * length / self.diameter_mm)
 
 
-def target_distance(shape: Shape, target: TargetSurface, places: FitPlaces, lattice_vectors: Floats) -> FitDistance:
+def target_distance(shape: Shape, residual: Residual, lattice_vectors: Floats) -> FitDistance:
     """The distance of a shape to a target, at all vertices of the shape.
 
     Parameters
     ----------
-    places : of the print, for the pose of a free sheet.
+    residual : of the print; it lays a free sheet on the target.
     lattice_vectors : (2, 2) mm, rows.
     """
+    target, places = residual.target, residual.places
     if not shape.held:
-        rotation, shift = Residual(target, places, True).pose(shape.at(places.points[: places.count]))
+        rotation, shift = residual.pose(shape.at(places.points[: places.count]))
         shape = replace(shape, positions=shape.positions @ rotation.T + shift, point_fields={})
     surface = target.nearest(shape.positions).distance
     mean = CellMean(shape.printed, shape.weights, lattice_vectors)(surface[:, None])[:, 0]

@@ -1,12 +1,15 @@
-"""Errors of targets."""
+"""Errors of targets and of fits."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.errors import Error
-from asterism.pattern.design.errors import one_line
+from asterism.equilibrium.errors import Error, one_line
+
+if TYPE_CHECKING:
+    from asterism.equilibrium.arrays import Floats
+    from asterism.fitting.fit import Fit
 
 
 class TargetError(Error, ValueError):
@@ -16,10 +19,27 @@ class TargetError(Error, ValueError):
         super().__init__(one_line(f"{target}: {problem}"))
 
 
+class SettingError(Error, ValueError):
+    """A setting of a fit is not allowed."""
+
+
 class ReachError(Error):
     """A target is out of reach of the stars; the message is one line with place, needed and available value."""
 
     exit_status = 1
+
+
+class FitInterrupted(KeyboardInterrupt):
+    """Ctrl-C has ended a fit.
+
+    Attributes
+    ----------
+    fitted : the best design until then, by the preview.
+    """
+
+    def __init__(self, fitted: Fit) -> None:
+        super().__init__("the fit was interrupted")
+        self.fitted = fitted
 
 
 def place_text(place: Floats, decimals: int = 1) -> str:

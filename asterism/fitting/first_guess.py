@@ -16,16 +16,18 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
 from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
 from asterism.fitting.reach import Reach, check_size, choose_stretch, target_reach
+from asterism.fitting.settings import FitSettings
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_POISSON
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.pattern.design.design import Design
+from asterism.pattern.design.design import Design, FitWeights, WeightedSite
 from asterism.pattern.design.lattice import Lattice
-from asterism.pattern.geometry.planar import distance_to_outline, inside
+from asterism.pattern.geometry.planar import cross_2d, distance_to_outline, inside
 from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.process.listeners import Say, ignore_line
 
@@ -66,26 +68,15 @@ class FirstGuess:
 def guess_design(
     target: TargetSurface,
     law: StarLaw,
-    stretch: float | None = None,
-    needles: int | None = None,
-    nearest: bool = False,
+    settings: FitSettings | None = None,
     say: Say = ignore_line,
-    border: bool | None = None,
-    width_mm: float | None = None,
 ) -> FirstGuess:
     """The first guess of a design for a target.
 
     Parameters
     ----------
     law : of the material; its lattice is that of the design.
-    stretch : of the fabric; by default the smallest one of the law that suffices.
-    needles : number of needles along the outline; 0 for a free sheet. By default at the corners of the target, and
-        every 1.6 spacings between.
-    nearest : where the contractions do not suffice, go on with the nearest ones.
     say : called with a line of text at the beginning of each stage.
-    border : hold the whole border on that of the target; by default if needles are not given and
-        `MIN_HELD_SADDLE_SHARE` of the Gauss curvature is negative.
-    width_mm : of all arms; `FITTED_WIDTH_MM`, or the nearest width of the law, by default.
 
     Raises
     ------
@@ -101,6 +92,8 @@ def guess_design(
     say("flattening the target")
     flat = flatten_target(target)
     thinnest, widest = law.size_ranges(law.stretches[0])["width_mm"]
+    settings = settings or FitSettings()
+    stretch, needles, width_mm = settings.stretch, settings.needles, settings.width_mm
     if width_mm is not None and not thinnest <= width_mm <= widest:
         raise LawError(f"width_mm = {width_mm:g}: the law covers {thinnest:g} to {widest:g} mm")
     width = float(np.clip(FITTED_WIDTH_MM, thinnest, widest)) if width_mm is None else float(width_mm)
@@ -112,20 +105,32 @@ def guess_design(
     check_size(target.name, unplaced, menu, menus, abs(float(np.linalg.det(lattice.vectors))))
     target_map = placed(flat, log_size, lattice)
     outline = choose_outline(target_map, needles)
+    border = settings.border
     if border is None:
         border = needles is None and _saddle_share(target) > MIN_HELD_SADDLE_SHARE
     stars = star_sites(outline.corners, lattice)
     curvatures = target_map.principal_curvatures(stars)
-    reach = target_reach(
-        target.name, target_map, stars, curvatures, menu, menus, border or len(outline.needles) > 0, nearest
-    )  # fmt: skip
+    is_held = border or len(outline.needles) > 0
+    reach = target_reach(target.name, target_map, stars, curvatures, menu, menus, is_held, settings.nearest)
     held = "held border" if border else f"{len(outline.needles)} needles"
     say(f"{len(stars)} stars, {held}, stretch {menu.stretch:g}")
     bare = _design(target, law, menu, outline, border)
     plan = layout(bare)
     guessed = sizes_from_law(target_map, menu, plan.centres)
     sizes = np.column_stack([guessed, np.full(len(guessed), np.nan)]).round(FITTED_SIZE_DECIMALS)
-    return FirstGuess(with_painted_stars(bare, plan.sites, sizes), target, target_map, menu, reach)
+    design = _with_weights(with_painted_stars(bare, plan.sites, sizes), target, target_map, plan)
+    return FirstGuess(design, target, target_map, menu, reach)
+
+
+def _with_weights(design: Design, target: TargetSurface, target_map: TargetMap, plan: Layout) -> Design:
+    """The design with the weights of the target at its lattice sites, so that a further fit has them too."""
+    if target.weight is None:
+        return design
+    # decimals of a weight in a design file
+    weights = target.weight_at(target_map.places(plan.lattice.place(plan.sheet_sites))).round(2)
+    entries = zip(plan.sheet_sites.tolist(), weights.tolist(), strict=True)
+    kept = tuple(WeightedSite(site=tuple(site), weight=weight) for site, weight in entries if weight != 1.0)
+    return design.model_copy(update={"fit": FitWeights(weights=kept)})
 
 
 def flatten_target(target: TargetSurface) -> FlatDisk:
@@ -136,8 +141,6 @@ def flatten_target(target: TargetSurface) -> FlatDisk:
     TargetError
         The flat target overlaps itself.
     """
-    import shapely  # slow to import
-
     flattener = Flattener(target.disk)
     gauss = flattener.gauss_curvature
     total = np.abs(gauss).sum()
@@ -322,13 +325,13 @@ def choose_outline(target_map: TargetMap, needles: int | None) -> OutlineChoice:
     parts = np.maximum(np.ceil(gaps / (OUTLINE_STEP * target_map.spacing_mm)), 1).astype(int)
     stations = np.concatenate([s + g * np.arange(n) / n for s, g, n in zip(starts, gaps, parts, strict=True)])
     is_held = np.isin((stations % total).round(6), (held % total).round(6))
+    return OutlineChoice(_at(ring, along, stations), _at(places, along, stations), np.flatnonzero(is_held))
 
-    def at(values: Floats) -> Floats:
-        closed = np.concatenate([values, values[:1]])
-        columns = [np.interp(stations % total, along, column) for column in closed.T]
-        return np.column_stack(columns)
 
-    return OutlineChoice(at(ring), at(places), np.flatnonzero(is_held))
+def _at(values: Floats, along: Floats, stations: Floats) -> Floats:
+    """Values (B, k) at the vertices of a closed ring, interpolated to stations (mm) along it."""
+    closed = np.concatenate([values, values[:1]])
+    return np.column_stack([np.interp(stations % along[-1], along, column) for column in closed.T])
 
 
 def _corners(ring: Floats, along: Floats, window: float) -> Ints:
@@ -336,15 +339,9 @@ def _corners(ring: Floats, along: Floats, window: float) -> Ints:
 
     The turn at a vertex is the angle between the chords to the border half a window before and behind it.
     """
-    total, closed = along[-1], np.concatenate([ring, ring[:1]])
-
-    def at(stations: Floats) -> Floats:
-        return np.column_stack([np.interp(stations % total, along, column) for column in closed.T])
-
-    here = along[:-1]
-    ahead, behind = at(here + 0.5 * window) - ring, ring - at(here - 0.5 * window)
-    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
-    turn = np.abs(np.arctan2(cross, np.einsum("nc,nc->n", behind, ahead)))
+    here, total = along[:-1], along[-1]
+    ahead, behind = _at(ring, along, here + 0.5 * window) - ring, ring - _at(ring, along, here - 0.5 * window)
+    turn = np.abs(np.arctan2(cross_2d(behind, ahead), np.einsum("nc,nc->n", behind, ahead)))
     corners: list[int] = []
     for vertex in np.argsort(-turn, kind="stable"):
         if turn[vertex] < MIN_CORNER_TURN_RAD:

@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asterism.discrete.release.continuation import Report
 from asterism.fitting.correction import ExactCorrection
-from asterism.fitting.defaults import MAX_ASKED_CORRECTIONS, MAX_CORRECTIONS, MAX_FITTED_NEEDLES, REACHED_PERCENT
 from asterism.fitting.distance import FitDistance, target_distance
-from asterism.fitting.errors import place_text
+from asterism.fitting.errors import FitInterrupted, place_text
 from asterism.fitting.first_guess import FirstGuess, guess_design
-from asterism.fitting.place_weight import weighted_target, with_weights
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.search import FitSearch
+from asterism.fitting.settings import FitSettings
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.run import preview
@@ -38,6 +33,13 @@ from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.run import verify
 from asterism.verification.verification import RELEASE, Verification
 
+# largest numbers, after thicknesses are rounded, of steps on the lengths by the preview, and of corrections
+ROUNDED_STEPS, MAX_ROUNDED_CORRECTIONS = 4, 3
+# a warning names the share of stars at the ends of the law's lengths from this one on
+MIN_SHARE_AT_BOUNDS = 0.1
+# % of the diameter, largest distance from which on a warning names its place
+MAX_QUIET_DISTANCE_PERCENT = 4.0
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -49,7 +51,7 @@ class Fit:
     target : in the pose of the fit.
     guess : the first guess, with the map to the print and what stars can do.
     preview : fresh preview of the design.
-    verification : preview and exact shapes; None if the exact model was not asked for.
+    verification : preview and exact shapes; None if the exact model was not asked for, or the fit was interrupted.
     distance : of the exact shape to the target, or of the preview without one.
     summary : the numbers of summary.json.
     """
@@ -68,31 +70,13 @@ class Fit:
         return self.distance.shape
 
 
-# steps on the lengths after thicknesses are rounded
-ROUNDED_STEPS = 4
-# corrections by the exact model: largest number for the lengths after rounding
-MAX_ROUNDED_CORRECTIONS = 3
-# a warning names the share of stars at the ends of the law's lengths from this one on
-MIN_SHARE_AT_BOUNDS = 0.1
-# % of the diameter, largest distance from which on a warning names its place
-MAX_QUIET_DISTANCE_PERCENT = 4.0
-
-
 def fit(
     target: TargetSurface,
+    settings: FitSettings | None = None,
     law: StarLaw | None = None,
-    stretch: float | None = None,
-    needles: int | None = None,
     printer: Printer | None = None,
-    exact: bool = True,
-    nearest: bool = False,
-    within_percent: float = REACHED_PERCENT,
     say: Say | None = None,
     report: Report | None = None,
-    border: bool | None = None,
-    corrections: int = MAX_CORRECTIONS,
-    weight: str | Path | ArrayLike | None = None,
-    width_mm: float | None = None,
 ) -> Fit:
     """Find star sizes whose sheet comes near to a target surface.
 
@@ -102,25 +86,11 @@ def fit(
 
     Parameters
     ----------
-    target : from `load_target`, or made by `TargetSurface.of_formula`, `of_heights` or `of_triangles`.
+    target : from `load_target`, or made by `TargetSurface.of_formula`, `of_heights` or `of_triangles`. Where its weight
+        is larger, the fit comes nearer; the design keeps the weights in its section `[fit]`.
     law : of the material, whose lattice the design has; that of the paper's material by default.
-    stretch : of the fabric; by default the smallest one of the law whose stars contract differently enough.
-    needles : number of needles that hold the outline at their places on the target; 0 for a free sheet. By default they
-        stand at the corners of the target, and at distances of about 1.6 spacings between, or `border` applies.
     printer : whose layers and lines the thicknesses and widths are rounded to; not rounded by default.
-    exact : correct the sizes by the exact model, and check the design as `verify` does.
-    nearest : if stars cannot contract as differently or curve as tightly as the target needs, make the sheet that comes
-        nearest, in place of an error.
-    within_percent : distance, in % of the diameter, within which the target counts as reached.
     say, report : as in `simulate`.
-    border : hold the whole border along that of the target, in place of needles. By default if needles are not given
-        and a quarter of the absolute Gauss curvature of the target is negative.
-    corrections : largest number of corrections by the exact model; 0 leaves the fit by the preview as it is.
-    weight : of the places: where it is larger, the fit comes nearer. A formula in x, y, z, r and theta (mm in the
-        target's file), a grey picture as one sees the target along z (black 1, white 10), or (V,) numbers at the
-        vertices of `target.disk`; from 0.01 to 100. The design keeps the weights in its section `[fit]`, and
-        `within_percent` counts all places alike.
-    width_mm : of all arms; 1.2 mm by default. The fit changes lengths and thicknesses.
 
     Returns
     -------
@@ -132,91 +102,91 @@ def fit(
         The target has no flattening, or stars cannot make it.
     LawError
         The law has no table for the stretch, or does not cover the width.
-    ValueError
-        `needles` is not a whole number from 0 to 1000, or is 1 or 2, or is given with `border`; or `corrections` is not
-        a whole number from 0 to 20.
+    FitInterrupted
+        A `KeyboardInterrupt` after the first guess; it holds the best design until then.
 
     Examples
     --------
     >>> target = TargetSurface.of_formula("10*(1 - (x/50)**2 - (y/50)**2)", 80.0, name="dome")
-    >>> fitted = fit(target, exact=False)
+    >>> fitted = fit(target, FitSettings(exact=False))
     >>> fitted.summary.preview.mean_percent < 0.5, fitted.summary.reached
     (True, True)
     """
     check_type(target, TargetSurface, "load_target reads one from a file")
-    if needles is not None and not (is_whole(needles) and 0 <= needles <= MAX_FITTED_NEEDLES and needles not in (1, 2)):
-        raise ValueError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
-    if needles is not None and border:
-        raise ValueError(f"needles = {needles}: must be None with border=True")
-    if not (is_whole(corrections) and 0 <= corrections <= MAX_ASKED_CORRECTIONS):
-        raise ValueError(f"corrections = {corrections!r}: must be a whole number from 0 to {MAX_ASKED_CORRECTIONS}")
+    settings = FitSettings() if settings is None else settings
+    check_type(settings, FitSettings, "FitSettings(exact=False) is an example")
     if law is not None:
         check_type(law, StarLaw, "load_law reads one from a file")
     law, tell = law or paper_law(), say or ignore_line
-    if weight is not None:
-        target = weighted_target(target, weight)
-    guess = guess_design(target, law, stretch, needles, nearest, tell, border, width_mm)
-    plan = layout(guess.design)
-    guess = replace(guess, design=with_weights(guess.design, target, guess.target_map, plan))
+    guess = guess_design(target, law, settings, tell)
+    base, plan = guess.design, layout(guess.design)
     places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
-    is_free = not plan.pins
+    residual = Residual(target, places, not plan.pins)
 
     def distance(shape: Shape) -> FitDistance:
-        return target_distance(shape, target, places, plan.lattice_vectors)
+        return target_distance(shape, residual, plan.lattice_vectors)
 
-    def measured() -> TargetDistanceRecord:
+    def of_search() -> TargetDistanceRecord:
         shape = search.preview.shape()
         return _record(distance(shape), shape)
 
-    search = FitSearch(
-        guess.design,
-        law,
-        Residual(target, places, is_free),
-        target.diameter_mm,
-        StarUnknowns.of(plan, guess.menu),
-        tell,
-    )
-    of_guess = measured()
-    search.run()
-    by_preview = None if printer is None else measured()
-    of_exact, corrected = ExactCorrection(search, target, plan.lattice_vectors, report), exact and corrections > 0
-    if corrected:
-        of_exact.run(guess.design, corrections)
-    unrounded, base = of_exact.distance, guess.design
-    rounded_corrections = min(corrections, MAX_ROUNDED_CORRECTIONS)
-    if printer is not None:
-        rounding = choose_rounding(layout(search.best.design(base)), printer)
-        tell(f"rounding to layers of {rounding.layer_mm:g} mm on {rounding.first_layer_mm:g} mm")
-        base = with_rounding(base, rounding)
-        if corrected:
-            of_exact.run(base, rounded_corrections)
-        else:
-            search.refine_lengths(base, ROUNDED_STEPS)
+    def sizes() -> StarUnknowns:
+        return correction.sizes or search.best
 
     def verified() -> Verification:
-        design = search.best.design(base)
-        return verify(design, law, report=report, say=tell, ready=preview(design, law), near=of_exact.exact)
+        design, near = sizes().design(base), correction.exact if correction.distance else None
+        return verify(design, law, report=report, say=tell, ready=preview(design, law), near=near)
 
-    verification = verified() if exact else None
-    if corrected and verification is not None and _released_elsewhere(verification):
-        # the print comes to another minimum than the corrections followed: they begin again from that one
-        before, sizes = distance(verification.exact[RELEASE]), search.best
-        of_exact.run(base, rounded_corrections, verification.exact[RELEASE])
-        again = verified()
-        if distance(again.exact[again.result]).weighted_percent < before.weighted_percent:
-            verification = again
-        else:
-            search.best = sizes
-    design = search.best.design(base)
-    shape = verification.preview if verification is not None else search.preview.shape()
-    result = shape if verification is None else verification.exact[verification.result]
-    of_preview = distance(shape)
-    of_result = of_preview if verification is None else distance(result)
-    record = _record(of_preview, shape)
+    search = FitSearch(base, law, residual, target.diameter_mm, StarUnknowns.of(plan, guess.menu), tell)
+    correction = ExactCorrection(search, distance, report)
+    of_guess, by_preview, unrounded = of_search(), None, None
+    verification: Verification | None = None
+    corrections = settings.corrections if settings.exact else 0
+    few = min(corrections, MAX_ROUNDED_CORRECTIONS)
+    is_interrupted = False
+    try:
+        search.run()
+        by_preview = None if printer is None else of_search()
+        if corrections:
+            correction.run(base, corrections)
+        unrounded = correction.distance
+        if printer is not None:
+            base = _rounded(base, sizes(), printer, tell)
+            if corrections:
+                correction.run(base, few)
+            else:
+                search.again(base, search.best, search.best, ROUNDED_STEPS)
+        if settings.exact:
+            verification = verified()
+        if corrections and verification is not None and _released_elsewhere(verification):
+            # the print comes to another minimum than the corrections followed: they begin again from that one
+            before, first = distance(verification.exact[RELEASE]), correction.sizes
+            correction.run(base, few, verification.exact[RELEASE])
+            again = verified()
+            if distance(again.exact[again.result]).weighted_percent < before.weighted_percent:
+                verification = again
+            else:
+                correction.sizes = first
+    except KeyboardInterrupt:
+        is_interrupted, verification = True, None
+        if printer is not None and base is guess.design:
+            base = _rounded(base, sizes(), printer, tell)
+    found = sizes()
+    design = found.design(base)
+    if verification is not None:
+        shape, result = verification.preview, verification.exact[verification.result]
+    else:
+        shape = result = preview(design, law) if is_interrupted or corrections else search.preview.shape()
+    of_preview = of_result = distance(shape)
+    if result is not shape:
+        of_result = distance(result)
     loss = None if by_preview is None else of_preview.mean_percent - by_preview.mean_percent
-    if loss is not None and unrounded is not None:
+    if unrounded is not None and verification is not None:
         loss = of_result.mean_percent - unrounded.mean_percent
-    summary: dict[str, Any] = {
+    warnings = [*guess.reach.warnings, *_warnings(found, of_result, verification)]
+    if is_interrupted:
+        warnings.insert(0, "interrupted: the design is the best one until then, and the exact model has not checked it")
+    summary = {
         "model": "fit",
         "target": target.name,
         "diameter_mm": target.diameter_mm,
@@ -227,24 +197,35 @@ def fit(
         "needles": sum(len(pins.corners or ()) for pins in design.pins),
         "held_border": any(pins.where == "border" for pins in design.pins),
         **{name: value for name, value in vars(guess.reach).items() if name != "warnings"},
-        "share_at_bounds": search.best.share_at_bounds,
+        "share_at_bounds": found.share_at_bounds,
         "first_guess": of_guess,
         "unrounded": by_preview,
-        "preview": record,
+        "preview": _record(of_preview, shape),
         "exact": None if verification is None else _record(of_result, result),
         "other_exact": _other(verification, distance),
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
-        "reached": bool(of_result.mean_percent <= within_percent and result.summary["is_minimum"]),
-        "within_percent": within_percent,
+        "interrupted": is_interrupted,
+        "reached": bool(of_result.mean_percent <= settings.within_percent and result.summary["is_minimum"]),
+        "within_percent": settings.within_percent,
         "rounding_loss_percent": loss,
         "steps": [vars(step) for step in search.steps],
-        "corrections": [vars(step) for step in of_exact.done],
+        "corrections": [vars(step) for step in correction.done],
         "restarts": search.restarts,
-        "warnings": [*guess.reach.warnings, *_warnings(search, of_result, verification)],
+        "warnings": warnings,
         "version": __version__,
         "design": design.to_dict(),
     }
-    return Fit(design, target, guess, shape, verification, of_result, FitRecord.from_json(summary))
+    fitted = Fit(design, target, guess, shape, verification, of_result, FitRecord.from_json(summary))
+    if is_interrupted:
+        raise FitInterrupted(fitted) from None
+    return fitted
+
+
+def _rounded(base: Design, sizes: StarUnknowns, printer: Printer, tell: Say) -> Design:
+    """A design without its sizes that rounds them to the printer."""
+    rounding = choose_rounding(layout(sizes.design(base)), printer)
+    tell(f"rounding to layers of {rounding.layer_mm:g} mm on {rounding.first_layer_mm:g} mm")
+    return with_rounding(base, rounding)
 
 
 def _released_elsewhere(verification: Verification) -> bool:
@@ -271,12 +252,12 @@ def _other(verification: Verification | None, distance: Callable[[Shape], FitDis
     return _record(distance(other), other)
 
 
-def _warnings(search: FitSearch, distance: FitDistance, verification: Verification | None) -> list[str]:
+def _warnings(sizes: StarUnknowns, distance: FitDistance, verification: Verification | None) -> list[str]:
     """What limits the fit, one line each."""
     lines = []
-    share = search.best.share_at_bounds
-    if share > MIN_SHARE_AT_BOUNDS:
-        lines.append(f"{100 * share:.0f} % of the stars have the shortest or the longest arms that the law covers")
+    if sizes.share_at_bounds > MIN_SHARE_AT_BOUNDS:
+        share = 100 * sizes.share_at_bounds
+        lines.append(f"{share:.0f} % of the stars have the shortest or the longest arms that the law covers")
     if distance.largest_percent > MAX_QUIET_DISTANCE_PERCENT:
         lines.append(
             f"the largest distance, {distance.largest_percent:.1f} % of the diameter, is at "

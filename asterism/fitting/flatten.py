@@ -33,6 +33,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import Disk
+from asterism.pattern.geometry.planar import triangle_areas
 
 
 def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
@@ -93,9 +94,7 @@ class FlatDisk:
     @cached_property
     def flipped(self) -> int:
         """Number of triangles that the map turns over."""
-        a, b, c = (self.points[self.disk.triangles[:, k]] for k in range(3))
-        (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-        return int(np.count_nonzero(ux * vy - uy * vx <= 0.0))
+        return int(np.count_nonzero(triangle_areas(self.points, self.disk.triangles) <= 0.0))
 
     @property
     def ratio(self) -> float:

@@ -8,15 +8,14 @@ bumps over a cell.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
-from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.previews.point_lens import PointLens
@@ -46,14 +45,14 @@ class FitPlaces:
     ----------
     points : (n, 2) mm: the residual's places, then the further ones over which bumps are averaged.
     count : number of the residual's places.
-    all_goals : (n, 3) mm, where the flattening has the points.
+    goals : (n, 3) mm, where the flattening has the points.
     slide_weight : (count,).
     bump_mean : means of the bumps at the residual's places.
     """
 
     points: Floats
     count: int
-    all_goals: Floats
+    goals: Floats
     slide_weight: Floats
     bump_mean: CellMean
 
@@ -71,11 +70,6 @@ class FitPlaces:
         mean = CellMean(points, shares, lattice_vectors, np.arange(count))
         return cls(points, count, target_map.places(points), weight, mean)
 
-    @property
-    def goals(self) -> Floats:
-        """(count, 3) mm, where the flattening has the residual's places."""
-        return self.all_goals[: self.count]
-
 
 def _grid(outline: Floats, step: float) -> Floats:
     low, high = outline.min(axis=0), outline.max(axis=0)
@@ -88,20 +82,18 @@ def _grid(outline: Floats, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class SheetState:
-    """The residuals at one state of a preview.
+    """The residuals at one state of a sheet, at n places.
 
     Attributes
     ----------
     places : (n, 3) mm, the mean surface in the pose of the target.
     rotation : (3, 3) of that pose; the unit matrix for supported sheets.
-    normal_mm : (n,) distance along the normal of the target.
     frame : (n, 3, 3) rows: normal of the target, and two directions along it.
     values : (3 n,) residuals.
     """
 
     places: Floats
     rotation: Floats
-    normal_mm: Floats
     frame: Floats
     values: Floats
 
@@ -112,26 +104,27 @@ class SheetState:
 
 
 class Residual:
-    """Residuals of the previews of one print.
+    """Residuals of the sheets of one print.
 
     Parameters
     ----------
     target : the surface.
     places : of the print.
     is_free : whether the sheet has no supports; then it is laid on the target.
+
+    Attributes
+    ----------
+    target, places : as given.
+    offset : (3 n,) is added to the residuals of previews.
     """
 
     def __init__(self, target: TargetSurface, places: FitPlaces, is_free: bool) -> None:
-        self._target, self.places, self._is_free = target, places, is_free
-        weight = target.weight_at(places.goals)
+        self.target, self.places, self._is_free = target, places, is_free
+        weight = target.weight_at(places.goals[: places.count])
         self._weight = weight / weight.mean()
         self._scale = np.sqrt(self._weight / places.count)
         self._lens: tuple[Preview, PointLens] | None = None
-
-    @cached_property
-    def _normals(self) -> Floats:
-        disk = self._target.disk
-        return vertex_normals(disk.vertices, disk.triangles)
+        self.offset: Floats | float = 0.0
 
     def at(self, preview: Preview, x: Floats | None = None) -> SheetState:
         """The residuals of a preview, at its equilibrium or at degrees of freedom x (N, 3) of a stage."""
@@ -139,26 +132,38 @@ class Residual:
             self._lens = preview, preview.lens(self.places.points)
         shown = self._lens[1](x)
         count = self.places.count
-        surface = shown.smooth[:count] + self.places.bump_mean(shown.bumps)
-        rotation = np.eye(3)
+        state = self._state(shown.smooth[:count] + self.places.bump_mean(shown.bumps), lambda values: values)
+        return replace(state, values=state.values + self.offset)
+
+    def of_exact(self, shape: Shape) -> SheetState:
+        """The residuals of an exact shape: means over a cell of its distances to the target.
+
+        A mean of distances is not shifted inwards by the curvature of the sheet, as a mean of places would be.
+        """
+        return self._state(shape.at(self.places.points, OFF_TRIANGLES_MM), self.places.bump_mean)
+
+    def _state(self, surface: Floats, mean: Callable[[Floats], Floats]) -> SheetState:
+        """The residuals of a surface (m, 3) at the first m points, with a mean of their values at the n places."""
+        count, rotation = self.places.count, np.eye(3)
         if self._is_free:
-            rotation, shift = self.pose(surface)
+            rotation, shift = self.pose(surface[:count])
             surface = surface @ rotation.T + shift
-        nearest = self._target.nearest(surface)
-        frame = _frames(self._normal_at(nearest.places, nearest.triangle))
-        gap = surface - nearest.places
-        normal = np.einsum("nc,nc->n", gap, frame[:, 0])
-        slide = np.einsum("nc,nkc->nk", surface - self.places.goals, frame[:, 1:])
-        values = self._scale[:, None] * np.column_stack([normal, self.places.slide_weight[:, None] * slide])
-        return SheetState(surface, rotation, normal, frame, values.ravel())
+        nearest = self.target.nearest(surface)
+        normals = self.target.interpolate(self.target.vertex_normals, nearest.places, nearest.triangle)
+        frame = _frames(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+        normal = mean(np.einsum("nc,nc->n", surface - nearest.places, frame[:, 0])[:, None])
+        along = np.einsum("nc,nkc->nk", mean(surface - self.places.goals[: len(surface)]), frame[:count, 1:])
+        values = self._scale[:, None] * np.hstack([normal, self.places.slide_weight[:, None] * along])
+        return SheetState(surface[:count], rotation, frame[:count], values.ravel())
 
     def pose(self, surface: Floats) -> tuple[Floats, Floats]:
         """Rotation and shift that lay places (n, 3) of a free sheet on the target, by iterated nearest points."""
-        rotation, shift = rigid_fit(surface, self.places.goals, self._weight)
+        all_goals = self.places.goals[: self.places.count]
+        rotation, shift = rigid_fit(surface, all_goals, self._weight)
+        slide = self.places.slide_weight[:, None] ** 2
         for _ in range(POSE_ROUNDS):
             moved = surface @ rotation.T + shift
-            slide = self.places.slide_weight[:, None] ** 2
-            goals = (self._target.nearest(moved).places + slide * self.places.goals) / (1.0 + slide)
+            goals = (self.target.nearest(moved).places + slide * all_goals) / (1.0 + slide)
             rotation, shift = rigid_fit(surface, goals, self._weight)
             if np.abs(surface @ rotation.T + shift - moved).max() < POSE_TOLERANCE_MM:
                 break
@@ -169,66 +174,22 @@ class Residual:
 
         Those of a free sheet do not contain rigid motions, to which the registration adapts.
         """
-        count = self.places.count
+        count, size = self.places.count, responses.shape[2]
         located = preview.sheet.space.locate(self.places.points[:count])
-        size = responses.shape[2]
-        flat = responses.reshape(len(responses), 3 * size)
-        moves = located.jets(flat)[:, 0].reshape(count, 3, size)
-        moves = np.einsum("ab,nbp->nap", state.rotation, moves)
-        return self._columns(state, np.einsum("nkc,ncp->nkp", state.frame, moves))
-
-    def of_exact(self, shape: Shape) -> SheetState:
-        """The residuals of an exact shape: means over a cell of its distances to the target.
-
-        A mean of distances is not shifted inwards by the curvature of the sheet, as a mean of places would be. The
-        states `places` and `frame` are those of all n points, the bumps included.
-        """
-        count, mean = self.places.count, self.places.bump_mean
-        surface = shape.at(self.places.points, OFF_TRIANGLES_MM)
-        rotation = np.eye(3)
-        if self._is_free:
-            rotation, shift = self.pose(surface[:count])
-            surface = surface @ rotation.T + shift
-        nearest = self._target.nearest(surface)
-        frame = _frames(self._normal_at(nearest.places, nearest.triangle))
-        normal = mean(np.einsum("nc,nc->n", surface - nearest.places, frame[:, 0])[:, None])[:, 0]
-        slide = np.einsum("nc,nkc->nk", mean(surface - self.places.all_goals), frame[:count, 1:])
-        values = self._scale[:, None] * np.column_stack([normal, self.places.slide_weight[:, None] * slide])
-        return SheetState(surface, rotation, normal, frame, values.ravel())
-
-    def exact_derivatives(self, state: SheetState, moves: Floats) -> Floats:
-        """(3 n, P) derivatives of the residuals of an exact shape, for motions (n, 3, P) of all points."""
-        count, size, mean = self.places.count, moves.shape[2], self.places.bump_mean
-        moves = np.einsum("ab,nbp->nap", state.rotation, moves)
-        normal = mean(np.einsum("nc,ncp->np", state.frame[:, 0], moves))
-        places = mean(moves.reshape(len(moves), 3 * size)).reshape(count, 3, size)
-        slide = np.einsum("nkc,ncp->nkp", state.frame[:count, 1:], places)
-        return self._columns(state, np.concatenate([normal[:, None], slide], axis=1))
-
-    def _columns(self, state: SheetState, along: Floats) -> Floats:
-        """(3 n, P) of the residuals, for motions (n, 3, P) along the frames of the places."""
-        count = self.places.count
-        along[:, 1:] *= self.places.slide_weight[:, None, None]
-        columns = (self._scale[:, None, None] * along).reshape(3 * count, -1)
+        moves = located.jets(responses.reshape(len(responses), 3 * size))[:, 0].reshape(count, 3, size)
+        columns = self._columns(state, np.einsum("ab,nbp->nap", state.rotation, moves))
         if not self._is_free:
-            return np.asarray(columns)
-        rigid = self._rigid_columns(state)
+            return columns
+        arm = state.places - state.places.mean(axis=0)
+        turns = np.stack([np.cross(axis, arm) for axis in np.eye(3)], axis=-1)
+        rigid = self._columns(state, np.concatenate([turns, np.broadcast_to(np.eye(3), (count, 3, 3))], axis=-1))
         return np.asarray(columns - rigid @ np.linalg.lstsq(rigid, columns, rcond=None)[0])
 
-    def _rigid_columns(self, state: SheetState) -> Floats:
-        """(3 n, 6) residuals under small rigid motions."""
-        places, frame = state.places[: self.places.count], state.frame[: self.places.count]
-        arm = places - places.mean(axis=0)
-        turns = np.stack([np.cross(axis, arm) for axis in np.eye(3)], axis=-1)
-        shifts = np.broadcast_to(np.eye(3), (len(arm), 3, 3))
-        along = np.einsum("nkc,ncp->nkp", frame, np.concatenate([turns, shifts], axis=-1))
+    def _columns(self, state: SheetState, moves: Floats) -> Floats:
+        """(3 n, P) of the residuals, for motions (n, 3, P) of the places."""
+        along = np.einsum("nkc,ncp->nkp", state.frame, moves)
         along[:, 1:] *= self.places.slide_weight[:, None, None]
-        return np.asarray((self._scale[:, None, None] * along).reshape(-1, 6))
-
-    def _normal_at(self, points: Floats, triangle: np.ndarray) -> Floats:
-        """(n, 3) unit normals of the target at points of its triangles, interpolated."""
-        normal = self._target.interpolate(self._normals, points, triangle)
-        return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+        return np.asarray((self._scale[:, None, None] * along).reshape(3 * len(along), -1))
 
 
 def _frames(normals: Floats) -> Floats:

@@ -10,10 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.optimize import lsq_linear
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
-from asterism.fitting.bounded_step import bounded_step
 from asterism.fitting.residual import Residual, SheetState
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.homogenize.law.star_law import StarLaw
@@ -22,6 +23,7 @@ from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.process.listeners import Say, ignore_line
+from asterism.shape.shape import Shape
 
 # steps of the smooth changes, and of all stars
 MAX_SMOOTH_STEPS, MAX_STAR_STEPS = 3, 12
@@ -97,21 +99,30 @@ class FitSearch:
         self._stage("smooth", MAX_SMOOTH_STEPS, self.start.smooth_basis())
         self._stage("stars", MAX_STAR_STEPS, None)
 
-    def refine_lengths(self, base: Design, steps: int) -> None:
-        """Fit the lengths again, from the best sizes.
+    def again(self, base: Design, sizes: StarUnknowns, start: StarUnknowns, steps: int) -> StarUnknowns:
+        """Fit each star again from sizes, and return the best ones; lengths only if the design rounds thicknesses.
 
         Parameters
         ----------
-        base : design that rounds thicknesses.
+        base : design without its sizes.
+        start : sizes from which changes count.
         steps : largest number of steps.
         """
-        self.base, self._damping = base, FIRST_DAMPING
-        self.start = self.unknowns = self.best
-        self._varies = np.arange(len(self.unknowns.units)) < len(self.unknowns.lengths_mm)
+        self.base, self.start, self._damping = base, start, FIRST_DAMPING
+        self.unknowns = self.best = sizes
+        if base.required_stars.rounding is not None:
+            self._varies = np.arange(len(sizes.units)) < len(sizes.lengths_mm)
         self._renew()
         self.best_rms = self.state.rms_mm
         self._record("fresh")
         self._stage("stars", steps, None)
+        return self.best
+
+    def aim(self, base: Design, sizes: StarUnknowns, exact: Shape) -> None:
+        """Count the residuals of previews by those of an exact shape: at its sizes both are equal."""
+        self.base, self.unknowns, self.residual.offset = base, sizes, 0.0
+        self._renew()
+        self.residual.offset = self.residual.of_exact(exact).values - self.state.values
 
     def _stage(self, kind: str, count: int, basis: Floats | None) -> None:
         taken = 0
@@ -175,7 +186,7 @@ class FitSearch:
         while self._damping <= MAX_DAMPING:
             damped = normal + self._damping * scale * np.eye(count)
             if basis is None:
-                step = bounded_step(damped, gradient, low, high)
+                step = _bounded_step(damped, gradient, low, high)
             else:
                 step = basis @ np.linalg.solve(basis.T @ damped @ basis, -basis.T @ gradient)
                 step = np.clip(step, low, high)
@@ -233,3 +244,12 @@ class FitSearch:
 
 def _rms(moves: Floats) -> float:
     return float(np.sqrt((moves**2).sum(axis=1).mean()))
+
+
+def _bounded_step(normal: Floats, gradient: Floats, low: Floats, high: Floats) -> Floats:
+    """(P,) the step s that minimises `s N s / 2 + g s` within `low <= s <= high`; N is positive definite."""
+    step, varies = np.zeros(len(gradient)), low < high
+    root = np.linalg.cholesky(normal[np.ix_(varies, varies)])
+    right = solve_triangular(root, -gradient[varies], lower=True)
+    step[varies] = lsq_linear(root.T, right, (low[varies], high[varies]), method="bvls").x
+    return step

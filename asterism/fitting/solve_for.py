@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+from itertools import pairwise
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -80,69 +82,50 @@ def solve_for(
             raise ValueError(f"{name} = {given!r}: must be {' or '.join(allowed)}")
     if not (isinstance(value, int | float) and np.isfinite(value) and value > 0.0):
         raise ValueError(f"value = {value!r}: must be a number of mm above 0")
-    search = _Search(design, wanted, float(value), change, law or serving_law(design), say)
-    return search.design(search.solve())
+    law, tell, plan = law or serving_law(design), say or ignore_line, layout(design)
+    column = SIZE_KEYS.index(change)
+    sizes = plan.star_sizes_mm[:, column]
+    low, high = law.size_ranges(law.check(design).stretch)[AXES[column].key]
+    low = max(low, MIN_FITTED_ARM_MM) if change == "length_mm" else low
 
-
-class _Search:
-    """The search for one factor of the sizes."""
-
-    def __init__(
-        self, design: Design, wanted: Wanted, value: float, change: Changed, law: StarLaw, say: Say | None
-    ) -> None:
-        self._base, self._wanted, self._value, self._law = design, wanted, value, law
-        self._change, self._tell = change, say or ignore_line
-        self._plan = layout(design)
-        self._column = SIZE_KEYS.index(change)
-        self._sizes = self._plan.star_sizes_mm[:, self._column]
-        low, high = law.size_ranges(law.check(design).stretch)[AXES[self._column].key]
-        self._range = (max(low, MIN_FITTED_ARM_MM) if change == "length_mm" else low), high
-        self._measured: dict[float, float] = {}
-
-    def design(self, factor: float) -> Design:
+    def scaled(factor: float) -> Design:
         """The design with sizes scaled, within the law's range."""
-        sizes: Floats = np.full((len(self._sizes), len(SIZE_KEYS)), np.nan)
-        sizes[:, self._column] = np.clip(factor * self._sizes, *self._range).round(SOLVED_DECIMALS)
-        return with_painted_stars(self._base, self._plan.sites, sizes)
+        changed: Floats = np.full((len(sizes), len(SIZE_KEYS)), np.nan)
+        changed[:, column] = np.clip(factor * sizes, low, high).round(SOLVED_DECIMALS)
+        return with_painted_stars(design, plan.sites, changed)
 
-    def measure(self, factor: float) -> float:
+    @cache
+    def measured(factor: float) -> float:
         """The wanted quantity of a fresh preview; nan for a sheet that is not rolled."""
-        if factor not in self._measured:
-            shape = preview(self.design(factor), self._law)
-            measured: Any = shape.height_mm if self._wanted == "height_mm" else shape.summary["roll_radius_mm"]
-            self._measured[factor] = np.nan if measured is None else float(measured)
-            self._tell(f"{self._change} times {factor:.4f}: {self._wanted} = {self._measured[factor]:.3f}")
-        return self._measured[factor]
+        shape = preview(scaled(factor), law)
+        found: Any = shape.height_mm if wanted == "height_mm" else shape.summary["roll_radius_mm"]
+        found = np.nan if found is None else float(found)
+        tell(f"{change} times {factor:.4f}: {wanted} = {found:.3f}")
+        return float(found)
 
-    def solve(self) -> float:
-        """The factor that is nearest to 1 among those that give the value."""
-        low, high = self._range
-        ends = low / self._sizes.max(), high / self._sizes.min()
-        tried = sorted({1.0, *np.geomspace(min(ends[0], 1.0), max(ends[1], 1.0), TRIED_FACTORS).tolist()})
-        values = [self.measure(factor) for factor in tried]
-        enclosing = [
-            (a, b)
-            for a, b, at_a, at_b in zip(tried, tried[1:], values, values[1:], strict=False)
-            if (at_a - self._value) * (at_b - self._value) <= 0.0
-        ]
-        for a, b in sorted(enclosing, key=lambda ends: min(abs(np.log(ends[0])), abs(np.log(ends[1])))):
-            try:
-                factor = float(brentq(self._miss, a, b, xtol=FACTOR_TOLERANCE, rtol=FACTOR_TOLERANCE))
-            except ValueError:  # a trial between is not rolled
-                continue
-            if abs(self._miss(factor)) <= WANTED_TOLERANCE * self._value:
-                return factor
-        known = [value for value in values if np.isfinite(value)]
-        if not known:
-            raise ReachError(f"{self._wanted} = {self._value:g}: the sheet does not roll up for any {self._change}")
-        jumps = ", where the sheet jumps from one form to another" if enclosing else ""
-        raise ReachError(
-            f"{self._wanted} = {self._value:g}: is not reached by scaling {self._change}{jumps}; "
-            f"it is {min(known):.3g} to {max(known):.3g} mm over the range of the law"
-        )
-
-    def _miss(self, factor: float) -> float:
-        measured = self.measure(factor)
-        if not np.isfinite(measured):
+    def miss(factor: float) -> float:
+        if not np.isfinite(measured(factor)):
             raise ValueError("not rolled")
-        return measured - self._value
+        return measured(factor) - value
+
+    ends = min(low / sizes.max(), 1.0), max(high / sizes.min(), 1.0)
+    tried = sorted({1.0, *np.geomspace(*ends, TRIED_FACTORS).tolist()})
+    values = [measured(factor) for factor in tried]
+    pairs = zip(pairwise(tried), pairwise(values), strict=True)
+    enclosing = [ends for ends, (first, last) in pairs if (first - value) * (last - value) <= 0.0]
+    # of several solutions the one whose factor is nearest to 1
+    for a, b in sorted(enclosing, key=lambda ends: min(abs(np.log(ends[0])), abs(np.log(ends[1])))):
+        try:
+            factor = float(brentq(miss, a, b, xtol=FACTOR_TOLERANCE, rtol=FACTOR_TOLERANCE))
+        except ValueError:  # a trial between is not rolled
+            continue
+        if abs(miss(factor)) <= WANTED_TOLERANCE * value:
+            return scaled(factor)
+    known = [found for found in values if np.isfinite(found)]
+    if not known:
+        raise ReachError(f"{wanted} = {value:g}: the sheet does not roll up for any {change}")
+    jumps = ", where the sheet jumps from one form to another" if enclosing else ""
+    raise ReachError(
+        f"{wanted} = {value:g}: is not reached by scaling {change}{jumps}; "
+        f"it is {min(known):.3g} to {max(known):.3g} mm over the range of the law"
+    )

@@ -13,6 +13,7 @@ from asterism.fitting.errors import ReachError, place_text
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.geometry.planar import inside
 from asterism.previews.law_choice import serving_law
@@ -84,7 +85,7 @@ def solve_for_point(
         raise ValueError(f"at_mm = {at.tolist()}: must be on the sheet")
 
     def moved(place: Floats) -> Design:
-        return _with_needle(design, table, row, place)
+        return Design.from_dict(with_entries(design.to_dict(), {f"pins.{table}.target_mm.{row}": place.tolist()}))
 
     def miss(place: Floats) -> Floats:
         return np.asarray(session.update(moved(place)).at(at[None])[0] - point)
@@ -124,9 +125,3 @@ def _needles(design: Design) -> list[tuple[int, int, Floats]]:
         if pins.edges is None and pins.where is None
         for row, place in enumerate(pins.target_mm or ())
     ]
-
-
-def _with_needle(design: Design, table: int, row: int, place: Floats) -> Design:
-    data = design.to_dict()
-    data["pins"][table]["target_mm"][row] = place.tolist()
-    return Design.from_dict(data)

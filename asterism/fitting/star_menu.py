@@ -69,12 +69,6 @@ class StarMenu:
         low, high = self.range
         return high / low
 
-    @cached_property
-    def curvatures(self) -> tuple[float, float]:
-        """1/mm, smallest and largest natural curvature of allowed stars."""
-        curvatures = self.kappa[self.allowed]
-        return float(curvatures.min()), float(curvatures.max())
-
     def sizes(self, contraction: Floats, kappa: Floats) -> Floats:
         """(S, 2) length and thickness (mm) of the stars that come nearest to contractions and natural curvatures.
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import Disk, disk_of
-from asterism.fitting.errors import TargetError
+from asterism.fitting.errors import TargetError, place_text
 from asterism.fitting.flatten import corner_angles, laplacian
+from asterism.fitting.height_file import PICTURE_FORMATS, picture_levels
 from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
+from asterism.pattern.design.design import WEIGHT_RANGE
 from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
+from asterism.pattern.design.sizing.grey_image import ImageError
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.shape.self_intersections import self_intersections
@@ -31,6 +36,8 @@ MIN_CONVEX_SHARE = 0.02
 HEIGHT_POINTS = 60
 # a fit uses the target over cells of some mm; 20 000 triangles resolve a target of 4 m to some hundredths of a cell
 MAX_TARGET_TRIANGLES = 20_000
+# weights of black and white of a picture; transparent pixels have that of black
+PICTURE_WEIGHTS = (1.0, 10.0)
 
 PlasticSide = Literal["auto", "normals", "other"]
 
@@ -154,17 +161,59 @@ class TargetSurface:
         x = np.linspace(-0.5 * width_mm, 0.5 * width_mm, HEIGHT_POINTS)
         y = np.linspace(-0.5 * depth_mm, 0.5 * depth_mm, max(int(HEIGHT_POINTS * min(depth_mm / width_mm, 4.0)), 8))
         across, along = np.meshgrid(x, y)
-        places = {"x": across, "y": along, "r": np.hypot(across, along), "theta": np.arctan2(along, across)}
-        try:
-            heights = np.broadcast_to(np.asarray(evaluate(formula, places), dtype=float), across.shape)
-        except ExpressionError as error:
-            raise TargetError(name, f"the formula {error}") from None
-        return cls.of_heights(heights, x, y, name)
+        return cls.of_heights(_evaluated(name, formula, {"x": across, "y": along}), x, y, name)
+
+    def weighted(self, weight: str | Path | ArrayLike) -> Self:
+        """The target with weights of its places: where they are larger, a fit comes nearer, at the cost of others.
+
+        A fit minimises the mean over the print of `w d^2`, with the distance d to the target and the weight w of a
+        place.
+
+        Parameters
+        ----------
+        weight : a formula in x, y, z, r and theta (mm in the target's file), a grey picture, or (V,) numbers at the
+            vertices of `disk`. A picture lies over the target as one sees it along z, its first row at the largest y;
+            black is 1, white 10.
+
+        Raises
+        ------
+        TargetError
+            The weights are not understood, or are not from 0.01 to 100.
+
+        Examples
+        --------
+        >>> target = TargetSurface.of_formula("10*(1 - (r/50)**2)", 80.0).weighted("1 + 4*(x > 0)")
+        >>> target.weight_at(np.array([[-20.0, 0.0, 9.0], [20.0, 0.0, 9.0]])).tolist()
+        [1.0, 5.0]
+        """
+        vertices = self.disk.vertices
+        if isinstance(weight, str | Path):
+            places = np.linalg.solve(self.motion, (vertices - self.shift_mm).T).T
+            if str(weight).lower().endswith(PICTURE_FORMATS):
+                values = _picture_weights(self.name, Path(weight), places[:, :2])
+            else:
+                values = _evaluated(self.name, str(weight), dict(zip("xyz", places.T, strict=True)), " of the weight")
+        else:
+            values = np.asarray(weight)
+            if values.shape != (len(vertices),) or values.dtype.kind not in "iuf":
+                problem = f"weights of shape {values.shape}: must be {len(vertices)} numbers, one a vertex"
+                raise TargetError(self.name, problem)
+        low, high = WEIGHT_RANGE
+        wrong = np.flatnonzero(~((values >= low) & (values <= high)))
+        if len(wrong):
+            at = f"{place_text(vertices[wrong[0]])} in the pose of the fit"
+            raise TargetError(self.name, f"the weight at {at} is {values[wrong[0]]:.4g}: must be {low:g} to {high:g}")
+        return replace(self, weight=values.astype(float))
 
     @cached_property
     def diameter_mm(self) -> float:
         """Largest distance of two points of the target."""
         return diameter(self.disk.vertices)
+
+    @cached_property
+    def vertex_normals(self) -> Floats:
+        """(V, 3) unit normals, on the plastic side."""
+        return vertex_normals(self.disk.vertices, self.disk.triangles)
 
     @cached_property
     def nearest(self) -> NearestOnSurface:
@@ -185,6 +234,32 @@ class TargetSurface:
             return np.ones(len(places))
         nearest = self.nearest(places)
         return self.interpolate(self.weight, nearest.places, nearest.triangle)
+
+
+def _evaluated(name: str, formula: str, places: dict[str, Floats], of: str = "") -> Floats:
+    """A formula at places by the names of their coordinates, and by r and theta."""
+    x, y = places["x"], places["y"]
+    try:
+        return evaluate(formula, {**places, "r": np.hypot(x, y), "theta": np.arctan2(y, x)})
+    except ExpressionError as error:
+        raise TargetError(name, f"the formula{of} {error}") from None
+
+
+def _picture_weights(name: str, path: Path, places: Floats) -> Floats:
+    """(n,) weights by a picture that lies over places (n, 2)."""
+    from scipy.ndimage import map_coordinates  # slow to import, rarely used
+
+    try:
+        levels = picture_levels(path)
+    except ImageError as error:
+        raise TargetError(name, f"the picture of the weight {error}") from None
+    low, size = places.min(axis=0), np.ptp(places, axis=0)
+    share = (places - low) / np.where(size > 0.0, size, 1.0)
+    rows, columns = (count - 1 for count in levels.shape)
+    at = np.stack([(1.0 - share[:, 1]) * rows, share[:, 0] * columns])
+    grey = map_coordinates(np.nan_to_num(levels), at, order=1, mode="nearest")
+    black, white = PICTURE_WEIGHTS
+    return np.asarray(black + (white - black) * np.clip(grey, 0.0, 1.0))
 
 
 def _arrays(vertices: ArrayLike, triangles: ArrayLike, name: str) -> tuple[Floats, Ints]:
@@ -230,20 +305,12 @@ def _upright_pose(disk: Disk) -> tuple[Floats, Floats]:
     total = float(np.linalg.norm(triangle_normals(disk.vertices, disk.triangles), axis=1).sum())
     rotation = np.eye(3)
     if length > 1e-6 * total:
-        rotation = _turn_to_top(normal / length)
+        x, y, z = normal / length
+        # about an axis in the plane, or half a turn about x if the normal points down
+        axis = np.array([y, -x, 0.0]) / np.hypot(x, y) if np.hypot(x, y) > 1e-6 else np.array([1.0, 0.0, 0.0])
+        rotation = Rotation.from_rotvec(np.arctan2(np.hypot(x, y), z) * axis).as_matrix()
     middle = rotation @ (0.5 * (disk.vertices.min(axis=0) + disk.vertices.max(axis=0)))
     return rotation, -middle
-
-
-def _turn_to_top(direction: Floats) -> Floats:
-    """(3, 3) shortest rotation of a unit vector (3,) to the z axis; half a turn about x if it points down."""
-    x, y, z = direction
-    if z < -1.0 + 1e-9:
-        return np.diag([1.0, -1.0, -1.0])
-    if np.hypot(x, y) < 1e-6:
-        return np.eye(3)
-    skew = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
-    return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + z))
 
 
 def _decimated(disk: Disk, name: str) -> tuple[Disk, str]:

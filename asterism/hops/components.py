@@ -203,11 +203,12 @@ def _exact(work: Work, values: Values) -> Answer:
 
 def _fit(work: Work, values: Values) -> Answer:
     from asterism.fitting.fit import fit
+    from asterism.fitting.settings import FitSettings
     from asterism.fitting.target import TargetSurface
 
     target = TargetSurface.of_triangles(*values["target"][0])
     stretch = values["stretch"][0] if values["stretch"] else None
-    fitted = fit(target, stretch=stretch, exact=False, say=work.check)
+    fitted = fit(target, FitSettings(stretch=stretch, exact=False), say=work.check)
     plan = fitted.preview.layout
     assert plan is not None
     found = {

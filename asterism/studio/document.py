@@ -11,6 +11,7 @@ import numpy as np
 
 from asterism.homogenize.law.plan import RodSizeKey
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table, table_text
 from asterism.pattern.design.section import Point
@@ -20,7 +21,7 @@ from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import write_file
 from asterism.studio import star_sizes, weights
 from asterism.studio.autosave import Autosave, autosaves
-from asterism.studio.changes import check_files, with_changes
+from asterism.studio.changes import check_files
 from asterism.studio.design_file import DesignTexts, check_unchanged, check_writable, file_text
 from asterism.studio.history import History, Step, Thumbnails
 from asterism.studio.painted_field import Brush, PaintedField
@@ -177,8 +178,8 @@ class Document:
             self.take_back()
 
     def change(self, changes: Mapping[str, Any], gesture: Any = None) -> None:
-        """Other values at dotted keys of the design file; see `with_changes`."""
-        changed = with_changes(self.table, changes)
+        """Other values at dotted keys of the design file; see `with_entries`."""
+        changed = with_entries(self.table, changes)
         check_files(dict(changes), self.path.parent)
         self.apply(changed, gesture, ", ".join(sorted(changes))[:60])
 

@@ -141,6 +141,7 @@ def run_fit(
     weights : of places of the sheet; by default all count alike.
     """
     from asterism.fitting.fit import fit
+    from asterism.fitting.settings import FitSettings
     from asterism.fitting.target import TargetSurface
     from asterism.print.profiles import load_printer
 
@@ -148,15 +149,11 @@ def run_fit(
     progress("reading the target", 0, 0)
     try:
         surface = TargetSurface.of_triangles(target.vertices, target.triangles, name)
-        fitted = fit(
-            surface,
-            needles=0 if hold == "nothing" else None,
-            border=True if hold == "border" else None,
-            printer=load_printer(printer),
-            exact=False,
-            weight=None if weights is None else weights.at_vertices(surface),
-            say=lambda line: progress(line, 0, 0),
-        )
+        if weights is not None:
+            surface = surface.weighted(weights.at_vertices(surface))
+        held = {"nothing": {"needles": 0}, "border": {"border": True}}.get(hold, {})
+        settings = FitSettings(exact=False, **held)
+        fitted = fit(surface, settings, printer=load_printer(printer), say=lambda line: progress(line, 0, 0))
     except Exception as error:
         connection.send(engine_problem(job, error))
         return

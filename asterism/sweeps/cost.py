@@ -9,8 +9,9 @@ from typing import Any, ClassVar
 from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost, exact_cost
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.entries import with_entries
 from asterism.pattern.layout.print_layout import print_layout
-from asterism.sweeps.parameters import SweepParameter, varied
+from asterism.sweeps.parameters import SweepParameter
 
 # processor time of a preview with its picture, and memory of its process: all stars of the gallery with three
 # thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
@@ -97,7 +98,7 @@ def _ends(design: Design, parameters: Sequence[SweepParameter]) -> list[Design]:
         values: Sequence[Any] = parameter.limits or parameter.values
         for value in (values[0], values[-1]):
             try:
-                one = Design.from_dict(varied(table, {parameter.path: value}))
+                one = Design.from_dict(with_entries(table, {parameter.path: value}))
                 exact_cost(one)
             except Error:
                 continue

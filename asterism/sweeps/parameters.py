@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.entries import MAX_STEPS, with_entries
 from asterism.pattern.design.errors import MUST_BE_WHOLE, DesignError
 from asterism.pattern.design.files import is_deep
 
@@ -30,8 +30,6 @@ class SweepError(Error, ValueError):
 VALUE_DIGITS = 12
 # values of one parameter
 MAX_VALUES = 10_000
-# steps of a path
-MAX_STEPS = 20
 # a path in messages of designs, pins[0].scale, and as it is given here, pins.0.scale
 _INDEX = re.compile(r"\[(\d+)\]")
 GRAMMAR = "PATH=FROM:TO:COUNT or PATH=VALUE,VALUE; with a number of samples also PATH=FROM:TO"
@@ -108,40 +106,13 @@ class SweepParameter:
         return float(f"{low + part * (high - low):.{VALUE_DIGITS}g}")
 
 
-def varied(table: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """The table of a design with other values at some paths.
-
-    Raises
-    ------
-    SweepError
-        A path leads through an entry that is no table or list, or beyond the end of a list.
-    """
-    new = copy.deepcopy(dict(table))
-    for path, value in values.items():
-        *way, last = path.split(".")
-        place: Any = new
-        for depth, step in enumerate(way):
-            before = ".".join(way[:depth])
-            inner = place[_position(place, step, before)] if isinstance(place, list) else place.get(step)
-            if inner is None:
-                inner = place.setdefault(step, {})
-            if not isinstance(inner, dict | list):
-                raise SweepError(f"{path}: {'.'.join(way[: depth + 1])} is {inner!r}, which has no {last!r}")
-            place = inner
-        if isinstance(place, list):
-            place[_position(place, last, ".".join(way))] = value
-        else:
-            place[last] = value
-    return new
-
-
 def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> tuple[SweepParameter, ...]:
     """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers.
 
     Raises
     ------
     SweepError
-        Such a range begins or ends with a fraction, or a path leads nowhere, see `varied`.
+        Such a range begins or ends with a fraction.
     """
     return tuple(
         each if each.limits is None or not _is_count(design, each) else _whole_range(each, each.limits)
@@ -152,7 +123,7 @@ def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> t
 def _is_count(design: Design, parameter: SweepParameter) -> bool:
     """Whether the entry of a parameter refuses a fraction because it is none."""
     try:
-        Design.from_dict(varied(design.to_dict(), {parameter.path: 0.5}))
+        Design.from_dict(with_entries(design.to_dict(), {parameter.path: 0.5}))
     except DesignError as error:
         return error.allowed == MUST_BE_WHOLE and _as_path(error.field) == parameter.path
     return False
@@ -183,7 +154,7 @@ def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> No
     for parameter in parameters:
         for value in parameter.limits or parameter.values:
             try:
-                Design.from_dict(varied(table, {parameter.path: value}))
+                Design.from_dict(with_entries(table, {parameter.path: value}))
             except DesignError as error:
                 if table.get(section := parameter.path.partition(".")[0]) is None and section in Design.model_fields:
                     given = "rods" if section == "stars" else "stars"
@@ -200,13 +171,6 @@ def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> No
 def _as_path(field: str) -> str:
     """`pins.0.scale` for `pins[0].scale`."""
     return _INDEX.sub(r".\1", field)
-
-
-def _position(place: list[Any], step: str, path: str) -> int:
-    if not step.isdigit() or int(step) >= len(place):
-        has = f"0 to {len(place) - 1}" if place else "no entry"
-        raise SweepError(f"{path}.{step}: {path} is a list, with {has}")
-    return int(step)
 
 
 def _number(path: str, given: str, text: str) -> float:

@@ -17,6 +17,7 @@ from asterism.homogenize.law.law_file import law_digest
 from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.entries import with_entries
 from asterism.process.count_line import CountLine
 from asterism.results.files import OutputError
 from asterism.sweeps.parameters import (
@@ -25,7 +26,6 @@ from asterism.sweeps.parameters import (
     check_parameters,
     grid,
     latin_hypercube,
-    varied,
     with_whole_ranges,
 )
 from asterism.sweeps.solve_point import SmallPicture, named_law, packed_law, solve_point, sweep_code_version
@@ -125,7 +125,7 @@ def sweep_design(
     with place as kept_in:
         kept = KeptSamples(Path(kept_in), sweep_code_version())
         table = design.to_dict()
-        tables = [varied(table, values) for values in combinations]
+        tables = [with_entries(table, values) for values in combinations]
         digest = None if law is None or exact else law_digest(law)
         inputs = [
             {"exact": exact, "law": digest if law is not None or exact else named_law(each), "design": each}

@@ -10,9 +10,10 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.entries import with_entries
 from asterism.process.version import __version__
 from asterism.results.records.sweep import SweepColumnRecord, SweepParameterRecord, SweepRecord, SweepRowRecord
-from asterism.sweeps.parameters import SweepError, SweepParameter, varied
+from asterism.sweeps.parameters import SweepError, SweepParameter
 from asterism.sweeps.quantities import quantities
 from asterism.sweeps.solve_point import SmallPicture
 
@@ -100,7 +101,7 @@ class Sweep:
         """
         if not 1 <= number <= len(self.points):
             raise SweepError(f"{number}: the designs of this sweep have numbers from 1 to {len(self.points)}")
-        return Design.from_dict(varied(self.design.to_dict(), self.points[number - 1].parameters))
+        return Design.from_dict(with_entries(self.design.to_dict(), self.points[number - 1].parameters))
 
     @property
     def summary(self) -> SweepRecord:

@@ -129,6 +129,7 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
         A value is not allowed; the message names the option.
     """
     from asterism.pattern.design.design import Design
+    from asterism.pattern.design.entries import with_entries
     from asterism.pattern.design.errors import DesignError
     from asterism.pattern.layout.print_layout import print_layout
 
@@ -138,13 +139,10 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
         if "--edge" in given:
             raise Mistake("--tolerance: goes without --edge: the mesh is refined until the error is within it")
         data["mesh"].pop("edge_mm", None)
-    for field, value in given.values():
-        section, key = field.split(".")
-        data.setdefault(section, {})[key] = value
     if not given:
         return design
     try:
-        new = Design.from_dict(data)
+        new = Design.from_dict(with_entries(data, dict(given.values())))
         if "--tolerance" in given and new.mesh_edge_mm is not None:
             plates = "plate and consistent have one; --edge sets the mesh of others"
             raise Mistake(f"--tolerance: not for fabric.bending = {new.fabric.bending!r}: {plates}")

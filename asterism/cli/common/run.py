@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import gc
 import inspect
@@ -12,7 +13,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO, get_args, get_origin, get_type_hints
 
 import typer
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 DONE = 0
 NO_ANSWER = 1
 WRONG_INPUT = 2
+INTERRUPTED = 130
 
 # options of all commands; their values are the attributes of `Run` with the same names
 COMMON_OPTIONS: dict[str, tuple[Any, Any]] = {
@@ -155,10 +157,17 @@ def _show_warning(run: Run, otherwise: Callable[..., None], message: Any, catego
 def command(function: Callable[..., int | None]) -> Callable[..., int]:
     """Make a command for typer from a function whose first parameter is a `Run`.
 
-    The command has the function's other parameters and the common options. Its value is the exit status, 0 for None.
+    The command has the function's other parameters and the common options. The fields of a parameter that is a settings
+    object are options of their own. Its value is the exit status, 0 for None.
     """
     signature = inspect.signature(function, eval_str=True)
-    own = list(signature.parameters.values())[1:]
+    own, settings = [], {}
+    for parameter in list(signature.parameters.values())[1:]:
+        if dataclasses.is_dataclass(kind := parameter.annotation):
+            settings[parameter.name] = kind
+            own += _options_of(kind)
+        else:
+            own.append(parameter)
     common = [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
         for name, (annotation, default) in COMMON_OPTIONS.items()
@@ -167,6 +176,8 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     @functools.wraps(function)
     def run_command(**arguments: Any) -> int:
         run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
+        for name, kind in settings.items():
+            arguments[name] = kind(**{field.name: arguments.pop(field.name) for field in dataclasses.fields(kind)})
         with run.progress, warnings.catch_warnings():
             # what is left out of a drawing is a warning of the command, all others are Python's
             warnings.showwarning = functools.partial(_show_warning, run, warnings.showwarning)
@@ -181,6 +192,22 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     run_command.__signature__ = signature.replace(parameters=parameters, return_annotation=int)  # type: ignore[attr-defined]
     run_command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters} | {"return": int}
     return run_command
+
+
+def _options_of(kind: type) -> list[inspect.Parameter]:
+    """The fields of a settings object as options, with what its docstring says about each."""
+    entries = re.findall(r"^(\w+) : (.*(?:\n +.*)*)", inspect.getdoc(kind) or "", re.MULTILINE)
+    texts = {name: " ".join(text.replace("`", "").split()) for name, text in entries}
+    types = get_type_hints(kind, include_extras=True)
+    options = []
+    for field in dataclasses.fields(kind):
+        given = types[field.name]
+        plain, *names = get_args(given) if get_origin(given) is Annotated else (given,)
+        option = typer.Option(*names, help=texts[field.name][:1].upper() + texts[field.name][1:])
+        annotation: Any = Annotated[plain, option]
+        kept = {"default": field.default, "annotation": annotation}
+        options.append(inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, **kept))
+    return options
 
 
 def _ask(cost: Cost) -> None:

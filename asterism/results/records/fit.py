@@ -93,6 +93,7 @@ class FitRecord(Record):
         "The exact model finds one minimum from the flat print, and from the preview or by the corrections; null if it "
         "was not computed."
     )
+    interrupted: bool = key("The fit was interrupted: the design is the best one until then, by the preview.")
     reached: bool = key("The distance is within the limit that was asked for.", label="distance", show=_reached)
     within_percent: float = key("That limit, for `mean_percent` of the exact shape, or of the preview.", unit="%")
     rounding_loss_percent: float | None = key(

@@ -7,6 +7,7 @@ import pytest
 
 from asterism.fitting.errors import ReachError, TargetError
 from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
+from asterism.fitting.settings import FitSettings
 from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
@@ -58,7 +59,7 @@ def test_needles_hold_the_outline_at_its_places_on_the_target(guess: FirstGuess)
 
 
 def test_the_needles_of_a_target_with_corners_stand_at_them() -> None:
-    guess = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law(), border=False)
+    guess = guess_design(TargetSurface.of_formula("9*x*y/1600", 80.0), paper_law(), FitSettings(border=False))
     corners = [[x, y] for x in (-40.0, 40.0) for y in (-40.0, 40.0)]
     places = np.array(guess.design.pins[0].target_mm)[:, :2]
     for corner in corners:
@@ -75,14 +76,14 @@ def test_the_border_of_a_saddle_is_held_along_that_of_the_target() -> None:
     middles = held.places(0.5 * (outline + np.roll(outline, -1, axis=0)))
     assert np.abs(target.nearest(middles).distance).max() < 0.05
     # asked for, a dome is held in the same way; needles are as before
-    assert guess_design(cap(30.0), paper_law(), border=True).design.pins[0].where == "border"
-    assert guess_design(target, paper_law(), needles=8).design.pins[0].corners is not None
+    assert guess_design(cap(30.0), paper_law(), FitSettings(border=True)).design.pins[0].where == "border"
+    assert guess_design(target, paper_law(), FitSettings(needles=8)).design.pins[0].corners is not None
 
 
 def test_a_number_of_needles_and_none() -> None:
     target = cap(30.0)
-    assert len(guess_design(target, paper_law(), needles=7).design.pins[0].corners or ()) == 7
-    assert guess_design(target, paper_law(), needles=0).design.pins == ()
+    assert len(guess_design(target, paper_law(), FitSettings(needles=7)).design.pins[0].corners or ()) == 7
+    assert guess_design(target, paper_law(), FitSettings(needles=0)).design.pins == ()
 
 
 def test_what_is_out_of_reach_is_refused_with_numbers() -> None:
@@ -97,8 +98,10 @@ def test_what_is_out_of_reach_is_refused_with_numbers() -> None:
     ):
         guess_design(TargetSurface.of_triangles(ridge, triangles, "ridge"), paper_law())
     with pytest.raises(ForeignLaw, match=r"stretch = 1\.5"):
-        guess_design(cap(30.0), paper_law(), stretch=1.5)
-    assert guess_design(cap(85.0), paper_law(), nearest=True).reach.warnings[0].startswith("contractions at")
+        guess_design(cap(30.0), paper_law(), FitSettings(stretch=1.5))
+    assert (
+        guess_design(cap(85.0), paper_law(), FitSettings(nearest=True)).reach.warnings[0].startswith("contractions at")
+    )
 
 
 def test_a_flat_target_that_overlaps_itself_is_refused() -> None:
@@ -137,6 +140,6 @@ def test_the_menu_agrees_with_the_law() -> None:
 
 
 def test_the_width_of_the_arms_can_be_given() -> None:
-    assert guess_design(cap(30.0), paper_law(), width_mm=0.8).menu.width_mm == 0.8
+    assert guess_design(cap(30.0), paper_law(), FitSettings(width_mm=0.8)).menu.width_mm == 0.8
     with pytest.raises(LawError, match=r"width_mm = 2: the law covers 0.8 to 1.6 mm"):
-        guess_design(cap(30.0), paper_law(), width_mm=2.0)
+        guess_design(cap(30.0), paper_law(), FitSettings(width_mm=2.0))

@@ -14,8 +14,8 @@ from asterism.fitting.distance import FitDistance
 from asterism.fitting.errors import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.fit import fit
-from asterism.fitting.place_weight import weighted_target, with_weights
-from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.residual import FitPlaces, Residual, SheetState
+from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -48,12 +48,16 @@ def residual_of(target: TargetSurface, guess: FirstGuess, is_free: bool) -> Resi
     return Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), is_free)
 
 
+def normal_mm(target: TargetSurface, state: SheetState) -> Floats:
+    return np.asarray(np.einsum("nc,nc->n", state.places - target.nearest(state.places).places, state.frame[:, 0]))
+
+
 def test_a_formula_is_in_the_coordinates_of_the_file(target: TargetSurface) -> None:
     """Also if the file holds the target upside down, elsewhere and in another size."""
     turned = np.diag([1.0, -1.0, -1.0])
     vertices = 0.5 * target.disk.vertices @ turned.T + np.array([300.0, 0.0, 40.0])
     placed = TargetSurface.of_triangles(vertices, target.disk.triangles, size_mm=target.diameter_mm, side="other")
-    weight = weighted_target(placed, "1 + (x > 300) + 0*z").weight
+    weight = placed.weighted("1 + (x > 300) + 0*z").weight
     assert weight is not None
     right = vertices[:, 0] > 300.0 + 1e-6
     assert set(weight[right]) == {2.0} and 1.0 in set(weight[~right])
@@ -63,7 +67,7 @@ def test_a_picture_lies_over_the_target_with_its_first_row_at_the_back(target: T
     grey = np.zeros((2, 2), dtype=np.uint8)
     grey[0, 1] = 255  # at the back, on the right
     Image.fromarray(grey).save(tmp_path / "where.png")
-    weighted = weighted_target(target, tmp_path / "where.png")
+    weighted = target.weighted(tmp_path / "where.png")
     corners = np.array([[-40.0, -40.0], [40.0, -40.0], [-40.0, 40.0], [40.0, 40.0], [0.0, 0.0]])
     heights = 10.0 * (1.0 - (corners**2).sum(axis=1) / 2500.0)
     places = np.column_stack([corners, heights]) @ target.motion.T + target.shift_mm
@@ -85,34 +89,30 @@ def test_a_picture_lies_over_the_target_with_its_first_row_at_the_back(target: T
 )
 def test_other_weights_are_refused_in_one_line(target: TargetSurface, weight: Any, problem: str) -> None:
     with pytest.raises(TargetError, match=problem) as error:
-        weighted_target(target, weight)
+        target.weighted(weight)
     assert "\n" not in str(error.value)
-
-
-def test_the_fit_refuses_them_before_it_begins(target: TargetSurface) -> None:
-    with pytest.raises(TargetError, match=r"must be 0\.01 to 100"):
-        fit(target, weight="0", say=lambda line: pytest.fail(line))
 
 
 def test_equal_weights_change_nothing(target: TargetSurface, guess: FirstGuess, preview: Preview) -> None:
     plain = residual_of(target, guess, False).at(preview)
-    seven = residual_of(weighted_target(target, "7"), guess, False).at(preview)
+    seven = residual_of(target.weighted("7"), guess, False).at(preview)
     np.testing.assert_allclose(seven.values, plain.values, rtol=1e-12)
-    assert plain.rms_mm == pytest.approx(np.sqrt((plain.normal_mm**2).mean()), rel=1e-12)
+    assert plain.rms_mm == pytest.approx(np.sqrt((normal_mm(target, plain) ** 2).mean()), rel=1e-12)
 
 
 @pytest.mark.parametrize("is_free", [False, True])
 def test_residuals_and_their_derivatives_have_the_weights(
     target: TargetSurface, guess: FirstGuess, preview: Preview, is_free: bool
 ) -> None:
-    weighted, plain = residual_of(weighted_target(target, RIGHT), guess, is_free), residual_of(target, guess, is_free)
+    weighted, plain = residual_of(target.weighted(RIGHT), guess, is_free), residual_of(target, guess, is_free)
     state = weighted.at(preview)
-    weight = weighted_target(target, RIGHT).weight_at(weighted.places.goals)
-    by_hand = np.sqrt(weight @ state.normal_mm**2 / weight.sum())
+    weight = weighted.target.weight_at(weighted.places.goals[: weighted.places.count])
+    by_hand = np.sqrt(weight @ normal_mm(target, state) ** 2 / weight.sum())
     assert state.rms_mm == pytest.approx(by_hand, rel=1e-12)
     if is_free:
         # a small motion further gives no smaller sum: the sheet is laid on the target by the weights
-        columns = weighted._rigid_columns(state)
+        turns = np.stack([np.cross(axis, state.places - state.places.mean(axis=0)) for axis in np.eye(3)], axis=-1)
+        columns = weighted._columns(state, np.concatenate([turns, np.tile(np.eye(3), (len(turns), 1, 1))], axis=-1))
         assert np.abs(columns.T @ state.values).max() < 0.05 * np.linalg.norm(columns, axis=0).max() * state.rms_mm
         return
     responses = star_sensitivity(preview.state, "length_mm")
@@ -138,9 +138,7 @@ def test_the_distance_by_weights_is_that_of_the_heavy_part_in_the_limit() -> Non
 
 
 def test_the_design_keeps_the_weights_of_its_sites(target: TargetSurface, guess: FirstGuess) -> None:
-    plan = layout(guess.design)
-    assert with_weights(guess.design, target, guess.target_map, plan) is guess.design
-    design = with_weights(guess.design, weighted_target(target, RIGHT), guess.target_map, plan)
+    plan, design = layout(guess.design), guess_design(target.weighted(RIGHT), paper_law()).design
     assert design.fit is not None
     places = guess.target_map.places(plan.lattice.place(np.array([entry.site for entry in design.fit.weights])))
     in_file = np.linalg.solve(target.motion, (places - target.shift_mm).T).T
@@ -171,11 +169,12 @@ def test_a_fit_comes_nearer_where_the_weight_is_larger() -> None:
     bump = "8*exp(-((x - 18)**2 + y**2)/300)"
     target = TargetSurface.of_formula(f"{bump} + 8*exp(-((x + 18)**2 + y**2)/300)", 90.0, 70.0, name="bumps")
     where = "1 + 9*(hypot(x - 18, y) < 16)"
-    at_bump = weighted_target(target, where)
+    at_bump = target.weighted(where)
 
     def rms(weight: str | None) -> tuple[float, float]:
         """In mm, at the bump and elsewhere."""
-        distance = fit(target, exact=False, nearest=True, weight=weight).distance
+        weighted = target if weight is None else target.weighted(weight)
+        distance = fit(weighted, FitSettings(exact=False, nearest=True)).distance
         is_heavy = at_bump.weight_at(distance.shape.positions) > 5.0
         parts = [(distance.shape.weights[part], distance.mean_mm[part]) for part in (is_heavy, ~is_heavy)]
         heavy, other = (float(np.sqrt(share @ mean**2 / share.sum())) for share, mean in parts)

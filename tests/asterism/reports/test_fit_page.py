@@ -16,7 +16,7 @@ from PIL import Image
 from asterism.fitting.distance import target_distance
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit
-from asterism.fitting.residual import FitPlaces
+from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
@@ -47,8 +47,8 @@ def fitted() -> Fit:
     target = TargetSurface.of_triangles(*spherical_cap(30.0, 84.0), name=NAME)
     guess = guess_design(target, paper_law())
     shape, plan = preview(guess.design), layout(guess.design)
-    places = FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors)
-    away = target_distance(shape, target, places, plan.lattice_vectors)
+    residual = Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), not plan.pins)
+    away = target_distance(shape, residual, plan.lattice_vectors)
     record = distances(away.mean_percent, away.surface_percent, away.largest_percent)
     reach = {name: value for name, value in vars(guess.reach).items() if name != "warnings"}
     summary = FitRecord(
