@@ -9,7 +9,6 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import Disk, disk_of
@@ -305,12 +304,20 @@ def _upright_pose(disk: Disk) -> tuple[Floats, Floats]:
     total = float(np.linalg.norm(triangle_normals(disk.vertices, disk.triangles), axis=1).sum())
     rotation = np.eye(3)
     if length > 1e-6 * total:
-        x, y, z = normal / length
-        # about an axis in the plane, or half a turn about x if the normal points down
-        axis = np.array([y, -x, 0.0]) / np.hypot(x, y) if np.hypot(x, y) > 1e-6 else np.array([1.0, 0.0, 0.0])
-        rotation = Rotation.from_rotvec(np.arctan2(np.hypot(x, y), z) * axis).as_matrix()
+        rotation = _turn_to_top(normal / length)
     middle = rotation @ (0.5 * (disk.vertices.min(axis=0) + disk.vertices.max(axis=0)))
     return rotation, -middle
+
+
+def _turn_to_top(direction: Floats) -> Floats:
+    """(3, 3) shortest rotation of a unit vector (3,) to the z axis; half a turn about x if it points down."""
+    x, y, z = direction
+    if z < -1.0 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    if np.hypot(x, y) < 1e-6:
+        return np.eye(3)
+    skew = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+    return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + z))
 
 
 def _decimated(disk: Disk, name: str) -> tuple[Disk, str]:
