@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fitting.fit import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.reports.plots import BLUE, ORANGE, aligned_views, png_of, together
+from asterism.reports.plots import BLUE, ORANGE, aligned_views, together
 
 TARGET_COLOUR = "#c8553d"
 PLOT_DPI = 130
@@ -175,3 +176,10 @@ def _target_scene(fitted: Fit) -> Scene:
     normals = vertex_normals(disk.vertices, disk.triangles)
     colours = np.broadcast_to(ORANGE, disk.vertices.shape)
     return Scene(disk.vertices, normals, disk.triangles, len(disk.triangles), colours=colours)
+
+
+def png_of(figure: Figure) -> bytes:
+    """PNG of a figure. In contrast to `Figure.savefig`, the canvas draws and lays out the figure once."""
+    out = BytesIO()
+    FigureCanvasAgg(figure).print_png(out)  # type: ignore[no-untyped-call]
+    return out.getvalue()

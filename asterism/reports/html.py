@@ -78,11 +78,12 @@ def warnings_box(title: str, lines: Sequence[str]) -> str:
 
 
 def figures(pictures: Sequence[tuple[bytes, str]]) -> str:
-    """Pairs of PNG data and caption, side by side."""
+    """Pairs of PNG or SVG data and caption, side by side."""
     each = (
-        f'<figure><img alt="{escape(caption, quote=True)}" src="data:image/png;base64,{b64encode(png).decode()}">'
+        f'<figure><img alt="{escape(caption, quote=True)}" '
+        f'src="data:image/{"svg+xml" if data.startswith(b"<svg") else "png"};base64,{b64encode(data).decode()}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
-        for png, caption in pictures
+        for data, caption in pictures
     )
     return '<div class="row">' + "".join(each) + "</div>"
 

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from io import BytesIO
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 
+from asterism.draw.chart import RIGHT, Chart
+from asterism.draw.raster import rasterise
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, bare, camera, render, scene
 from asterism.draw.shading import FABRIC_SIDE
+from asterism.draw.style import INK
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.reports.html import png
 from asterism.shape.comparison import Comparison
 
 ORANGE = (0.93, 0.47, 0.16)
 # largest size of a view
 MAX_VIEW_HEIGHT_PX = 440
 MAX_VIEW_WIDTH_PX = 640
-DISTANCE_COLOURS = colormaps["magma_r"]
+# of growing distances, from 0 to 255: the colours of matplotlib's "magma", reversed
+DISTANCE_COLOURS = np.array(
+    [
+        [252, 253, 191], [254, 194, 135], [251, 135, 97], [229, 80, 100], [181, 54, 122], [129, 37, 129],
+        [79, 18, 123], [28, 16, 68], [0, 0, 4],
+    ]
+)  # fmt: skip
 
 
 def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
@@ -57,8 +62,7 @@ def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[
 
 def colours_of(comparison: Comparison) -> Floats:
     """(V, 3) colours of the distance at the vertices of the exact sheet, from zero to its maximum."""
-    far = max(float(comparison.distance_mm.max()), 1e-12)
-    return np.asarray(DISTANCE_COLOURS(comparison.distance_mm / far))[:, :3]
+    return distance_colours(comparison.distance_mm / max(float(comparison.distance_mm.max()), 1e-12))
 
 
 def together(one: Scene, other: Scene) -> Scene:
@@ -94,37 +98,45 @@ MAX_CUT_SHARE = 0.999
 
 
 def distance_map(comparison: Comparison) -> bytes:
-    """PNG of the distance over the print, in % of the diameter: cell means as colours, stars or sites as dots."""
+    """SVG of the distance over the print, in % of the diameter: cell means as colours, stars or sites as dots."""
     reference, layout = comparison.reference, comparison.layout
-    width, height = np.ptp(layout.outline, axis=0)
-    # the height follows the sheet, so that the colour bar is not much higher than the sheet
-    figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
-    axes = figure.subplots()
-    percent = 100.0 * comparison.distance_mm / comparison.diameter_mm
-    over = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
-    filled = axes.tripcolor(over, percent, shading="gouraud", cmap=DISTANCE_COLOURS, vmin=0)
-    figure.colorbar(filled, label="distance, % of the diameter", shrink=0.85)
-    stars = 100.0 * comparison.star_distance_mm / comparison.diameter_mm
-    x, y = layout.sample_points.T
-    axes.scatter(x, y, c=stars, cmap=DISTANCE_COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
-    axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
-    axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
-    return png_of(figure)
+    low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
+    chart = Chart(low, high, 560.0, 440.0, ("x on the print, mm", "y on the print, mm"), RIGHT)
+    width, height = np.ceil(chart.size).astype(int)
+    places = (reference.printed - low) * chart.scale
+    raster = rasterise(places, np.zeros(len(places)), reference.triangles, height, width)
+    seen, (row, column) = raster.face >= 0, np.indices(raster.face.shape) + 0.5
+    along, up, constant = raster.affine(comparison.distance_mm[:, None], reference.triangles)[:, raster.face, 0]
+    most = max(float(comparison.distance_mm.max()), 1e-12)
+    image = np.dstack([distance_colours((along * column + up * row + constant) / most), seen])
+    chart.picture(png(image))
+    chart.dots(layout.sample_points, distance_colours(comparison.star_distance_mm / most))
+    chart.line(np.concatenate([layout.outline, layout.outline[:1]]), INK, 1.0)
+    most_percent = 100.0 * most / comparison.diameter_mm
+    chart.colour_bar(distance_colours(np.linspace(0.0, 1.0, 64)), most_percent, "distance, % of the diameter")
+    return chart.svg()
 
 
-def profiles(comparison: Comparison) -> bytes:
-    """PNG of two perpendicular cuts through the middle of the print, each in its own plane."""
-    curves = {name: _in_plane(*profile_cut(comparison, way)) for name, way in profile_directions(comparison).items()}
-    tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
-    # flat cuts have a low picture
-    figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
-    for axes, (name, pair) in zip(figure.subplots(1, 2), curves.items(), strict=True):
-        for curve, colour, label in zip(pair, (BLUE, ORANGE), ("exact", "preview"), strict=True):
-            axes.plot(*curve.T, color=colour, label=label, linewidth=1.6)
-        axes.set(aspect="equal", title=name, xlabel="mm", ylabel="mm")
-        axes.grid(color="0.92")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), frameon=False, loc="outside upper center", ncols=2)
-    return png_of(figure)
+def distance_colours(part: Floats) -> Floats:
+    """(..., 3) colours from 0 to 1 of distances over the largest one."""
+    at = np.linspace(0.0, 1.0, len(DISTANCE_COLOURS))
+    return np.stack([np.interp(part, at, DISTANCE_COLOURS[:, k] / 255.0) for k in range(3)], axis=-1)
+
+
+def profiles(comparison: Comparison) -> list[tuple[bytes, str]]:
+    """SVG and name of two perpendicular cuts through the middle of the print, each in its own plane."""
+    out = []
+    for name, way in profile_directions(comparison).items():
+        exact, preview = _in_plane(*profile_cut(comparison, way))
+        both = np.concatenate([exact, preview])
+        low, high = both.min(axis=0), both.max(axis=0)
+        # also a flat cut has a picture of some height
+        margin = 0.03 * (high - low).max()
+        chart = Chart(low - margin, high + margin, 560.0, 420.0)
+        chart.line(exact, BLUE)
+        chart.line(preview, "#ed7829")
+        out.append((chart.svg(), f"{name}; exact blue, preview orange"))
+    return out
 
 
 def profile_directions(comparison: Comparison) -> dict[str, Floats]:
@@ -175,10 +187,3 @@ def _plane(curve: Floats) -> Floats:
     first = chord / np.linalg.norm(chord)
     second = np.cross(normal, first)
     return np.array([first, second if second[2] >= 0.0 else -second])
-
-
-def png_of(figure: Figure) -> bytes:
-    """PNG of a figure. In contrast to `Figure.savefig`, the canvas draws and lays out the figure once."""
-    out = BytesIO()
-    FigureCanvasAgg(figure).print_png(out)  # type: ignore[no-untyped-call]
-    return out.getvalue()

@@ -204,7 +204,8 @@ def _pictures(verification: Verification) -> list[str]:
             ]
         ),
         "<h2>Profiles through the middle</h2>",
-        figures([(profiles(verification.comparison), "cuts along straight lines of the print, each in its own plane")]),
+        figures(profiles(verification.comparison)),
+        '<p class="small">Cuts along straight lines of the print, each in its own plane.</p>',
     ]
 
 
