@@ -39,7 +39,7 @@ def calibrate(
     Cells are kept for all designs, so that an interrupted run continues and previews need no cell of it. The exit
     status is 1 if too many cells have no equilibrium, or no cell of a motif stands for its sheet.
     """
-    from asterism.homogenize.campaign.cells_folder import cells_folder
+    from asterism.homogenize.campaign.kept_samples import cells_folder
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.laws import calibrate as calibration
     from asterism.laws.design_law import is_design, law_output_path, plan_from_file

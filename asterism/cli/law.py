@@ -42,7 +42,7 @@ def show(
 @command
 def forget(run: Run) -> None:
     """Remove the cells that previews and calibrations have kept on this machine."""
-    from asterism.homogenize.campaign.cells_folder import cells_folder, forget_oldest
+    from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
 
     folder = cells_folder()
     run.lines([f"{forget_oldest(folder, 0)} cells removed from {folder}"])

@@ -11,7 +11,7 @@ def materials(run: Run) -> int:
 
     The exit status is 2 if one of your files is wrong; the list contains the others.
     """
-    from asterism.laws.material_list import material_in_words
+    from asterism.laws.replace_material import material_in_words
     from asterism.pattern.design.errors import DesignError
     from asterism.pattern.design.material_files import MATERIALS_FOLDER, material_files
     from asterism.pattern.design.user_files import PROFILES_VARIABLE, own_folders

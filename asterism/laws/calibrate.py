@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, SolveCell, run_campaign
-from asterism.homogenize.campaign.cells_folder import cells_folder
-from asterism.homogenize.campaign.code_version import code_version
 from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.campaign.kept_samples import cells_folder, code_version
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import LawPlan, without_law

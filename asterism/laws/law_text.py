@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections import Counter
 from itertools import product
 from typing import Any
@@ -9,17 +11,103 @@ from typing import Any
 import numpy as np
 
 from asterism.homogenize.law.axes import AXES
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law import Law, LawTable
+from asterism.homogenize.law.law_file import law_digest
 from asterism.homogenize.law.motif_law import MotifLaw, MotifTable
 from asterism.homogenize.law.plan import stretch_text
-from asterism.homogenize.law.residuals import unstable_tubes
-from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
-from asterism.homogenize.law.table import LawTable
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw, StarTable
 from asterism.laws.directional_values import stretch_axes, values_along
-from asterism.laws.law_record import law_record
 from asterism.laws.law_warnings import directions_warning, held_out_warning, pleat_warning, symmetry_warning
 from asterism.process.count_line import without_numbers
+from asterism.results.records.law import LawRecord
 from asterism.results.words import table_lines
+
+STAR_HEADER = (
+    "lambda", "natural_curvature_per_mm", "tight", "flat_bump_mm", "natural_bump_mm",
+    "flat_eigenvalue", "flat_supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue", "anisotropy",
+)  # fmt: skip
+
+
+MOTIF_HEADER = ("vertices", "smaller_stretch", "larger_stretch", "excess_over_2_x_2_cells_percent")
+TUBE_COLUMNS = ("curvature", "hoop", "axial", "bending")
+
+
+def law_record(law: Law[Any]) -> LawRecord:
+    """The summary of a law.
+
+    Examples
+    --------
+    >>> from asterism.homogenize.law.law_file import load_law
+    >>> law_record(load_law()).table()["stretches"]
+    '1.35, 1.75'
+    """
+    plan = law.plan.to_dict()
+    return LawRecord.from_json(
+        {
+            "plan": plan,
+            "digest": law_digest(law),
+            "made": law.made,
+            "residuals": law.residuals,
+            "stretches": plan["stretches"],
+            "edge_mm": law.edge_mm,
+            "cells": len(law.samples),
+            "cells_without_law": [
+                {name: value for name, value in sample.items() if name != "sample"}
+                for sample in law.samples
+                if sample["problem"] is not None
+            ],
+        }
+    )
+
+
+def cells_csv(law: Law[Any]) -> str:
+    """CSV with one line for each cell: stretch, sizes in mm, whether it has a law, and its responses.
+
+    Eigenvalues of stars are in N/mm, the lowest over the directions; "tight" marks stars that are not scale-separated
+    (`star_law.MAX_SEPARATED_CURL`). Motifs have principal stretches, how much less energy 2 x 2 cells have, and the
+    natural tubes by the printed direction around them: curvature (1/mm), stretches around and along, bending (N mm).
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    keys = ("stretch", *law.plan.names, "held_out")
+    samples = [cell["sample"] for cell in law.samples]
+    angles = sorted({angle for sample in samples if sample and law.plan.is_motif for angle in _tubes(sample)})
+    around = [f"{name}_around_{angle}_deg" for angle in angles for name in TUBE_COLUMNS]
+    writer.writerow([*keys, "law", *([*MOTIF_HEADER, *around] if law.plan.is_motif else STAR_HEADER)])
+    for cell, sample in zip(law.samples, samples, strict=True):
+        row = [*(cell[name] for name in keys), cell["problem"] or "yes"]
+        if sample:
+            row += _motif_responses(sample, angles) if law.plan.is_motif else _star_responses(sample)
+        writer.writerow(row)
+    return text.getvalue()
+
+
+def _motif_responses(sample: dict[str, Any], angles: list[int]) -> list[Any]:
+    tubes, energies = _tubes(sample), sample["comparison"]
+    excess = (energies["energy"] - energies["larger_energy"]) / abs(energies["larger_energy"])
+    around = [f"{tubes[angle][name]:.6g}" if angle in tubes else "" for angle in angles for name in TUBE_COLUMNS]
+    stretches = [f"{stretch:.6f}" for stretch in np.linalg.eigvalsh(sample["deformation"])]
+    return [sample["vertices"], *stretches, f"{100 * max(excess, 0.0):.2f}", *around]
+
+
+def _tubes(sample: dict[str, Any]) -> dict[int, dict[str, float]]:
+    """Natural tubes of a motif's cell by the direction around them, in degrees."""
+    return {round(float(np.degrees(tube["direction_rad"]))): tube for tube in sample["directions"]}
+
+
+def _star_responses(sample: dict[str, Any]) -> list[Any]:
+    curvature = sum(sample["natural_curvature"]) / len(sample["natural_curvature"])
+    return [
+        f"{sample['lam']:.6f}",
+        f"{curvature:.6f}",
+        "yes" if abs(curvature) * sample["spacing_mm"] > MAX_SEPARATED_CURL else "no",
+        f"{sample['bump_mm']:.4f}",
+        f"{min(sample['natural_bump_mm']):.4f}",
+        *(f"{sample[name]:.4g}" for name in ("eigenvalue", "supercell_eigenvalue")),
+        *(f"{min(sample[name]):.4g}" for name in ("natural_eigenvalue", "natural_supercell_eigenvalue")),
+        f"{sample['anisotropy']:.2g}",
+    ]
+
 
 # nodes of each size in the table of values of a motif, about
 LISTED_NODES = 4
@@ -124,13 +212,12 @@ def _stability(law: StarLaw) -> list[str]:
         return []
     count = len(solved)
     flat = sum(sample["supercell_eigenvalue"] > 0 for sample in solved)
-    tubes = count - unstable_tubes(law.samples)["unstable"]
-    down = sum(sample["down_energy"] is not None for sample in solved)
+    tubes = count - sum(entry["tubes"]["unstable"] for entry in law.residuals.values())
     anisotropy = max(sample["anisotropy"] for sample in solved)
     return [
         "",
         f"  natural tubes that are stable on 2 x 2 stars: {tubes} of {count} cells",
-        f"  flat cells that are stable on 2 x 2 stars: {flat}; flat cells with a second equilibrium, star down: {down}",
+        f"  flat cells that are stable on 2 x 2 stars: {flat}",
         f"  flat stiffness, distance from isotropy: at most {anisotropy:.1e}",
     ]
 

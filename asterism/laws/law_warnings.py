@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.homogenize.cell.tube_directions import (
+from asterism.homogenize.cell.point_group import (
     MIN_RESOLVED_CURL,
     curvature_misfit,
     is_threefold,

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from asterism.homogenize.law.law_file import PAPER_LAW, load_law
 from asterism.laws.law_picture import draw_law
-from asterism.laws.law_record import cells_csv, law_record
-from asterism.laws.law_text import law_lines
+from asterism.laws.law_text import cells_csv, law_lines, law_record
 from asterism.laws.law_warnings import held_out_warning
 from asterism.results.files import check_writable, staged_result
 

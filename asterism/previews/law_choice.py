@@ -60,7 +60,7 @@ def serving_law(
 ) -> Any:
     """The law that a design names, or else the paper's if it covers the stars, or else one of cells solved now.
 
-    Cells are kept (`homogenize.campaign.cells_folder`): each is solved once on a machine.
+    Cells are kept (`homogenize.campaign.kept_samples`): each is solved once on a machine.
 
     Parameters
     ----------

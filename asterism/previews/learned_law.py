@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, SolveCell, run_campaign
-from asterism.homogenize.campaign.cells_folder import cells_folder, forget_oldest
 from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
 from asterism.homogenize.campaign.workers import default_jobs
 from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.law import Law
@@ -89,10 +88,8 @@ def learned(plan: LawPlan, tasks: Sequence[CellTask], say: Say, respond: SolveCe
             seconds = "" if left is None else f", about {np.ceil(left):.0f} s"
             say(f"learning this fabric: cell {progress.done - before + 1} of {progress.total - before}{seconds}")
 
-    # a process of the studio may have no processes of its own
-    jobs = 0 if multiprocessing.current_process().daemon else default_jobs()
     folder = cells_folder()
-    records = run_campaign(plan, folder, jobs, report=report, respond=respond, tasks=tasks)
+    records = run_campaign(plan, folder, default_jobs(), report=report, respond=respond, tasks=tasks)
     if before < len(records):
         forget_oldest(folder)
     return records

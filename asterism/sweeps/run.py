@@ -84,8 +84,7 @@ def sweep_design(
     """`asterism.sweep`: compute one design for many values of some of its entries.
 
     Each design is computed from the start, in a process of its own: the results depend neither on the order nor on the
-    number of processes. A design that fails is a point with its reason. A script must call this under
-    `if __name__ == "__main__"`, because the processes start it again.
+    number of processes. A design that fails is a point with its reason.
 
     Parameters
     ----------

@@ -32,8 +32,7 @@ from asterism import (
 )
 from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, camera, render, scene
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.campaign.code_version import sources_hash
-from asterism.homogenize.campaign.kept_samples import Outcome, attempt
+from asterism.homogenize.campaign.kept_samples import Outcome, attempt, sources_hash
 from asterism.homogenize.errors import UnreadableLaw
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design

@@ -14,8 +14,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from asterism.homogenize.campaign.code_version import code_version
-from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt
+from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt, code_version
 from asterism.homogenize.campaign.workers import solve_missing
 from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.cell.sample import solve_cell
@@ -90,7 +89,7 @@ def run_campaign(
     Parameters
     ----------
     folder : of the samples; the campaign makes it. Files appear whole, as cells finish.
-    jobs : number of processes on this machine; 0 for this process alone. The answers do not depend on it.
+    jobs : number of processes on this machine. The answers do not depend on it.
     dask : address of a Dask scheduler, whose workers take the place of these processes.
     report : called at the beginning and after every cell.
     respond : solves a cell, in place of `solve_cell` or `motif_responses`. Other processes must be able to import it.
@@ -108,10 +107,10 @@ def run_campaign(
     AddressError
         The scheduler does not answer.
     ValueError
-        `jobs` is below 0.
+        `jobs` is below 1.
     """
-    if jobs < 0:
-        raise ValueError(f"jobs = {jobs}: must be at least 0")
+    if jobs < 1:
+        raise ValueError(f"jobs = {jobs}: must be at least 1")
     folder.mkdir(parents=True, exist_ok=True)
     solve = respond or (motif_responses if plan.is_motif else solve_cell)
     kept, send_report = KeptSamples(folder, code_version()), report or (lambda progress: None)

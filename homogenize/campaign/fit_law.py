@@ -8,21 +8,89 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.cell.effective_stiffness import isotropic_constants
+from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.cell.rod_bending import completed_by_rods
-from asterism.homogenize.cell.tube_directions import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, anisotropy_size, sample_anisotropy, voigt_matrices
+from asterism.homogenize.law.hermite_grid import HermiteGrid
+from asterism.homogenize.law.law import LawTable
 from asterism.homogenize.law.law_file import law_of_tables
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import CellTask, LawPlan, Stretch, stretch_text
-from asterism.homogenize.law.residuals import broken_symmetry, held_out_errors, unstable_tubes
 from asterism.homogenize.law.star_law import QUANTITIES, QUANTITY_NAMES, StarLaw, to_stored
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors, stored_tensors
+
+
+def held_out_errors(table: LawTable, tests: Sequence[tuple[CellTask, Floats | None]]) -> dict[str, Any]:
+    """Errors at held-out cells as plain data, in percent, over the stated range of the law.
+
+    Cells that are not scale-separated are counted under "tight", with errors of their own.
+
+    Parameters
+    ----------
+    tests : the tasks with the stored forms (K,) of their cells; None for a cell without an answer.
+    """
+    known = [(task, row) for task, row in tests if row is not None]
+    plan, without = table.plan, len(tests) - len(known)
+    if not known:
+        empty = {"count": 0, "without_answer": without, "outside": 0}
+        return {**empty, "errors": {}, "tight": {"count": 0, "errors": {}}, "cells": []}
+    sizes = np.array([task.sizes for task, _ in known]).reshape(len(known), -1)
+    errors = table.errors(sizes, np.array([row for _, row in known]))
+    tight = errors.inside & errors.tight
+    stated = errors.inside & ~tight
+    return {
+        "count": int(stated.sum()),
+        "without_answer": without,
+        "outside": int((~errors.inside).sum()),
+        "errors": _summary(table, errors.percent[stated]),
+        "tight": {"count": int(tight.sum()), "errors": _summary(table, errors.percent[tight])},
+        "cells": [
+            {
+                **plan.named(sizes[n]),
+                "inside": bool(errors.inside[n]),
+                "tight": bool(tight[n]),
+                "law": {name: float(values[n]) for name, values in errors.law.items()},
+                "cell": {name: float(values[n]) for name, values in errors.cell.items()},
+                "error_percent": dict(zip(table.error_names, map(float, errors.percent[n]), strict=True)),
+            }
+            for n in range(len(known))
+        ],
+    }
+
+
+def unstable_tubes(samples: Sequence[dict[str, Any]]) -> dict[str, int]:
+    """Count of the cells with arms and an answer, and of those whose natural tubes are unstable on 2 x 2 stars."""
+    solved = _with_arms(samples)
+    return {"count": len(solved), "unstable": sum(min(s["natural_supercell_eigenvalue"]) <= 0.0 for s in solved)}
+
+
+def broken_symmetry(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Count of the cells with arms and an answer, and the largest `Sample.asymmetry` among them, in percent."""
+    solved = _with_arms(samples)
+    largest = max((sample.get("asymmetry") or 0.0 for sample in solved), default=0.0)
+    return {"count": len(solved), "largest_percent": 100.0 * largest}
+
+
+def _with_arms(samples: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [each["sample"] for each in samples if each["problem"] is None and each["length_mm"] > 0]
+
+
+def _summary(table: LawTable, percent: Floats) -> dict[str, dict[str, float]]:
+    return {
+        name: {
+            "rms_percent": float(np.sqrt(np.mean(column**2))),
+            "median_percent": float(np.median(np.abs(column))),
+            "largest_percent": float(np.abs(column).max()),
+        }
+        for name, column in zip(table.error_names, percent.T, strict=True)
+        if len(column)
+    }
+
 
 # of the largest bending stiffness, at least
 MIN_STIFFNESS_RATIO = 0.01
@@ -124,7 +192,7 @@ def _along(places: Floats, rows: Floats, asked: Floats) -> Floats:
     if len(places) == 1:
         return np.repeat(rows, len(asked), axis=0)
     inner = np.clip(asked, places[0], places[-1])
-    out: Floats = PchipInterpolator(places, rows)(inner)
+    out = HermiteGrid([places], rows, ["monotone"] * rows.shape[1])(inner[:, None])[0]
     for two, beyond in (((0, 1), asked < places[0]), ((-1, -2), asked > places[-1])):
         end, next_one = two
         slope = (rows[end] - rows[next_one]) / (places[end] - places[next_one])

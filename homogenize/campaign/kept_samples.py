@@ -1,21 +1,103 @@
 """Finished samples of long computations, one file each, so that an interrupted computation continues where it stopped.
 
 The name of a file is a hash of the inputs and of the code that computes the sample. So a sample never stands for other
-inputs or for other code.
+inputs or for other code. Files appear whole and never change: a second writer writes the same file, and a process that
+is killed leaves none. A user's unit cells have one folder for all projects and processes; the oldest ones go when there
+are many.
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
+import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
+import platformdirs
+
+from asterism import discrete, equilibrium, homogenize, pattern
+from asterism.homogenize.errors import CampaignError
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import plain, read_table, write_table
+
+# names another folder
+FOLDER_VARIABLE = "ASTERISM_CELLS"
+# of about 10 kB each
+MAX_KEPT_CELLS = 10_000
+
+
+def cells_folder() -> Path:
+    """The folder, which exists afterwards; that of the environment variable `ASTERISM_CELLS`, if it is set.
+
+    Raises
+    ------
+    CampaignError
+        The folder cannot be made.
+    """
+    own = os.environ.get(FOLDER_VARIABLE)
+    folder = Path(own) if own else Path(platformdirs.user_cache_dir("asterism", appauthor=False)) / "cells"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        problem = f"cannot make the folder of the cells, {folder}: {reason}; {FOLDER_VARIABLE} names another"
+        raise CampaignError(problem) from None
+    return folder
+
+
+def forget_oldest(folder: Path, most: int = MAX_KEPT_CELLS) -> int:
+    """Remove the cells that were solved longest ago, so that at most so many are left; return the number removed."""
+    cells = []
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            with suppress(FileNotFoundError):  # another process forgets it at this moment
+                if entry.name.endswith(".json"):
+                    cells.append((entry.stat().st_mtime, entry.path))
+    leaving = sorted(cells)[: max(len(cells) - most, 0)]
+    for _, path in leaving:
+        with suppress(OSError):  # another process was faster
+            os.unlink(path)
+    return len(leaving)
+
+
+# what of the packages shapes the answer of a cell
+SAMPLE_SOURCES = {
+    discrete: ("**/*.py",),
+    equilibrium: ("**/*.py",),
+    pattern: (
+        "rods/*.py", "mesh/free/*.py", "mesh/outline_points.py", "geometry/*.py",
+        "design/lattice.py", "design/materials.py",
+        "design/residual_curvature.py", "layout/layout.py",
+        "mesh/grading.py", "mesh/aligned/lattice_grid.py", "layout/supports.py", "layout/sheet_edges.py",
+        "mesh/mesh.py", "design/rounding.py",
+    ),
+    homogenize: ("cell/*.py", "law/anisotropy.py"),
+}  # fmt: skip
+
+
+@functools.cache
+def code_version() -> str:
+    """Hash of the sources; the same wherever the same code is installed."""
+    return sources_hash(SAMPLE_SOURCES)
+
+
+def sources_hash(sources: Mapping[ModuleType, Sequence[str]]) -> str:
+    """Hash of the source files of packages that match one of the patterns of each."""
+    known = hashlib.sha256()
+    for package, names in sources.items():
+        folder = Path(package.__path__[0])
+        for file in sorted(path for name in names for path in folder.glob(name)):
+            known.update(f"{package.__name__}/{file.relative_to(folder).as_posix()}\n".encode())
+            known.update(file.read_text(encoding="utf-8").encode())  # whatever ends its lines
+    return known.hexdigest()[:16]
+
 
 # raise it when the content of a sample's file changes its meaning
 SAMPLE_FORMAT = 1

@@ -9,13 +9,15 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import importlib
-import multiprocessing
 import os
+import pickle
+import queue
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any
 
@@ -66,37 +68,86 @@ def this_process() -> Iterator[SubmitAll]:
 
 @contextmanager
 def local_workers(jobs: int) -> Iterator[SubmitAll]:
-    """Processes of this machine. Each starts afresh and shares nothing with this process.
+    """Processes of this machine, which start afresh and share nothing with this process.
+
+    They import neither the script that runs here nor its state, so that scripts without a main guard may use them, and
+    processes of the studio, which may have no children of Python's own kind.
 
     Raises
     ------
     CampaignError
-        A process has ended; raised by the loop over the results.
+        A process has ended, or a result cannot be had from it; raised by the loop over the results.
     """
-    with _environment(WORKER_ENVIRONMENT):
-        context = multiprocessing.get_context("spawn")
-        pool = concurrent.futures.ProcessPoolExecutor(jobs, context, _begin)
-        answered: list[int] = []
+    paths = os.pathsep.join(map(os.path.abspath, sys.path))
+    environment = {**os.environ, **WORKER_ENVIRONMENT, "PYTHONPATH": paths}
+    command = [sys.executable, "-c", f"from {__name__} import serve; serve()"]
+    processes: list[subprocess.Popen[bytes]] = []
+    arrivals: queue.SimpleQueue[tuple[int, Any, str | None] | None] = queue.SimpleQueue()
 
-        def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
-            number = {pool.submit(function, *args): n for n, args in enumerate(arguments)}
-            for future in concurrent.futures.as_completed(number):
-                answer = number[future], future.result()
-                answered.append(number[future])
-                yield answer
+    def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
+        waiting: queue.SimpleQueue[tuple[int, tuple[Any, ...]]] = queue.SimpleQueue()
+        for each in enumerate(arguments):
+            waiting.put(each)
 
+        def feed(process: subprocess.Popen[bytes]) -> None:
+            assert process.stdin is not None and process.stdout is not None
+            try:
+                while True:
+                    number, own = waiting.get_nowait()
+                    pickle.dump(pickle.dumps((function, own)), process.stdin)
+                    process.stdin.flush()
+                    arrivals.put((number, *pickle.load(process.stdout)))
+            except queue.Empty:
+                pass
+            except (EOFError, OSError, ValueError, pickle.UnpicklingError):
+                arrivals.put(None)
+
+        for process in processes:
+            threading.Thread(target=feed, args=(process,), daemon=True).start()
+        for _ in arguments:
+            if (arrival := arrivals.get()) is None:
+                raise CampaignError(
+                    "a worker process has ended (out of memory?); finished samples are kept, fewer --jobs need less"
+                )
+            number, answer, problem = arrival
+            if problem is not None:
+                raise CampaignError(f"a worker process has no answer: {problem}")
+            yield number, answer
+
+    try:
+        for _ in range(jobs):
+            pipe = subprocess.PIPE
+            processes.append(subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment))
+        yield submit_all
+    finally:
+        for process in processes:  # in the middle of their cells, after an error
+            process.kill()
+            process.wait()
+
+
+def serve() -> None:
+    """The body of a process of `local_workers`. It ends with its parent, which answers Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a cell prints is no answer
+    tasks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def read() -> None:
         try:
-            yield submit_all
-        except BrokenProcessPool:
-            reason = "a worker process has ended (out of memory?); finished samples are kept, fewer --jobs need less"
-            if not answered:
-                reason += "; a script must call this under if __name__ == '__main__', as its processes start it again"
-            raise CampaignError(reason) from None
-        except BaseException:
-            _end(pool)
-            raise
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+            while True:
+                tasks.put(pickle.load(sys.stdin.buffer))
+        except (EOFError, OSError):
+            os._exit(1)
+
+    threading.Thread(target=read, daemon=True).start()
+    while True:
+        try:
+            function, arguments = pickle.loads(tasks.get())
+            answer = pickle.dumps((function(*arguments), None))
+        except Exception as error:
+            answer = pickle.dumps((None, f"{type(error).__name__}: {error}"))
+        answers.write(answer)
+        answers.flush()
 
 
 @contextmanager
@@ -161,40 +212,6 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
         yield submit_all
 
 
-def _begin() -> None:
-    """First call in a new worker: it ignores Ctrl-C, which its parent answers, and ends with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_follow_parent, daemon=True).start()
-
-
-def _follow_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
-def _end(pool: concurrent.futures.ProcessPoolExecutor) -> None:
-    """End the workers in the middle of their cells. Executors have no function for this before Python 3.14."""
-    for process in list((getattr(pool, "_processes", None) or {}).values()):
-        process.terminate()
-
-
-@contextmanager
-def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Environment variables for the processes that start within the block."""
-    before = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
 def solve_missing(
     kept: KeptSamples,
     function: Callable[..., Outcome],
@@ -211,7 +228,7 @@ def solve_missing(
     ----------
     function : solves a cell. Other processes must be able to import it.
     cells : for each the inputs that its file is named by, and the arguments of the function.
-    jobs : number of processes on this machine; 0 for this process alone.
+    jobs : number of processes on this machine.
     dask : address of a Dask scheduler, whose workers take the place of these processes.
     begin : called when the workers are there, and at once if there is no cell.
 
@@ -228,7 +245,7 @@ def solve_missing(
     if dask is not None:
         workers = dask_workers(dask)
     else:  # a few cells are done before a process has begun
-        workers = local_workers(processes) if processes and len(cells) > FEW_CELLS else this_process()
+        workers = local_workers(processes) if len(cells) > FEW_CELLS else this_process()
     with workers as submit_all:
         begin()
         arrivals = submit_all(function, [arguments for _, arguments in cells])

@@ -1,8 +1,8 @@
 """The aligned mesh of a unit cell: a grid that refines the lattice, closed to a torus, with arms on its lines.
 
-The cell is the parallelogram of the lattice vectors A1 and A2, or n x m of them. Grid point (i, j) lies at
-`i A1/k + j A2/k`. Indices are taken modulo the cell, and the quotient gives the lattice vectors to the image. Stars sit
-at the corners of the single cells. Their arms run along A1, A2 or A2 - A1, in either sense, and may leave the cell.
+The cell is the parallelogram of the lattice vectors A1 and A2. Grid point (i, j) lies at `i A1/k + j A2/k`. Indices
+are taken modulo the cell, and the quotient gives the lattice vectors to the image. The star sits at the corner. Its
+arms run along A1, A2 or A2 - A1, in either sense, and may leave the cell.
 """
 
 from __future__ import annotations
@@ -15,13 +15,16 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, ImageNumbering, PeriodicMesh, new_triangles
+from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.mesh.grading import MIN_SPRING_WEIGHT, Grading, half_cotangents
 
 # edges of short arms on graded meshes: with fewer ones the curvature of such stars jumps by a quarter
 LEAST_GRADED_SEGMENTS = 4
+# edges of a cell of bare fabric
+BARE_EDGES = 4
 
 
 def aligned_cell_mesh(
@@ -50,63 +53,30 @@ def aligned_cell_mesh(
         Arms from both ends of a link overlap.
     """
     k = edges_per_spacing(lattice_vectors, directions, lengths, edge_mm)
-    n, m = repeat[0] * k, repeat[1] * k
-    grading = _cell_grading(lattice_vectors, directions, lengths, repeat) if graded and len(directions) else None
+    if not len(directions):  # bare fabric repeats from triangle to triangle, so a few of them are the whole cell
+        lattice_vectors, k = lattice_vectors * BARE_EDGES / k, BARE_EDGES
+    grading = _cell_grading(lattice_vectors, directions, lengths) if graded and len(directions) else None
     least = LEAST_GRADED_SEGMENTS if grading is not None else 1
     links = _link_stations(directions, _link_reach(lattice_vectors, directions, lengths), k, least)
-    shift = _grid_displacement(repeat, k, lattice_vectors, links)
+    shift = _grid_displacement(k, lattice_vectors, links)
     if grading is not None:
         links = _graded_stations(links, GRID_DIRECTIONS[directions] @ lattice_vectors, directions, lengths, grading)
-        shift = _grid_displacement(repeat, k, lattice_vectors, links, grading, shift)
-    numbering = _Numbering(n, m)
-    i, j = (index.ravel() for index in np.indices((n, m)))
-    step = lattice_vectors / k
-    moved = np.column_stack([i, j]) @ step + shift
+        shift = _grid_displacement(k, lattice_vectors, links, grading, shift)
+    grid = np.indices((k, k)).reshape(2, -1).T
 
-    def at(di: int, dj: int) -> Ints:
-        return numbering(i + di, j + dj)
+    def paths(steps: list[tuple[int, int]]) -> MeshPath:
+        """Grid points so many steps away from each point of the cell, (k^2, n)."""
+        places = grid[:, None] + np.array(steps)
+        return MeshPath((places % k) @ [k, 1], places // k)
 
-    lower = np.column_stack([at(0, 0), at(1, 0), at(0, 1)])
-    upper = np.column_stack([at(1, 0), at(1, 1), at(0, 1)])
-    triangles = np.concatenate([lower, upper])
-    hinges = np.concatenate(
-        [
-            np.column_stack([at(0, 0), at(1, 0), at(0, 1), at(1, -1)]),
-            np.column_stack([at(0, 0), at(0, 1), at(-1, 1), at(1, 0)]),
-            np.column_stack([at(1, 0), at(0, 1), at(0, 0), at(1, 1)]),
-        ]
-    )
-    stars = [(a * k, b * k) for a in range(repeat[0]) for b in range(repeat[1])]
-    rods, owner = [], []
-    for number, (si, sj) in enumerate(stars):
-        for direction in directions:
-            along = np.arange(links.segments[direction] + 1)
-            di, dj = GRID_DIRECTIONS[direction]
-            rods.append(numbering(si + along * di, sj + along * dj))
-            owner.append(number)
-    centres = np.array([int(numbering(np.array([a]), np.array([b]))[0]) for a, b in stars])
-    around: Ints = np.empty((0, 3), dtype=np.int64)
-    if surrounded:
-        near = [[(-1, 1), (0, 0), (0, 1)], [(1, -1), (1, 0), (0, 0)], [(1, 0), (2, 0), (1, 1)]]
-        near.append([(0, 1), (1, 1), (0, 2)])
-        around = new_triangles(
-            np.concatenate([np.column_stack([at(*step) for step in three]) for three in near]), triangles
-        )
-    base, image = numbering.unfolded()
-    cell = lattice_vectors * np.array(repeat)[:, None]
-    return PeriodicMesh(
-        points=moved[base] + image @ cell,
-        base=base,
-        image=image,
-        triangles=triangles,
-        around=around,
-        hinges=hinges,
-        rods=tuple(rods),
-        arm_star=np.array(owner, dtype=np.int64),
-        star_vertices=centres,
-        cell_vectors=cell,
-        n_base=n * m,
-    )
+    halves = [paths([(0, 0), (1, 0), (0, 1)]), paths([(1, 0), (1, 1), (0, 1)])]
+    corner, image = (np.concatenate([getattr(half, name) for half in halves]) for name in ("point", "image"))
+    points = grid @ lattice_vectors / k + shift
+    arms = []
+    for direction in directions:
+        along = np.arange(links.segments[direction] + 1)[:, None] * GRID_DIRECTIONS[direction]
+        arms.append(MeshPath((along % k) @ [k, 1], along // k))
+    return Tiles(PeriodicTriangles(points, lattice_vectors, corner, image), repeat).star_mesh(arms, surrounded)
 
 
 def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:
@@ -115,21 +85,6 @@ def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats
     if _tips_meet(_link_reach(lattice_vectors, directions, lengths)).any():
         return max(4, 2 * round(wish / 2))
     return max(3, round(wish))
-
-
-class _Numbering:
-    """Numbers of unfolded grid points."""
-
-    def __init__(self, n: int, m: int) -> None:
-        self._n, self._m = n, m
-        self._number = ImageNumbering(n * m)
-
-    def __call__(self, i: Ints, j: Ints) -> Ints:
-        i, j = np.asarray(i), np.asarray(j)
-        return self._number((i % self._n) * self._m + j % self._m, i // self._n, j // self._m)
-
-    def unfolded(self) -> tuple[Ints, Ints]:
-        return self._number.unfolded()
 
 
 @dataclass(frozen=True)
@@ -194,9 +149,9 @@ def _link_stations(directions: Ints, reach: Floats, k: int, least: int) -> LinkS
     return LinkStations(segments, fractions, np.ones(fractions.shape, dtype=bool))
 
 
-def _cell_grading(lattice_vectors: Floats, directions: Ints, lengths: Floats, repeat: tuple[int, int]) -> Grading:
-    """The grading by the arms of `repeat` cells and of those around."""
-    steps = np.array([[i, j] for i in range(-1, repeat[0] + 2) for j in range(-1, repeat[1] + 2)])
+def _cell_grading(lattice_vectors: Floats, directions: Ints, lengths: Floats) -> Grading:
+    """The grading by the arms of a cell and of those around."""
+    steps = np.array([[i, j] for i in range(-1, 3) for j in range(-1, 3)])
     along = GRID_DIRECTIONS[directions] @ lattice_vectors
     arms = along * (lengths / np.linalg.norm(along, axis=1))[:, None]
     centres = np.repeat(steps @ lattice_vectors, len(arms), axis=0)
@@ -225,45 +180,41 @@ def _graded_stations(
 
 
 def _grid_displacement(
-    repeat: tuple[int, int],
     k: int,
     lattice_vectors: Floats,
     links: LinkStations,
     grading: Grading | None = None,
     even: Floats | None = None,
 ) -> Floats:
-    """(n m, 2) mm: points on links follow the arms, and every other point is the mean of its neighbours.
+    """(k^2, 2) mm: points on links follow the arms, and every other point is the mean of its neighbours.
 
     All neighbours count alike, or with a grading as in `pattern.mesh.graded_mesh`.
 
     Parameters
     ----------
-    even : (n m, 2) mm, displacements of the even mesh; with a grading.
+    even : (k^2, 2) mm, displacements of the even mesh; with a grading.
     """
-    n, m = repeat[0] * k, repeat[1] * k
-    size, number = n * m, np.arange(n * m).reshape(n, m)
-    i, j = (index.ravel() for index in np.indices((n, m)))
+    size, number = k * k, np.arange(k * k).reshape(k, k)
+    i, j = (index.ravel() for index in np.indices((k, k)))
     shift, known = np.zeros((size, 2)), np.zeros(size, dtype=bool)
     for direction in range(3):
         di, dj = GRID_DIRECTIONS[direction]
-        for a in range(0, n, k):
-            for b in range(0, m, k):
-                along = np.arange(k + 1)
-                points = number[(a + along * di) % n, (b + along * dj) % m]
-                off = (links.fractions[direction] - along / k)[:, None] * (GRID_DIRECTIONS[direction] @ lattice_vectors)
-                fixed = links.known[direction]
-                shift[points[fixed]], known[points[fixed]] = off[fixed], True
+        along = np.arange(k + 1)
+        points = number[(along * di) % k, (along * dj) % k]
+        off = (links.fractions[direction] - along / k)[:, None] * (GRID_DIRECTIONS[direction] @ lattice_vectors)
+        fixed = links.known[direction]
+        shift[points[fixed]], known[points[fixed]] = off[fixed], True
     if known.all():
         return shift
     # of every point to its next ones in the first three directions
     start = np.tile(number.ravel(), 3)
-    end = np.concatenate([number[(i + di) % n, (j + dj) % m] for di, dj in GRID_DIRECTIONS[:3]])
+    end = np.concatenate([number[(i + di) % k, (j + dj) % k] for di, dj in GRID_DIRECTIONS[:3]])
     step = np.repeat(GRID_DIRECTIONS[:3] @ lattice_vectors / k, size, axis=0)
     grid = np.column_stack([i, j]) @ lattice_vectors / k
     free = ~known
 
     def means(stiff: Floats) -> Floats:
-        """The displacements (n m, 2), with weights (3 n m,) of the edges."""
+        """The displacements (k^2, 2), with weights (3 k^2,) of the edges."""
         joins = sp.csr_matrix((stiff, (start, end)), shape=(size, size))
         joins = joins + joins.T
         laplacian = (sp.diags(np.asarray(joins.sum(axis=1)).ravel()) - joins).tocsc()
@@ -279,12 +230,12 @@ def _grid_displacement(
         return means(np.ones(3 * size))
     # the neighbours around each point, from that before the first direction to that behind the third
     steps = GRID_DIRECTIONS[[5, 0, 1, 2, 3]]
-    off = [(di, dj) @ lattice_vectors / k + even[number[(i + di) % n, (j + dj) % m]] - even for di, dj in steps]
+    off = [(di, dj) @ lattice_vectors / k + even[number[(i + di) % k, (j + dj) % k]] - even for di, dj in steps]
     pairs = [sum(half_cotangents(off[q] - b, -b) for b in (off[q - 1], off[q + 1])) for q in (1, 2, 3)]
     weight = np.maximum(np.concatenate(pairs), MIN_SPRING_WEIGHT)
 
     def ends(points: Floats) -> tuple[Floats, Floats]:
-        """Both ends (3 n m, 2) of the edges, the second ones beside the first."""
+        """Both ends (3 k^2, 2) of the edges, the second ones beside the first."""
         off = points - grid
         return points[start], points[start] + step + off[end] - off[start]
 

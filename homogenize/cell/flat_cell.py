@@ -39,7 +39,6 @@ class FlatCell:
     deformation : (2, 2) symmetric F, with the images `a_m = F A_m` of the cell vectors.
     bump : (S,) mm, height of each star's centre over its tips; positive on the plastic side. None for a motif: (0,).
     gradient_norm : N.
-    definite : the Hessian on the cell is positive definite, apart from rotations.
     iterations : of Newton's method.
     """
 
@@ -48,7 +47,6 @@ class FlatCell:
     deformation: Array
     bump: Array
     gradient_norm: float
-    definite: bool
     iterations: int
 
     @property
@@ -65,11 +63,12 @@ def cell_gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) 
     part : of the force scale modulus x thickness x spacing; rounding is a hundredth of the default.
     """
     fabric = cell.design.fabric
-    return part * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
+    small = min(1.0, cell.area / abs(float(np.linalg.det(cell.design.lattice.vectors))))  # a cell of bare fabric
+    return part * small * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
 
 
-def relax_flat_cell(cell: UnitCell) -> tuple[FlatCell, FlatCell | None]:
-    """The flat cell with its star up, and with its star down if that is an equilibrium too.
+def relax_flat_cell(cell: UnitCell) -> FlatCell:
+    """The flat cell with its star up, or down if that is its only equilibrium.
 
     A star that is only slightly buckled has a single equilibrium, on either side. Its branch with the star up begins at
     a finite curvature.
@@ -80,10 +79,7 @@ def relax_flat_cell(cell: UnitCell) -> tuple[FlatCell, FlatCell | None]:
         A step did not converge.
     """
     flat = _released(cell)
-    other = _other_side(cell, flat) if flat.bump.any() else None
-    if other is not None and flat.bump[0] < 0.0:
-        flat, other = other, flat
-    return flat, other
+    return (_other_side(cell, flat) or flat) if flat.bump.any() and flat.bump[0] < 0.0 else flat
 
 
 def _released(cell: UnitCell) -> FlatCell:
@@ -102,21 +98,25 @@ def released_from(cell: UnitCell, state: State) -> FlatCell:
     ArithmeticError
         A step did not converge.
     """
-    iterations = 0
+    iterations, known = 0, list[tuple[float, State]]()
     for release in RELEASE_STEPS:
         cell.set_release(release)
         last = release == RELEASE_STEPS[-1]
+        if len(known) > 1:
+            (before, one), (after, other) = known[-2:]
+            state = with_orthogonal_directors(cell, between(one, other, (release - before) / (after - before)))
         minimum = minimise(
             cell,
             state,
             cell.factor(),
             cell_gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else INTERMEDIATE_GRADIENT_RATIO),
-            check_definite=last,
+            check_definite=False,
         )
         iterations += minimum.iterations
         if not minimum.converged:
             raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
         state = minimum.state
+        known.append((release, state))
     return flat_cell_from_minimum(cell, minimum, iterations)
 
 
@@ -124,7 +124,7 @@ def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
     """The flat cell with its stars on the other side, from the mirrored state; None if that is no equilibrium."""
     cell.set_flat()
     start = with_orthogonal_directors(cell, _mirrored(flat.state))
-    minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
+    minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell), check_definite=False)
     if not minimum.converged:
         return None
     other = flat_cell_from_minimum(cell, minimum, minimum.iterations)
@@ -144,7 +144,7 @@ def flat_cell_from_minimum(cell: UnitCell, minimum: NewtonResult, iterations: in
     state, deformation = without_rotation(cell, minimum.state)
     bump = bump_heights(cell.model, cell.unfolded(state))
     energy = minimum.energy / cell.area
-    return FlatCell(state, energy, deformation, bump, minimum.gradient_norm, minimum.definite, iterations)
+    return FlatCell(state, energy, deformation, bump, minimum.gradient_norm, iterations)
 
 
 def with_bumps(cell: UnitCell, state: State, height: float) -> State:
@@ -171,6 +171,16 @@ def without_rotation(cell: UnitCell, state: State) -> tuple[State, Array]:
     base = (state.positions[:n] - state.positions[ANCHOR]) @ rotation
     turned = State(np.vstack([base, images @ rotation]), state.directors @ rotation, state.frames @ rotation)
     return with_orthogonal_directors(cell, turned), right.T @ np.diag(sizes) @ right
+
+
+def between(one: State, other: State, part: float) -> State:
+    """The state at a part of the straight way from one state to another, or beyond; frames stay those of rotations."""
+    near, far = np.array(one.frames), np.array(other.frames)
+    left, _, right = np.linalg.svd(near + part * (far - near))
+    positions, directors = (
+        a + part * (b - a) for a, b in ((one.positions, other.positions), (one.directors, other.directors))
+    )
+    return State(positions, directors, left @ right)
 
 
 def with_orthogonal_directors(cell: UnitCell, state: State) -> State:

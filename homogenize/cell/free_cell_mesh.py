@@ -20,9 +20,8 @@ from asterism.homogenize.cell.conforming_triangulation import (
     home,
     nearest_image,
 )
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, Tiles
 from asterism.homogenize.cell.point_group import POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
-from asterism.homogenize.cell.tiles import MeshPath, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
 

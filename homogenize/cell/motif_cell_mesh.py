@@ -8,8 +8,7 @@ import shapely
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
 from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG, graded_steps
-from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
-from asterism.homogenize.cell.tiles import MeshPath, Tiles
+from asterism.homogenize.cell.periodic_mesh import MeshPath, PeriodicMesh, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.outline_points import least_pieces
 from asterism.pattern.rods.motif_graph import MotifGraph

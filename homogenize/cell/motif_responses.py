@@ -19,8 +19,8 @@ from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell, released_from
 from asterism.homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
+from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.cell.rod_bending import rod_bending
-from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 
@@ -83,7 +83,7 @@ def compare_with_larger_cell(design: Design, edge_mm: float) -> CellComparison:
     one = UnitCell(design, edge_mm)
     larger = UnitCell(design, edge_mm, LARGER_CELL)
     try:
-        flat = relax_flat_cell(one)[0]
+        flat = relax_flat_cell(one)
         trials = [released_from(larger, _with_noise(larger, seed)) for seed in NOISE_SEEDS]
     finally:
         one.close()
@@ -204,7 +204,7 @@ def motif_responses(
     failed: list[tuple[float, str]] = []
     try:
         say(f"flat cell of {cell.mesh.n_base} vertices")
-        flat = relax_flat_cell(cell)[0]
+        flat = relax_flat_cell(cell)
         linear = effective_stiffness(cell, flat)
         for angle in angles:
             around = (angle + 0.5 * np.pi) % np.pi

@@ -17,6 +17,7 @@ from asterism.homogenize.cell.flat_cell import FlatCell
 from asterism.homogenize.cell.rolling import (
     Tube,
     UnrolledCell,
+    part_way,
     roll_cell,
     unroll,
     unrolled_flat_cell,
@@ -46,6 +47,11 @@ ROOT_TOLERANCE = 1e-5
 MIN_SNAP_BUMP_RATIO = 0.029
 # steps go so far beyond the expected root that the moment changes its sign
 OVERSHOOT_FACTOR = 1.15
+# steps beyond two tubes, over their difference, up to which the straight way through both is a better start than the
+# nearest one
+MAX_EXTRAPOLATION = 0.5
+# first regularisation where a sheet is bent further: its matrix is indefinite, and smaller ones would be refused
+FIRST_BLEND = 0.9
 # steps from a tube of another direction
 MAX_TRIAL_STEPS = 3
 # curvature 1/mm and moment N
@@ -125,14 +131,19 @@ class _Walk:
         self._flat = flat
 
     def to(self, curvature: float) -> Tube:
-        """The tube of this curvature, from the nearest known one."""
+        """The tube of this curvature, from the nearest known one, or from the straight way through the two nearest."""
         if not self.tubes:
-            return self._roll(unrolled_flat_cell(self._flat, self.angle), self._flat.bump, curvature)
-        nearest = min(self.tubes, key=lambda tube: abs(tube.curvature - curvature))
-        return self._roll(unroll(self.cell, nearest), nearest.bump, curvature)
+            return self._roll(unrolled_flat_cell(self._flat, self.angle), self._flat.bump, curvature, 0.0)
+        nearest, *others = sorted(self.tubes, key=lambda tube: abs(tube.curvature - curvature))
+        sheet, part = unroll(self.cell, nearest), 0.0
+        if others:
+            part = (curvature - nearest.curvature) / (others[0].curvature - nearest.curvature)
+        if 0.0 < abs(part) < MAX_EXTRAPOLATION:
+            return self._roll(part_way(sheet, unroll(self.cell, others[0]), part), nearest.bump, curvature, 0.0)
+        return self._roll(sheet, nearest.bump, curvature)
 
-    def _roll(self, sheet: UnrolledCell, bump: Array, curvature: float) -> Tube:
-        tube = roll_cell(self.cell, sheet, curvature, self.angle)
+    def _roll(self, sheet: UnrolledCell, bump: Array, curvature: float, blend: float = FIRST_BLEND) -> Tube:
+        tube = roll_cell(self.cell, sheet, curvature, self.angle, blend)
         side = np.sign(curvature)  # a star that leaves the wrong side only finds its branch
         snap = MIN_SNAP_BUMP_RATIO * self.cell.spacing
         if ((side * bump > snap) & (side * tube.bump < -snap)).any():

@@ -7,6 +7,103 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles
+
+
+@dataclass(frozen=True)
+class MeshPath:
+    """A path over the points of a cell, along a rod.
+
+    Attributes
+    ----------
+    point : (n,) points; image : (n, 2) their images.
+    """
+
+    point: Ints
+    image: Ints
+
+
+class Tiles:
+    """The triangles of one cell in n x m cells."""
+
+    def __init__(self, triangles: PeriodicTriangles, repeat: tuple[int, int]) -> None:
+        self._triangles = triangles
+        self._cells = np.array([[i, j] for i in range(repeat[0]) for j in range(repeat[1])])
+        self._repeat = np.array(repeat)
+        self._number = ImageNumbering(len(self._cells) * len(triangles.points))
+
+    def _all(self, point: Ints, image: Ints) -> Ints:
+        """(n m E, k) unfolded points of points (E, k) with images (E, k, 2), in every cell."""
+        where = self._cells[:, None, None] + image
+        away, home = where // self._repeat, where % self._repeat
+        base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
+        return self._number(base.ravel(), *away.reshape(-1, 2).T).reshape(-1, point.shape[1])
+
+    def star_mesh(self, arms: list[MeshPath], surrounded: bool) -> PeriodicMesh:
+        """The whole mesh, with these arms on every star; stars are at point 0."""
+        stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
+        return self._mesh(arms, stars, np.repeat(np.arange(len(stars)), len(arms)), surrounded)
+
+    def rod_mesh(self, rods: list[MeshPath], surrounded: bool) -> PeriodicMesh:
+        """The whole mesh, with these rods in every cell."""
+        none = np.empty(0, dtype=np.int64)
+        return self._mesh(rods, none, none, surrounded)
+
+    def _mesh(self, paths: list[MeshPath], stars: Ints, arm_star: Ints, surrounded: bool) -> PeriodicMesh:
+        mesh = self._triangles
+        triangles = self._all(mesh.corner, mesh.image)
+        point, image = _pairs(mesh)
+        # a hinge from either side is the same: that whose edge has the lower name
+        there, back = mesh.edges()
+        once = there < back
+        from_base = image - image[:, :1]
+        hinges = self._all(point[once], from_base[once])
+        rods = [self._all(path.point[None], path.image[None]) for path in paths]
+        around: Ints = np.empty((0, 3), dtype=np.int64)
+        if surrounded:
+            around = new_triangles(self._all(*_touching(mesh)), triangles)
+        base, away = self._number.unfolded()
+        cell = mesh.vectors * self._repeat[:, None]
+        tiled = (mesh.points + (self._cells @ mesh.vectors)[:, None]).reshape(-1, 2)
+        return PeriodicMesh(
+            points=tiled[base] + away @ cell,
+            base=base,
+            image=away,
+            triangles=triangles,
+            around=around,
+            hinges=hinges,
+            rods=tuple(rod for of_cell in zip(*rods, strict=True) for rod in of_cell),
+            arm_star=arm_star,
+            star_vertices=stars,
+            cell_vectors=cell,
+            n_base=len(tiled),
+        )
+
+
+def _touching(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
+    """Points (M, 3) and images (M, 3, 2) of all triangles that share a point with a triangle of the cell."""
+    at = mesh.corner.ravel()
+    order = np.argsort(at, kind="stable")
+    first = np.searchsorted(at[order], np.arange(len(mesh.points) + 1))
+    count = np.diff(first)[at]
+    own = np.repeat(np.arange(len(at)), count)  # a corner of the cell, once for each triangle at its point
+    within = np.arange(len(own)) - np.repeat(np.cumsum(count) - count, count)
+    other = order[first[at[own]] + within]
+    step = mesh.image.reshape(-1, 2)[own] - mesh.image.reshape(-1, 2)[other]
+    return mesh.corner[other // 3], mesh.image[other // 3] + step[:, None]
+
+
+def _pairs(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
+    """Points (3 T, 4) and images (3 T, 4, 2) of the edges of all triangles: two ends, left apex, right apex."""
+    there, back = mesh.edges()
+    order = np.argsort(there)
+    twin = order[np.searchsorted(there[order], back)]
+    turns = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])
+    corner, image = mesh.corner[:, turns].reshape(-1, 3), mesh.image[:, turns].reshape(-1, 3, 2)
+    # the twin's edge runs back: its second point is this one's first
+    right = image[:, 0] + image[twin, 2] - image[twin, 1]
+    return np.column_stack([corner, corner[twin, 2]]), np.concatenate([image, right[:, None]], axis=1)
+
 
 # of the spacing: ends of arms that are closer are one point
 TOUCHING_TOLERANCE = 1e-6

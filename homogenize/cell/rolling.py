@@ -27,7 +27,7 @@ from asterism.discrete.model.star_bumps import bump_heights
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.newton.minimise import minimise
-from asterism.homogenize.cell.flat_cell import FlatCell, cell_gradient_tolerance, with_orthogonal_directors
+from asterism.homogenize.cell.flat_cell import FlatCell, between, cell_gradient_tolerance, with_orthogonal_directors
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 
@@ -45,7 +45,7 @@ class Tube:
     radius : mm, mean over the surface, weighted by printed area.
     hoop, axial : stretches of the mean surface around and along the tube.
     bump : (S,) mm, height of each star's centre over its tips, positive outwards.
-    gradient_norm, definite, iterations : of the equilibrium, see `FlatCell`.
+    gradient_norm, iterations : of the equilibrium, see `FlatCell`.
     """
 
     curvature: float
@@ -58,7 +58,6 @@ class Tube:
     axial: float
     bump: Array
     gradient_norm: float
-    definite: bool
     iterations: int
 
     @property
@@ -73,13 +72,11 @@ class UnrolledCell:
 
     Attributes
     ----------
-    positions : (V + 2, 3) mm; directors : (R, 3); frames : (J, 3, 3).
+    state : of the sheet.
     hoop : stretch around the tube.
     """
 
-    positions: Array
-    directors: Array
-    frames: Array
+    state: State
     hoop: float
 
 
@@ -90,9 +87,14 @@ def unrolled_flat_cell(flat: FlatCell, angle: float) -> UnrolledCell:
 
 def unrolled_in_direction(cell: UnitCell, tube: Tube, angle: float) -> UnrolledCell:
     """A tube, unrolled and in the axes of a tube in another direction."""
-    sheet = unroll(cell, tube)
+    sheet = unroll(cell, tube).state
     deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.mesh.n_base :, :2]).T
-    return _along(State(sheet.positions, sheet.directors, sheet.frames), deformation, angle)
+    return _along(sheet, deformation, angle)
+
+
+def part_way(one: UnrolledCell, other: UnrolledCell, part: float) -> UnrolledCell:
+    """A part of the straight way from one unrolled cell to another, or beyond."""
+    return UnrolledCell(between(one.state, other.state, part), one.hoop + part * (other.hoop - one.hoop))
 
 
 def _along(state: State, deformation: Array, angle: float) -> UnrolledCell:
@@ -101,7 +103,7 @@ def _along(state: State, deformation: Array, angle: float) -> UnrolledCell:
     hoop = 1.0 / float(np.linalg.norm(across))
     (x, y) = hoop * across
     turn = np.array([[y, -x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]])
-    return UnrolledCell(state.positions @ turn.T, state.directors @ turn.T, state.frames @ turn.T, hoop)
+    return UnrolledCell(state.rotated(turn, np.zeros(3)), hoop)
 
 
 def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
@@ -120,7 +122,7 @@ def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
     middle = _middles(cell, cell.images.unfold(x), k)
     at_joints = np.repeat(angle[cell.joint_vertices], 3)
     frames = _turned(tube.state.frames.reshape(-1, 3), -at_joints).reshape(-1, 3, 3)
-    return UnrolledCell(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), frames, tube.hoop)
+    return UnrolledCell(State(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), frames), tube.hoop)
 
 
 def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> State:
@@ -129,21 +131,25 @@ def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: f
     The cell takes on the images of that tube.
     """
     cell.set_tube(curvature, angle)
-    n = cell.mesh.n_base
-    base, radius = sheet.positions[:n], sheet.hoop / curvature
+    n, flat = cell.mesh.n_base, sheet.state
+    base, radius = flat.positions[:n], sheet.hoop / curvature
     turn = base[:, 1] / radius
     out = radius + base[:, 2]
-    positions = np.zeros_like(sheet.positions)
+    positions = np.zeros_like(flat.positions)
     positions[:n] = np.column_stack([base[:, 0], out * np.sin(turn), out * np.cos(turn)])
-    positions[n:, 0] = sheet.positions[n:, 0]
+    positions[n:, 0] = flat.positions[n:, 0]
     middle = _middles(cell, cell.images.unfold(positions), curvature)
     at_joints = np.repeat(turn[cell.joint_vertices], 3)
-    frames = _turned(sheet.frames.reshape(-1, 3), at_joints).reshape(-1, 3, 3)
-    return with_orthogonal_directors(cell, State(positions, _turned(sheet.directors, middle), frames))
+    frames = _turned(flat.frames.reshape(-1, 3), at_joints).reshape(-1, 3, 3)
+    return with_orthogonal_directors(cell, State(positions, _turned(flat.directors, middle), frames))
 
 
-def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> Tube:
+def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float, blend: float = 0.0) -> Tube:
     """Roll the cell and find its equilibrium.
+
+    Parameters
+    ----------
+    blend : first regularisation of Newton's method, see `minimise`.
 
     Raises
     ------
@@ -151,7 +157,7 @@ def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: floa
         Newton's method did not converge.
     """
     start = rolled_state(cell, sheet, curvature, angle)
-    minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
+    minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell), blend=blend, check_definite=False)
     if not minimum.converged:
         raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
     k = curvature
@@ -170,7 +176,6 @@ def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: floa
         axial=axial,
         bump=bump_heights(cell.model, cell.unfolded(minimum.state)),
         gradient_norm=minimum.gradient_norm,
-        definite=minimum.definite,
         iterations=minimum.iterations,
     )
 

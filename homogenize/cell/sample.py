@@ -16,7 +16,6 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.equilibrium.clock import Clock
-from asterism.homogenize.cell.cell_mesh import star_size
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.effective_stiffness import (
     CellStability,
@@ -27,10 +26,9 @@ from asterism.homogenize.cell.effective_stiffness import (
 )
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
-from asterism.homogenize.cell.point_group import point_group
+from asterism.homogenize.cell.point_group import is_threefold, point_group, tube_angles
 from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface, tube_membrane_stiffness
-from asterism.homogenize.cell.tube_directions import is_threefold, tube_angles
-from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
+from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell, star_size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 
@@ -90,15 +88,14 @@ class Sample:
     moment : (3,) N of the flat relaxed cell, conjugate to the Voigt curvature.
     centre_offset_mm : mm, star's centre over the mean surface of the flat cell.
     natural_centre_offset_mm : (D,) mm, the same on the natural tubes.
-    bump_mm : mm, star's centre over its tips on the flat cell.
+    bump_mm : mm, star's centre over its tips on the flat cell; it may be negative, and the side of the star is that of
+        `natural_bump_mm`.
     natural_bump_mm : (D,) mm, the same on the natural tubes.
     eigenvalue : N/mm, smallest of the flat cell's Hessian.
     supercell_eigenvalue : N/mm, the same for 2 x 2 stars.
     natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
     asymmetry : largest difference of natural curvatures in directions that are equal by symmetry, before they were made
         equal (`symmetric_responses`), over the largest curvature; 0 if the star keeps its symmetry.
-    down_energy : N/mm, of the flat cell with its star down; None if the flat cell has one equilibrium only. Its
-        `bump_mm` may then be negative; the side of the star is that of `natural_bump_mm`.
     iterations : iterations of Newton's method in all solves.
     seconds : s, wall time by part.
     """
@@ -136,7 +133,6 @@ class Sample:
     natural_eigenvalue: Array | None = None
     natural_supercell_eigenvalue: Array | None = None
     asymmetry: float | None = None
-    down_energy: float | None = None
     iterations: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
 
@@ -203,7 +199,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
 
 def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
     with clock("flat"):
-        flat, other = relax_flat_cell(cell)
+        flat = relax_flat_cell(cell)
     response["rest_metric"] = flat.deformation @ flat.deformation
     response["lam"] = flat.stretch
     response["bump_mm"] = float(flat.bump[0])
@@ -219,8 +215,6 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
     with clock("stability"):
         own = cell_stability(cell, flat.state)
     response["eigenvalue"], response["supercell_eigenvalue"] = own.cell, own.supercell
-    if other is not None:
-        response["down_energy"] = other.energy - flat.energy
     curves: list[TubeBranch] = []
     sx, sy = cell.design.fabric.stretch_xy
     threefold = is_threefold(cell.design.lattice)

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.tube_directions import is_threefold
+from asterism.homogenize.cell.point_group import is_threefold
 from asterism.pattern.design.lattice import Lattice
 
 # Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to

@@ -1,23 +1,170 @@
 """The law: the homogenised constitutive law of a pattern, as smooth functions of its sizes.
 
 A law belongs to one material, one lattice and one edge length of the mesh, and to stars (`star_law`) or to one motif of
-drawn rods (`motif_law`). It has one table for each stretch.
+drawn rods (`motif_law`). It has one table for each stretch: stored forms of its cells on a grid of sizes, with
+derivatives by the sizes. A table never extrapolates: outside its range, and next to cells without an answer, it marks
+its values.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar
+from functools import cached_property
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
-from asterism.homogenize.law.plan import LawPlan, Stretch, stretch_text
-from asterism.homogenize.law.same_material import same_values
-from asterism.homogenize.law.table import LawTable
+from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule
+from asterism.homogenize.law.plan import LawPlan, Stretch, same_values, stretch_text
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
+
+# relative, of a size beyond the range of the law: rounding
+SIZE_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class CellErrors:
+    """How far a table is from n cells.
+
+    Attributes
+    ----------
+    percent : (n, E) errors, in percent, of the quantities `LawTable.error_names`.
+    inside : (n,) inside the range of the law.
+    tight : (n,) not scale-separated: the stated accuracy of the law ends there.
+    law, cell : (n,) for each of the law's quantities, if they are numbers.
+    """
+
+    percent: Floats
+    inside: Bools
+    tight: Bools
+    law: dict[str, Floats]
+    cell: dict[str, Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class LawTable(ABC):
+    """The law at one stretch, as a function of the A sizes of its plan.
+
+    Attributes
+    ----------
+    plan : of the law.
+    stretch : of the fabric.
+    stored : (n1, ..., nA, K) interpolated forms. A cell without an answer has those that follow from other cells.
+    solved : (n1, ..., nA) False if the cell has no law, or was not solved. Between two answers on a line of lengths
+        the law is an interpolation on a coarser grid; elsewhere such a node lies outside its range.
+    """
+
+    plan: LawPlan
+    stretch: Stretch
+    stored: Floats
+    solved: Bools
+    # what the errors at held-out cells are of
+    error_names: ClassVar[tuple[str, ...]]
+
+    @staticmethod
+    @abstractmethod
+    def columns(plan: LawPlan) -> int:
+        """K, the number of stored forms of a cell."""
+
+    @abstractmethod
+    def errors(self, sizes: Floats, stored: Floats) -> CellErrors:
+        """Errors of the table at cells of sizes (n, A) with stored forms (n, K)."""
+
+    @property
+    def axis_nodes(self) -> tuple[Floats, ...]:
+        """(n1,), ..., (nA,) mm, increasing nodes of each size."""
+        return self.plan.axis_nodes
+
+    @property
+    def size_ranges(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest size in mm that the table covers, by the names of its sizes.
+
+        Shorter arms than the shortest are covered too if the bare fabric is near, see `homogenize.law.axes`.
+        """
+        return {name: (float(a), float(b)) for name, (a, b) in zip(self.plan.names, self.plan.limits.T, strict=True)}
+
+    def rows(self, sizes: Sequence[ArrayLike]) -> Floats:
+        """(N, A) of A sizes, each (N,) or a number."""
+        if len(sizes) != len(self.plan.names):
+            raise TypeError(f"sizes: {len(sizes)} given, the law has {', '.join(self.plan.names)}")
+        arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(size, float)) for size in sizes))
+        return np.column_stack([array.ravel() for array in arrays])
+
+    def inside(self, sizes: Floats) -> Bools:
+        """(N,) whether the law covers sizes (N, A)."""
+        is_known = self._grid(slice(0, 0), ()).is_known(self._places(self._clipped(sizes)), self._known)
+        return np.asarray(self._within(sizes).all(axis=1) & (is_known | self._is_bare(sizes)))
+
+    def interpolated(self, sizes: Floats, block: slice, rules: Sequence[SlopeRule]) -> tuple[Floats, Floats]:
+        """Stored forms (N, k) of a block of columns at sizes (N, A), and their derivatives (N, A, k) by the sizes.
+
+        Outside the range they are those of the nearest sizes in it, and derivatives across the range are zero. Between
+        the bare fabric and the shortest arms of a law that begins far from it, they are those of the curve that joins
+        both.
+        """
+        clipped = self._clipped(sizes)
+        value, slope = self._grid(block, rules)(self._places(clipped))
+        slope = slope[:, : len(self.plan.sizes)]
+        for number, size in enumerate(self.plan.sizes):
+            if size.axis.logarithmic:
+                slope[:, number] /= clipped[:, number, None]
+        slope *= (self._within(sizes) & np.array([len(nodes) > 1 for nodes in self.axis_nodes], bool))[:, :, None]
+        return value, slope
+
+    def beyond(self, sizes: Floats) -> tuple[str, float, str] | None:
+        """Name and value of the first of sizes (A,) outside the range, and the range in words; None inside."""
+        within = self._within(sizes[None])[0]
+        for name, size, (low, high), fine in zip(self.plan.names, sizes, self.plan.limits.T, within, strict=True):
+            if not fine:
+                return name, float(size), f"{low:g}" if low == high else f"{low:g} to {high:g}"
+        return None
+
+    def _within(self, sizes: Floats) -> Bools:
+        """(N, A) whether sizes are in the range; bare fabric has neither thickness nor width."""
+        low, high = self.plan.limits
+        within = (sizes >= low * (1.0 - SIZE_TOLERANCE)) & (sizes <= high * (1.0 + SIZE_TOLERANCE))
+        return np.asarray(within | self._is_bare(sizes)[:, None])
+
+    def _is_bare(self, sizes: Floats) -> Bools:
+        """(N,) whether stars have no arms."""
+        return np.zeros(len(sizes), bool) if self.plan.is_motif else np.asarray(sizes[:, 0] == 0.0)
+
+    def _clipped(self, sizes: Floats) -> Floats:
+        low, high = ([nodes[end] for nodes in self.axis_nodes] for end in (0, -1))
+        return np.clip(np.nan_to_num(sizes, nan=0.0), low, high)
+
+    def _places(self, sizes: Floats) -> Floats:
+        """(N, A) coordinates of sizes (N, A) on the grid; a law without sizes has one axis of one node."""
+        columns = [size.axis.coordinate(column) for size, column in zip(self.plan.sizes, sizes.T, strict=True)]
+        return np.column_stack(columns or [np.zeros(len(sizes))])
+
+    @cached_property
+    def _known(self) -> Bools:
+        """Nodes with an answer, or between two answers on their line of lengths."""
+        known = self.solved.copy()
+        if not self.plan.is_motif:
+            known[1:-1] |= self.solved[:-2] & self.solved[2:]
+        return known if known.ndim else known[None]
+
+    @cached_property
+    def _grids(self) -> dict[tuple[int, int], HermiteGrid]:
+        return {}
+
+    def _grid(self, block: slice, rules: Sequence[SlopeRule]) -> HermiteGrid:
+        """The grid of a block of columns, made when it is first used."""
+        key = block.start, block.stop
+        if key not in self._grids:
+            nodes = [size.axis.coordinate(each) for size, each in zip(self.plan.sizes, self.axis_nodes, strict=True)]
+            values = self.stored[..., block] if nodes else self.stored[None, block]
+            self._grids[key] = HermiteGrid(nodes or [np.zeros(1)], values, rules)
+        return self._grids[key]
+
 
 Table = TypeVar("Table", bound=LawTable)
 
@@ -31,7 +178,7 @@ class Law(Generic[Table]):
     plan : what the law is for, and its cells.
     tables : one for each stretch.
     samples : all records of the campaign as plain data, in the order of the plan.
-    residuals : errors of the law, see `homogenize.law.residuals`.
+    residuals : errors of the law, see `homogenize.campaign.fit_law`.
     made : versions, command, machine, seconds.
     """
 

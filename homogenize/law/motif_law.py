@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.hermite_grid import SlopeRule
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law import CellErrors, Law, LawTable
 from asterism.homogenize.law.plan import LawPlan
-from asterism.homogenize.law.table import CellErrors, LawTable
 from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored
 from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.sizing.profile import Profile

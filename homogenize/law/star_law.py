@@ -19,9 +19,8 @@ from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.law.anisotropy import anisotropy_size
 from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.hermite_grid import SlopeRule
-from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.law import CellErrors, Law, LawTable
 from asterism.homogenize.law.plan import LawPlan, Stretch
-from asterism.homogenize.law.table import CellErrors, LawTable
 from asterism.pattern.design.design import Design
 
 

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from asterism.homogenize.campaign.campaign import SolveCell, cell_inputs
-from asterism.homogenize.campaign.code_version import code_version
-from asterism.homogenize.campaign.kept_samples import KeptSamples
-from asterism.homogenize.cell.tube_directions import tube_angles
+from asterism.homogenize.campaign.kept_samples import KeptSamples, code_version
+from asterism.homogenize.cell.point_group import tube_angles
 from asterism.homogenize.law.plan import CellTask, LawPlan
 from asterism.pattern.design.design import Design
 

@@ -11,7 +11,7 @@ from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
 from asterism.homogenize.cell.motif_responses import CellComparison, MotifResponses, RolledDirection
-from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.pattern.design.design import Design
 

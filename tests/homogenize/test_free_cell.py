@@ -32,7 +32,7 @@ def five(length: float = 7.0, thickness: float = 0.4, **more: Any) -> UnitCell:
 @pytest.fixture(scope="module")
 def relaxed() -> tuple[UnitCell, FlatCell]:
     cell = five()
-    return cell, relax_flat_cell(cell)[0]
+    return cell, relax_flat_cell(cell)
 
 
 def bent(cell: UnitCell, flat: FlatCell, tube: bool) -> State:
@@ -97,7 +97,7 @@ def test_without_arms_it_is_the_fabric(lattice: dict[str, Any]) -> None:
     np.testing.assert_allclose(bare.rest_metric, 1.35**-2 * np.eye(2), atol=1e-9)
     assert bare.lam == pytest.approx(1.0 / 1.35, abs=1e-8)
     np.testing.assert_array_equal(bare.natural_curvature, 0.0)
-    short = relax_flat_cell(UnitCell(design(1.0, 0.2, lattice=lattice), EDGE))[0].stretch
+    short = relax_flat_cell(UnitCell(design(1.0, 0.2, lattice=lattice), EDGE)).stretch
     assert 0.0 < short - bare.lam < 0.01
 
 
@@ -147,11 +147,11 @@ def test_uniform_sheets_have_their_closed_form(tube: bool) -> None:
 def test_stars_in_any_direction_have_equilibria(length: float, lattice: dict[str, Any]) -> None:
     """A flat one, a stable natural tube, curled with the plastic outside, and a stiffness."""
     cell = UnitCell(design(length, 0.4, lattice=lattice), EDGE)
-    flat = relax_flat_cell(cell)[0]
+    flat = relax_flat_cell(cell)
     assert 1.0 / 1.35 < flat.stretch < 1.0
     assert flat.bump[0] > 0.0
     natural = trace_tubes(cell, flat, 0.2).natural
-    assert natural is not None and natural.curvature > 0.0 and natural.definite
+    assert natural is not None and natural.curvature > 0.0
     cell.set_tube(natural.curvature, 0.2)
     eigenvalues = cell_stability(cell, natural.state)
     assert eigenvalues.cell > 0.0 and eigenvalues.supercell > 0.0
@@ -160,14 +160,14 @@ def test_stars_in_any_direction_have_equilibria(length: float, lattice: dict[str
 
 
 def test_a_star_turned_onto_itself_responds_alike() -> None:
-    one, other = (relax_flat_cell(five(lattice={"arms": 5, "orientation_deg": angle}))[0] for angle in (3.0, 75.0))
+    one, other = (relax_flat_cell(five(lattice={"arms": 5, "orientation_deg": angle})) for angle in (3.0, 75.0))
     np.testing.assert_allclose(one.deformation, other.deformation, rtol=1e-10)
 
 
 @KINDS
 def test_two_cells_have_twice_the_energy_and_no_forces(tube: bool) -> None:
     cell = five()
-    flat = relax_flat_cell(cell)[0]
+    flat = relax_flat_cell(cell)
     two = UnitCell(design(7.0, 0.4, **FIVE), EDGE, repeat=(2, 1))
     state, energy, error = flat.state, flat.energy, flat.gradient_norm
     if tube:
@@ -184,7 +184,7 @@ def test_free_and_aligned_meshes_agree(monkeypatch: pytest.MonkeyPatch, thicknes
     """Three-armed stars, edges of 1.92 mm: within what another mesh makes of it."""
     star = design(10.0, thickness)
     aligned = solve_cell(star, 1.92, (0.0, np.pi / 6))
-    monkeypatch.setattr("asterism.homogenize.cell.cell_mesh.aligned_lines", lambda lattice: None)
+    monkeypatch.setattr("asterism.homogenize.cell.unit_cell.aligned_lines", lambda lattice: None)
     free = solve_cell(star, 1.92, (0.0, np.pi / 6))
     assert free.lam == pytest.approx(aligned.lam, rel=2e-3)
     np.testing.assert_allclose(free.natural_curvature, aligned.natural_curvature, rtol=0.04)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import copy
 from dataclasses import replace
 
+from asterism.homogenize.campaign.fit_law import broken_symmetry, unstable_tubes
 from asterism.homogenize.law.law_file import load_law
-from asterism.homogenize.law.residuals import broken_symmetry, unstable_tubes
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.laws.law_text import law_lines
 from asterism.laws.law_warnings import held_out_warning, pleat_warning, symmetry_warning

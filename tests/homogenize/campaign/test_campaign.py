@@ -126,8 +126,8 @@ def test_a_damaged_file_is_solved_again(samples: Path, records: list[SampleRecor
 
 
 def test_at_least_one_job_is_needed(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="at least 0"):
-        run_campaign(plan(), tmp_path, -1, respond=fake.solve_cell)
+    with pytest.raises(ValueError, match="at least 1"):
+        run_campaign(plan(), tmp_path, 0, respond=fake.solve_cell)
 
 
 def test_bare_fabric_without_an_answer_says_why(records: list[SampleRecord]) -> None:
@@ -187,7 +187,7 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(
     script.write_text(
         "import sys\nfrom pathlib import Path\nfrom tests.homogenize import fake\n"
         "from tests.homogenize.campaign.test_campaign import plan, run_campaign\n"
-        "if __name__ == '__main__':\n    run_campaign(plan(), Path(sys.argv[1]), 2, respond=fake.slow)\n"
+        "run_campaign(plan(), Path(sys.argv[1]), 2, respond=fake.slow)\n"  # and no main guard
     )
     root = Path(__file__).parents[3]
     samples = tmp_path / "samples"

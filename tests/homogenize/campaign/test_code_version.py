@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from asterism.homogenize.campaign.code_version import SAMPLE_SOURCES
+from asterism.homogenize.campaign.kept_samples import SAMPLE_SOURCES
 from tests.test_rooms import package_of
 
 # of pattern: what solves a cell imports these too, and takes no number from them

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.homogenize.campaign.fit_law import sample_quantities
-from asterism.homogenize.cell.sample import solve_cell
-from asterism.homogenize.cell.tube_directions import (
+from asterism.homogenize.cell.point_group import (
     ALL_ANGLES_RAD,
     THREEFOLD_ANGLES_RAD,
     averaged_directions,
@@ -17,6 +16,7 @@ from asterism.homogenize.cell.tube_directions import (
     omitted_anisotropy,
     tube_angles,
 )
+from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.anisotropy import predicted_curvatures
 from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern.design.lattice import Lattice

@@ -183,7 +183,6 @@ def test_a_bistable_star_is_followed_up():
     found = sample(10.0, 0.2)
     assert found.failed is None
     assert found.bump_mm > 1.0
-    assert found.down_energy is not None
     assert (found.natural_bump_mm > 1.0).all()
 
 
@@ -191,7 +190,6 @@ def test_a_bistable_star_is_followed_up():
 def test_hardly_buckled_stars_find_the_up_branch_at_finite_curvature():
     found = sample(13.0, 0.3)
     assert found.failed is None
-    assert found.down_energy is None
     assert (found.natural_bump_mm > 1.0).all()
 
 
@@ -199,7 +197,7 @@ def test_other_stars():
     """Six arms are as isotropic as three; four on the square lattice as symmetric as the mesh's diagonals let them."""
     six = solve_cell(design(6.0, 0.4, lattice={"arms": 6}), 1.92, (0.0,))
     np.testing.assert_allclose(six.rest_metric, six.rest_metric[0, 0] * np.eye(2), atol=1e-6)
-    four = relax_flat_cell(UnitCell(design(6.0, 0.5, lattice={"arms": 4, "kind": "square"}), EDGE))[0]
+    four = relax_flat_cell(UnitCell(design(6.0, 0.5, lattice={"arms": 4, "kind": "square"}), EDGE))
     metric = four.deformation @ four.deformation
     assert metric[0, 0] == pytest.approx(metric[1, 1], rel=1e-6)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.homogenize.cell.point_group import aligned_lines
+from asterism.homogenize.cell.unit_cell import cell_mesh
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.cell_mesh import cell_mesh
 from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
 from asterism.homogenize.cell.periodic_delaunay import periodic_delaunay
 from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
 from asterism.homogenize.cell.point_group import aligned_lines
+from asterism.homogenize.cell.unit_cell import cell_mesh
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
 from tests.homogenize.cells import design

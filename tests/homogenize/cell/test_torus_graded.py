@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.cell_mesh import cell_mesh
+from asterism.homogenize.cell.unit_cell import cell_mesh
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.build import layout

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.tube_directions import ALL_ANGLES_RAD
+from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
     BENDING_COLUMNS,

@@ -14,13 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.homogenize.campaign.campaign import SampleRecord
-from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, sample_quantities
+from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, held_out_errors, sample_quantities
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import CellTask, LawPlan
-from asterism.homogenize.law.residuals import held_out_errors
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, to_stored
 from asterism.pattern.design.design import Design
 from tests.homogenize import fake
