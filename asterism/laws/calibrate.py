@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
@@ -51,33 +50,21 @@ def calibrate(
         No cluster answers at the address.
     CampaignError
         There is no law: too many cells without an answer, or workers that have ended.
-    """
-    if (refused := without_law(plan.design)) is not None:
-        raise refused
-    start = time.perf_counter()
-    with _solving_cells(output, stream) as (folder, report):
-        records = run_campaign(plan, folder, jobs, dask, report, respond)
-    law = fit_law(plan, records, _origin(command, start, records))
-    write_file(output, law_bytes(law))
-    return law
-
-
-@contextmanager
-def _solving_cells(output: Path, stream: TextIO | None) -> Iterator[tuple[Path, Callable[[CampaignProgress], None]]]:
-    """The folder of cells and a listener of their progress; that the law can be written is known before the block.
-
-    Raises
-    ------
     OutputError
         The law or a cell cannot be written.
     """
+    if (refused := without_law(plan.design)) is not None:
+        raise refused
     check_writable(output.parent, output.name)
-    folder = cells_folder()
+    start, folder = time.perf_counter(), cells_folder()
     try:
         with ProgressLine(stream) as watch:
-            yield folder, watch.report
+            records = run_campaign(plan, folder, jobs, dask, watch.report, respond)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
+    law = fit_law(plan, records, _origin(command, start, records))
+    write_file(output, law_bytes(law))
+    return law
 
 
 def _origin(command: str, start: float, records: Sequence[SampleRecord]) -> dict[str, Any]:

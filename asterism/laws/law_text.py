@@ -24,7 +24,7 @@ from asterism.results.words import table_lines
 
 STAR_HEADER = (
     "lambda", "natural_curvature_per_mm", "tight", "flat_bump_mm", "natural_bump_mm",
-    "flat_eigenvalue", "flat_supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue", "anisotropy",
+    "flat_eigenvalue", "flat_supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue",
 )  # fmt: skip
 
 
@@ -105,7 +105,6 @@ def _star_responses(sample: dict[str, Any]) -> list[Any]:
         f"{min(sample['natural_bump_mm']):.4f}",
         *(f"{sample[name]:.4g}" for name in ("eigenvalue", "supercell_eigenvalue")),
         *(f"{min(sample[name]):.4g}" for name in ("natural_eigenvalue", "natural_supercell_eigenvalue")),
-        f"{sample['anisotropy']:.2g}",
     ]
 
 
@@ -213,12 +212,10 @@ def _stability(law: StarLaw) -> list[str]:
     count = len(solved)
     flat = sum(sample["supercell_eigenvalue"] > 0 for sample in solved)
     tubes = count - sum(entry["tubes"]["unstable"] for entry in law.residuals.values())
-    anisotropy = max(sample["anisotropy"] for sample in solved)
     return [
         "",
         f"  natural tubes that are stable on 2 x 2 stars: {tubes} of {count} cells",
         f"  flat cells that are stable on 2 x 2 stars: {flat}",
-        f"  flat stiffness, distance from isotropy: at most {anisotropy:.1e}",
     ]
 
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
-from asterism.homogenize.cell.effective_stiffness import isotropic_constants
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.cell.rod_bending import completed_by_rods
 from asterism.homogenize.errors import CampaignError
@@ -200,6 +199,20 @@ def _along(places: Floats, rows: Floats, asked: Floats) -> Floats:
     return out
 
 
+def isotropic_constants(stiffness: Floats) -> tuple[float, float]:
+    """Constants A11 and A12 of the isotropic tensor nearest to a Voigt stiffness (3, 3).
+
+    Examples
+    --------
+    >>> isotropic_constants(np.array([[4.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]))
+    (4.0, 1.0)
+    """
+    a = np.asarray(stiffness)
+    one = (3 * a[0, 0] + 3 * a[1, 1] + 2 * a[0, 1] + 4 * a[2, 2]) / 8
+    two = (a[0, 0] + a[1, 1] + 6 * a[0, 1] - 4 * a[2, 2]) / 8
+    return float(one), float(two)
+
+
 def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:
     """(Q,) the quantities `star_law.QUANTITY_NAMES` of one sample.
 
@@ -279,8 +292,8 @@ def motif_tensors(sample: dict[str, Any]) -> SheetTensors:
     sample : plain data of `homogenize.cell.motif_responses.MotifResponses`.
     """
     stiffness = np.zeros((6, 6))
-    membrane, deformation = np.array(sample["linear"]["stiffness"])[:3, :3], np.array(sample["deformation"])
-    stiffness[:3, :3] = 0.5 * (membrane + membrane.T)
+    deformation = np.array(sample["deformation"])
+    stiffness[:3, :3] = sample["membrane"]
     stiffness[3:, 3:], moment = _bending_of_tubes(sample)
     metric = deformation @ deformation
     # plastic outside: edges go down
@@ -292,7 +305,6 @@ def _bending_of_tubes(sample: dict[str, Any]) -> tuple[Floats, Floats]:
     """Q (3, 3) N mm and m (3,) N, in curvatures K of the print: the energy `K . Q K/2 - m . K` nearest to the tubes.
 
     Tubes leave Q12 open up to Q33 (`homogenize.cell.rod_bending`): the mean of Q12 over all axes is that of the rods.
-    The linear cell does not know it either: see `homogenize.cell.effective_stiffness`.
     """
     angle, hoop, curvature, bending = (
         np.array([tube[name] for tube in sample["directions"]])
@@ -309,12 +321,11 @@ def _bending_of_tubes(sample: dict[str, Any]) -> tuple[Floats, Floats]:
 
 
 def _record_data(plan: LawPlan, record: SampleRecord, problem: str | None) -> dict[str, Any]:
-    """A record as plain data for the law's file, without the times, which differ from run to run."""
-    sample = record.sample and {k: v for k, v in record.sample.items() if k != "seconds"}
+    """A record as plain data for the law's file."""
     return {
         "stretch": record.task.stretch,
         "held_out": record.task.held_out,
         **plan.named(record.task.sizes),
         "problem": problem,
-        "sample": sample,
+        "sample": record.sample,
     }

@@ -5,7 +5,7 @@ The fabric is released in steps, so that the star follows the branch on which it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ BUMP_WIDTH_RATIO = 0.35
 INTERMEDIATE_GRADIENT_RATIO = 1e-5
 # the same at the last step
 FINAL_GRADIENT_RATIO = 1e-8
+# and after one step more
+EXACT_GRADIENT_RATIO = 1e-10
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,18 @@ def released_from(cell: UnitCell, state: State) -> FlatCell:
             raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
         state = minimum.state
         known.append((release, state))
-    return flat_cell_from_minimum(cell, minimum, iterations)
+    return flat_cell_from_minimum(cell, polished(cell, minimum), iterations)
+
+
+def polished(cell: UnitCell, minimum: NewtonResult) -> NewtonResult:
+    """The minimum after one more step, which Newton's method makes exact: moments of slight curvatures need it."""
+    tolerance = cell_gradient_tolerance(cell, EXACT_GRADIENT_RATIO)
+    if not minimum.converged or minimum.gradient_norm <= tolerance:
+        return minimum
+    exact = minimise(cell, minimum.state, cell.factor(), tolerance, max_iterations=1, check_definite=False)
+    if exact.gradient_norm > minimum.gradient_norm:
+        return minimum
+    return replace(exact, converged=True, iterations=minimum.iterations + exact.iterations)
 
 
 def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
@@ -187,3 +200,9 @@ def with_orthogonal_directors(cell: UnitCell, state: State) -> State:
     """The state with directors orthogonal to their edges, which rounding or other images disturb."""
     along = edge_tangents(cell.images.unfold(state.positions), cell.edges)
     return State(state.positions, orthonormal_to_tangents(state.directors, along), state.frames)
+
+
+def mean_height(cell: UnitCell, state: State) -> float:
+    """mm, height of a flat cell's points over the held point, weighted by printed area."""
+    z = state.positions[: cell.mesh.n_base, 2]
+    return float(cell.weights @ z - z[ANCHOR])

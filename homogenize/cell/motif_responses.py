@@ -8,7 +8,6 @@ similar energy, and no law of one cell describes it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -16,8 +15,8 @@ import numpy as np
 
 from asterism.discrete.model.state import State, moved_state
 from asterism.equilibrium.arrays import Array
-from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell, released_from
+from asterism.homogenize.cell.linear_response import flat_membrane_stiffness
 from asterism.homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
 from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.cell.rod_bending import rod_bending
@@ -68,8 +67,8 @@ class CellComparison:
         return f"the motif has no law of one cell: {less} and contract to {four}, one cell to {one}"
 
 
-def compare_with_larger_cell(design: Design, edge_mm: float) -> CellComparison:
-    """One cell and 2 x 2 cells of a design's motif, with the same mesh.
+def compare_with_larger_cell(design: Design, edge_mm: float, flat: FlatCell) -> CellComparison:
+    """One flat cell and 2 x 2 cells of a design's motif, with the same mesh.
 
     The larger cell is released from the flat print with a slight noise in height, once for each of `NOISE_SEEDS`.
 
@@ -80,13 +79,10 @@ def compare_with_larger_cell(design: Design, edge_mm: float) -> CellComparison:
     ArithmeticError
         A cell has no equilibrium.
     """
-    one = UnitCell(design, edge_mm)
     larger = UnitCell(design, edge_mm, LARGER_CELL)
     try:
-        flat = relax_flat_cell(one)
         trials = [released_from(larger, _with_noise(larger, seed)) for seed in NOISE_SEEDS]
     finally:
-        one.close()
         larger.close()
     lowest = min(trials, key=lambda trial: trial.energy)
     return CellComparison(flat.energy, lowest.energy, _principal(flat), _principal(lowest))
@@ -133,7 +129,7 @@ class MotifResponses:
     Attributes
     ----------
     deformation : (2, 2) F, symmetric, of the flat relaxed cell; the rest metric is F F.
-    linear : stiffness and moment of the flat cell.
+    membrane : (3, 3) N/mm, stiffness of the flat cell.
     rods : (3, 3) N mm, bending stiffness of the rods alone.
     directions : natural tubes.
     failed_directions : rad from x, those without an equilibrium, and why.
@@ -143,7 +139,7 @@ class MotifResponses:
     """
 
     deformation: Array
-    linear: EffectiveStiffness
+    membrane: Array
     rods: Array
     directions: tuple[RolledDirection, ...]
     failed_directions: tuple[tuple[float, str], ...]
@@ -178,19 +174,13 @@ def _plain(value: Any) -> Any:
     return [_plain(each) for each in value] if isinstance(value, list | tuple) else value
 
 
-def motif_responses(
-    design: Design,
-    edge_mm: float,
-    angles: tuple[float, ...] = ALL_ANGLES_RAD,
-    say: Callable[[str], None] = lambda text: None,
-) -> MotifResponses:
+def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = ALL_ANGLES_RAD) -> MotifResponses:
     """Solve the unit cell of a design's motif, flat and rolled in several directions, and compare it with 2 x 2 cells.
 
     Parameters
     ----------
     edge_mm : of the mesh.
     angles : of the tubes, rad from y to the printed direction around the tube.
-    say : called with a line of progress.
 
     Raises
     ------
@@ -203,12 +193,10 @@ def motif_responses(
     directions: list[RolledDirection] = []
     failed: list[tuple[float, str]] = []
     try:
-        say(f"flat cell of {cell.mesh.n_base} vertices")
         flat = relax_flat_cell(cell)
-        linear = effective_stiffness(cell, flat)
+        membrane = flat_membrane_stiffness(cell, flat)
         for angle in angles:
             around = (angle + 0.5 * np.pi) % np.pi
-            say(f"tubes around {np.degrees(around):.0f} deg")
             try:
                 branch = trace_tubes(cell, flat, angle)
             except ArithmeticError as error:
@@ -224,10 +212,9 @@ def motif_responses(
             directions.append(RolledDirection(around, curvature, tube.hoop, tube.axial, bending))
     finally:
         cell.close()
-    say("2 x 2 cells")
-    comparison = compare_with_larger_cell(design, edge_mm)
+    comparison = compare_with_larger_cell(design, edge_mm, flat)
     ordered = tuple(sorted(directions, key=lambda tube: tube.direction_rad))
     rods = rod_bending(design, flat.deformation)
     return MotifResponses(
-        flat.deformation, linear, rods, ordered, tuple(failed), comparison, cell.spacing, cell.mesh.n_base
+        flat.deformation, membrane, rods, ordered, tuple(failed), comparison, cell.spacing, cell.mesh.n_base
     )

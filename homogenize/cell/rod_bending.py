@@ -1,10 +1,9 @@
 """Bending of the rods of a motif alone, in closed form: what tubes of the cell cannot tell.
 
-The energy of a tube has no term of the Gaussian curvature det K. So tubes, and cylinders of the linear cell, give the
-entries of the bending stiffness up to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet of rods
-on a surface of the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods bonded at
-points, in fabric too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each, which has all
-entries.
+The energy of a tube has no term of the Gaussian curvature det K. So tubes give the entries of the bending stiffness up
+to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet of rods on a surface of the curvature b, a
+rod of direction t bends by `t . b t` and twists by `t . b n`. Rods bonded at points, in fabric too soft to count, take
+the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each, which has all entries.
 """
 
 from __future__ import annotations

@@ -9,25 +9,18 @@ the one with the lowest natural energy, and tensors of the flat cell are means o
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
-from asterism.equilibrium.clock import Clock
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
-from asterism.homogenize.cell.effective_stiffness import (
-    CellStability,
-    cell_stability,
-    distance_from_isotropy,
-    effective_stiffness,
-    mean_height,
-)
-from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.flat_cell import FlatCell, mean_height, relax_flat_cell
+from asterism.homogenize.cell.linear_response import CellStability, cell_stability, tube_membrane_stiffness
 from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
 from asterism.homogenize.cell.point_group import is_threefold, point_group, tube_angles
-from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface, tube_membrane_stiffness
+from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell, star_size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -71,21 +64,16 @@ class Sample:
     failed : why some or all responses are missing, in one line; None for a complete sample.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates.
     lam : sqrt(det F), its contraction.
-    membrane : (3, 3) N/mm, tangent stiffness of the flat relaxed cell.
-    anisotropy : distance of the membrane's or the bending's tangent from isotropy, the larger one.
     angles_rad : (D,) rad, directions of the tubes on the print.
     natural_curvature : (D,) 1/mm of the contracted sheet: one over the radius of the mean surface.
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
-    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `tube_membrane`.
+    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `linear_response`.
     relief : (2, W) amplitudes of the corrugation, see `corrugation_waves`: in mm on the flat cell, and in mm^2 the
         change per curvature of the contracted sheet up to the natural tubes (mean over the directions).
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
         curvature; 0 without natural curvature and without threefold symmetry.
-    stiffness : (6, 6) `[A B; B^T D]` of the mean surface in N/mm, N and N mm, see `effective_stiffness`.
-    rest_curvature : (3,) 1/mm, Voigt curvature at which the linear response has no moment.
-    moment : (3,) N of the flat relaxed cell, conjugate to the Voigt curvature.
     centre_offset_mm : mm, star's centre over the mean surface of the flat cell.
     natural_centre_offset_mm : (D,) mm, the same on the natural tubes.
     bump_mm : mm, star's centre over its tips on the flat cell; it may be negative, and the side of the star is that of
@@ -97,7 +85,6 @@ class Sample:
     asymmetry : largest difference of natural curvatures in directions that are equal by symmetry, before they were made
         equal (`symmetric_responses`), over the largest curvature; 0 if the star keeps its symmetry.
     iterations : iterations of Newton's method in all solves.
-    seconds : s, wall time by part.
     """
 
     length_mm: float
@@ -110,8 +97,6 @@ class Sample:
     failed: str | None = None
     rest_metric: Array | None = None
     lam: float | None = None
-    membrane: Array | None = None
-    anisotropy: float | None = None
     angles_rad: Array | None = None
     natural_curvature: Array | None = None
     natural_energy: Array | None = None
@@ -121,9 +106,6 @@ class Sample:
     relief: Array | None = None
     bending: Array | None = None
     sixfold: float | None = None
-    stiffness: Array | None = None
-    rest_curvature: Array | None = None
-    moment: Array | None = None
     centre_offset_mm: float | None = None
     natural_centre_offset_mm: Array | None = None
     bump_mm: float | None = None
@@ -134,7 +116,6 @@ class Sample:
     natural_supercell_eigenvalue: Array | None = None
     asymmetry: float | None = None
     iterations: int = 0
-    seconds: dict[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -168,16 +149,14 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         raise ValueError(f"edge_mm = {edge_mm}: must be above 0")
     if angles is not None and not (len(angles) and np.isfinite(angles).all()):
         raise ValueError(f"angles = {angles}: must be finite numbers, at least one")
-    clock = Clock()
     sx, sy = design.fabric.stretch_xy
     if angles is None and sx != sy:
         raise DesignError("fabric.stretch", "must be one number if no angles are given", [sx, sy])
     angles = tube_angles(design.lattice) if angles is None else angles
-    with clock("mesh and model"):
-        cell = UnitCell(design, edge_mm)
+    cell = UnitCell(design, edge_mm)
     responses: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
     try:
-        _measure(clock, cell, angles, responses)
+        _measure(cell, angles, responses)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         responses = {"failed": str(error), "iterations": responses["iterations"]}
     finally:
@@ -192,36 +171,25 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
         vertices=cell.mesh.n_base,
-        seconds=clock.seconds,
         **responses,
     )
 
 
-def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
-    with clock("flat"):
-        flat = relax_flat_cell(cell)
+def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
+    flat = relax_flat_cell(cell)
     response["rest_metric"] = flat.deformation @ flat.deformation
     response["lam"] = flat.stretch
     response["bump_mm"] = float(flat.bump[0])
-    with clock("stiffness"):
-        linear = effective_stiffness(cell, flat)
-    response["stiffness"], response["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
-    response["moment"], response["rest_curvature"] = linear.moment, linear.rest_curvature
-    response["anisotropy"] = max(
-        distance_from_isotropy(linear.stiffness[:3, :3]), distance_from_isotropy(linear.stiffness[3:, 3:])
-    )
     response["centre_offset_mm"] = -mean_height(cell, flat.state)
     response["iterations"] = flat.iterations
-    with clock("stability"):
-        own = cell_stability(cell, flat.state)
+    own = cell_stability(cell, flat.state)
     response["eigenvalue"], response["supercell_eigenvalue"] = own.cell, own.supercell
     curves: list[TubeBranch] = []
     sx, sy = cell.design.fabric.stretch_xy
     threefold = is_threefold(cell.design.lattice)
     alike = sx == sy and threefold  # else the next direction's natural tube may be another form
     for angle in angles:
-        with clock("tubes"):
-            curves.append(trace_tubes(cell, flat, angle, curves[-1] if alike and curves else None))
+        curves.append(trace_tubes(cell, flat, angle, curves[-1] if alike and curves else None))
         response["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     response |= _bending(flat, curves, threefold)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
@@ -229,11 +197,9 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: 
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
     between = response["centre_offset_mm"] + part * (offsets - response["centre_offset_mm"])
     response["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
-    with clock("stiffness"):
-        response["natural_membrane"] = np.array([tube_membrane_stiffness(cell, tube) for tube in ends])
+    response["natural_membrane"] = np.array([tube_membrane_stiffness(cell, tube) for tube in ends])
     response["relief"] = _relief(cell, flat, ends)
-    with clock("stability"):
-        lowest = [_tube_stability(cell, tube) for tube in ends]
+    lowest = [_tube_stability(cell, tube) for tube in ends]
     response["natural_eigenvalue"] = np.array([one.cell for one in lowest])
     response["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
 
@@ -299,17 +265,9 @@ def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tu
     group = group[kept]
     out = dict(responses)
     turns = np.array([_voigt_strain_turn(element) for element in group])
-    both = np.array([np.kron(np.eye(2), turn) for turn in turns])
-    means = {
-        "rest_metric": (group @ responses["rest_metric"] @ group.transpose(0, 2, 1)).mean(axis=0),
-        "stiffness": (both.transpose(0, 2, 1) @ responses["stiffness"] @ both).mean(axis=0),
-        "moment": (turns.transpose(0, 2, 1) @ responses["moment"]).mean(axis=0),
-    }
-    for name, mean in means.items():
-        if np.abs(mean - responses[name]).max() > RESPONSE_TOLERANCE * np.abs(mean).max():
-            out[name] = mean
-            if name == "stiffness":
-                out["membrane"] = mean[:3, :3]
+    metric = (group @ responses["rest_metric"] @ group.transpose(0, 2, 1)).mean(axis=0)
+    if np.abs(metric - responses["rest_metric"]).max() > RESPONSE_TOLERANCE * np.abs(metric).max():
+        out["rest_metric"] = metric
     source, element = _lowest_of_equals(responses["angles_rad"], responses["natural_energy"], group)
     for name in SCALAR_KEYS:
         if responses[name] is not None:

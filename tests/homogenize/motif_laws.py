@@ -9,7 +9,6 @@ import numpy as np
 from asterism.homogenize.campaign.campaign import SolveCell, run_campaign
 from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.fit_law import fit_law
-from asterism.homogenize.cell.effective_stiffness import EffectiveStiffness
 from asterism.homogenize.cell.motif_responses import CellComparison, MotifResponses, RolledDirection
 from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.law.motif_law import MotifLaw
@@ -24,8 +23,7 @@ def made_up(design: Design, edge_mm: float) -> MotifResponses:
     assert design.rods is not None
     line = design.rods.motif[0]
     thickness, width = float(line.thickness_mm), float(line.width_mm)  # type: ignore[arg-type]
-    stiffness = np.zeros((6, 6))
-    stiffness[:3, :3] = 900.0 * thickness * width * np.array([[1.0, 0.1, 0.05], [0.1, 0.6, 0.0], [0.05, 0.0, 0.2]])
+    membrane = 900.0 * thickness * width * np.array([[1.0, 0.1, 0.05], [0.1, 0.6, 0.0], [0.05, 0.0, 0.2]])
     stretch = 1.0 - 0.02 / (thickness * width)
     deformation = np.array([[stretch, 0.01 * width], [0.01 * width, 0.9 * stretch]])
     bending = 150.0 * width * thickness**3
@@ -36,8 +34,7 @@ def made_up(design: Design, edge_mm: float) -> MotifResponses:
     rods = bending * np.array([[1.0, 0.1, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, 0.45]])
     larger = 1.0 if thickness >= LEAST_THICKNESS else 0.9
     comparison = CellComparison(1.0, larger, np.array([0.9, 0.95]), np.array([0.7, 0.8]))
-    linear = EffectiveStiffness(stiffness, np.array([0.1, 0.1, 0.0]))
-    return MotifResponses(deformation, linear, rods, tubes, (), comparison, 10.0, 40)
+    return MotifResponses(deformation, membrane, rods, tubes, (), comparison, 10.0, 40)
 
 
 def learned_law(design: Design, folder: Path, respond: SolveCell | None = made_up) -> MotifLaw:

@@ -11,14 +11,15 @@ from scipy.linalg import block_diag
 from asterism.discrete.energies.bending.hinges import hinge_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.effective_stiffness import cell_stability, effective_stiffness
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.linear_response import cell_stability
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from tests.discrete.plain import plain_energies
 from tests.homogenize.cells import EDGE, design, full, shaken
+from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.test_cell_symmetry import _moved
 
 FIVE = {"lattice": {"arms": 5}}

@@ -7,8 +7,8 @@ import pytest
 
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.effective_stiffness import cell_stability
 from asterism.homogenize.cell.flat_cell import relax_flat_cell, with_orthogonal_directors
+from asterism.homogenize.cell.linear_response import cell_stability
 from asterism.homogenize.cell.rolling import UnrolledCell, roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from tests.discrete.plain import plain_energies
@@ -120,7 +120,7 @@ def test_uniform_sheets_have_their_closed_form(tube):
     cell.set_tube(curvature)
     radius = hoop / curvature
     n, k = cell.mesh.n_base, round(np.sqrt(cell.mesh.n_base))
-    step = np.asarray(bare.lattice.vectors) / k
+    step = cell.cell_vectors / k
 
     def at(printed):
         turn = curvature * printed[..., 1]
@@ -158,13 +158,10 @@ def test_supercell_has_four_times_the_energy_and_no_forces():
     one, flat = relaxed(10.0, 0.4)
     one.set_flat()
     four = UnitCell(design(10.0, 0.4), EDGE, repeat=(2, 2))
-    n, m = (2 * round(np.sqrt(one.mesh.n_base)),) * 2
-    i, j = (index.ravel() for index in np.indices((n, m)))
-    single = (i % (n // 2)) * (m // 2) + j % (m // 2)
-    cell = np.column_stack([i // (n // 2), j // (m // 2)])
     base = one.mesh.n_base
+    cell = np.repeat([[0, 0], [0, 1], [1, 0], [1, 1]], base, axis=0)
     images = flat.state.positions[base:]
-    positions = np.vstack([flat.state.positions[single] + cell @ images, 2.0 * images])
+    positions = np.vstack([np.tile(flat.state.positions[:base], (4, 1)) + cell @ images, 2.0 * images])
     state = State(positions, np.tile(flat.state.directors, (4, 1)))
     assert four.energy(state) == pytest.approx(4.0 * one.energy(flat.state), rel=1e-12)
     assert np.linalg.norm(four.gradient(state)) < 1e-5
@@ -236,12 +233,11 @@ def test_triangles_that_bend_with_their_neighbours_repeat_too():
     fabric = {"fabric": {"bending": "consistent"}}
     one, four = (UnitCell(design(9.0, 0.4, **fabric), EDGE, repeat=(n, n)) for n in (1, 2))
     assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.mesh.triangles)
-    k = round(np.sqrt(one.mesh.n_base))
-    i, j = (index.ravel() for index in np.indices((2 * k, 2 * k)))
+    count = one.mesh.n_base
     state = shaken(one, one.printed_state(), 0.2)
-    base, images = state.positions[: k * k], state.positions[k * k :]
-    lattice = np.column_stack([i // k, j // k])
-    positions = np.vstack([base[(i % k) * k + j % k] + lattice @ images, 2.0 * images])
+    base, images = state.positions[:count], state.positions[count:]
+    lattice = np.repeat([[0, 0], [0, 1], [1, 0], [1, 1]], count, axis=0)
+    positions = np.vstack([np.tile(base, (4, 1)) + lattice @ images, 2.0 * images])
     whole = State(positions, np.tile(state.directors, (4, 1)))
     for name in ("plate", "folds"):
         single, all_four = (

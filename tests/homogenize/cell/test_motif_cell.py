@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.effective_stiffness import cell_stability, effective_stiffness, reduction_matrix
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from asterism.homogenize.cell.linear_response import cell_stability, reduction_matrix
 from asterism.homogenize.cell.motif_cell_mesh import motif_cell_mesh
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.periodic_mesh import ImageNumbering, PeriodicMesh
@@ -26,6 +26,7 @@ from asterism.pattern.rods.motif_graph import motif_graph
 from tests.discrete.plain import plain_energies
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.cells import full, shaken
+from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, moved, parallel, stars, waves
 
 PATTERNS = {"grid": grid(), "diamonds": diamonds(), "honeycomb": honeycomb(6.0), "waves": waves()}

@@ -9,12 +9,12 @@ import pytest
 from scipy.optimize import minimize
 
 from asterism.discrete.energies.rods.network import torsion_constant
-from asterism.homogenize.cell.effective_stiffness import effective_stiffness
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import rest_curvature
+from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import Pattern, grid, motif_design, parallel
 
 WIDTH, THICKNESS = 1.2, 0.4

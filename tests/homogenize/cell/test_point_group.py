@@ -126,10 +126,9 @@ def test_a_flat_cell_that_bends_to_a_saddle_gets_the_symmetry_back() -> None:
     flat = relax_flat_cell(UnitCell(star, EDGE))
     assert abs(flat.deformation[0, 1]) > 1e-3
     sample = solve_cell(star, EDGE, tuple(np.radians([0.0, 30.0, 60.0, 90.0])))
-    metric, stiffness = sample.rest_metric, sample.membrane
-    assert metric is not None and stiffness is not None
+    metric = sample.rest_metric
+    assert metric is not None
     np.testing.assert_allclose(metric, metric[0, 0] * np.eye(2), atol=1e-12)
-    assert stiffness[0, 0] == pytest.approx(stiffness[1, 1]) and stiffness[0, 2] == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.slow
@@ -139,7 +138,7 @@ def test_a_cell_that_keeps_its_symmetry_keeps_its_digits(monkeypatch: pytest.Mon
     found = solve_cell(star, EDGE).to_dict()
     monkeypatch.setattr("asterism.homogenize.cell.sample.symmetric_responses", lambda responses, *_: responses)
     plain = solve_cell(star, EDGE).to_dict()
-    for name in found.keys() - {"asymmetry", "seconds"}:
+    for name in found.keys() - {"asymmetry"}:
         np.testing.assert_equal(found[name], plain[name])
     assert found["asymmetry"] == 0.0
 
@@ -152,8 +151,7 @@ def test_equal_directions_get_the_responses_of_lowest_energy() -> None:
     membrane += membrane.transpose(0, 2, 1)
     known: dict[str, Any] = {name: np.arange(6.0) for name in SCALAR_KEYS}
     known |= {"angles_rad": np.radians(30.0 * np.arange(6)), "natural_curvature": kappa, "natural_energy": energy}
-    known |= {"natural_membrane": membrane, "rest_metric": np.array([[0.7, 0.02], [0.02, 0.6]]), "moment": np.ones(3)}
-    known |= {"stiffness": np.eye(6)}
+    known |= {"natural_membrane": membrane, "rest_metric": np.array([[0.7, 0.02], [0.02, 0.6]])}
     found = symmetric_responses(known, point_group(Lattice(**FOUR)), (1.35, 1.35))
     np.testing.assert_array_equal(found["natural_curvature"], [0.1, 0.08, 0.08, 0.1, 0.08, 0.08])
     np.testing.assert_array_equal(found["natural_energy"], [-3.1, -2.5, -2.5, -3.1, -2.5, -2.5])

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.effective_stiffness import effective_stiffness
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.rod_bending import GAUSSIAN, completed_by_rods, rod_bending
 from asterism.homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cell.test_motif_cell import EDGE, PATTERNS, recut, relaxed
 from tests.homogenize.cell.test_motif_closed_forms import stiff
+from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import Pattern, diamonds, motif_design, parallel
 
 

@@ -7,14 +7,14 @@ import json
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.effective_stiffness import effective_stiffness, mean_height
-from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.flat_cell import mean_height, relax_flat_cell
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.errors import DesignError
 from tests.homogenize.cells import EDGE, design, relaxed, sample
+from tests.homogenize.linear_cell import effective_stiffness
 
 SPACING = 10.0 * np.sqrt(3.0)
 WHOLE = 40.0 / np.sqrt(12.0)  # mm, four edges of the cells' mesh: one mesh says it all
@@ -32,27 +32,30 @@ def test_bare_fabric(edge):
     np.testing.assert_array_equal(bare.natural_curvature, 0.0)
     plane = MODULUS * THICK / (1.0 - POISSON**2) * np.array([[1, POISSON, 0], [POISSON, 1, 0], [0, 0, 0.35]])
     # strains of the print are s^2 times smaller than those of the released sheet, whose area is s^2 times smaller
-    np.testing.assert_allclose(bare.membrane, plane * STRETCH**2, rtol=1e-7, atol=1e-7)
+    linear = effective_stiffness(*relaxed(0.0, 0.4, edge))
+    np.testing.assert_allclose(linear.stiffness[:3, :3], plane * STRETCH**2, rtol=1e-7, atol=1e-7)
     cylinder = 3.0 * MODULUS * THICK**3 / (12.0 * (1.0 - POISSON**2))
-    bending = bare.stiffness[3:, 3:]
+    bending = linear.stiffness[3:, 3:]
     for angle in (0.0, 0.4, 1.1):
         t = np.array([-np.sin(angle), np.cos(angle)])
         form = np.array([t[0] ** 2, t[1] ** 2, 2.0 * t[0] * t[1]])
         assert form @ bending @ form == pytest.approx(cylinder * STRETCH**2, rel=1e-6)
-    np.testing.assert_allclose(bare.stiffness[:3, 3:], 0.0, atol=1e-6)
-    np.testing.assert_allclose(bare.moment, 0.0, atol=1e-7)
+    np.testing.assert_allclose(linear.stiffness[:3, 3:], 0.0, atol=1e-6)
+    np.testing.assert_allclose(linear.moment, 0.0, atol=1e-7)
     np.testing.assert_allclose(bare.bending, cylinder / STRETCH**2, rtol=1e-3)  # of a slightly curved tube
     assert bare.sixfold == 0.0
 
 
 def test_bare_fabric_that_bends_as_a_plate():
     """Both constants of the plate, which the paper's hinges do not have."""
-    bare = solve_cell(design(0.0, fabric={"bending": "consistent"}), EDGE, (0.2,))
+    cell = UnitCell(design(0.0, fabric={"bending": "consistent"}), EDGE)
+    stiffness = effective_stiffness(cell, relax_flat_cell(cell)).stiffness
+    bare = solve_cell(cell.design, EDGE, (0.2,))
     assert bare.lam == pytest.approx(1.0 / STRETCH, abs=1e-8)
     plate = (
         MODULUS * THICK**3 / (12.0 * (1.0 - POISSON**2)) * np.array([[1, POISSON, 0], [POISSON, 1, 0], [0, 0, 0.35]])
     )
-    np.testing.assert_allclose(bare.stiffness[3:, 3:], plate * STRETCH**2, atol=2e-5 * plate.max())
+    np.testing.assert_allclose(stiffness[3:, 3:], plate * STRETCH**2, atol=2e-5 * plate.max())
     np.testing.assert_allclose(bare.bending, plate[0, 0] / STRETCH**2, rtol=1e-3)
 
 
@@ -60,8 +63,8 @@ def test_bare_fabric_that_bends_as_a_plate():
     ("length", "thickness"), [pytest.param(10.0, 0.4, marks=pytest.mark.slow), (10.0, 0.6), (7.0, 0.3)]
 )
 def test_three_arms_make_isotropic_linear_responses(length, thickness):
-    found = sample(length, thickness)
-    metric = found.rest_metric
+    cell, flat = relaxed(length, thickness)
+    metric, found = flat.deformation @ flat.deformation, effective_stiffness(cell, flat)
     np.testing.assert_allclose(metric, metric[0, 0] * np.eye(2), atol=1e-6 * metric[0, 0])
     for rows in (slice(0, 3), slice(3, 6)):
         for columns in (slice(0, 3), slice(3, 6)):
@@ -146,12 +149,13 @@ def test_natural_tube_has_no_moment_and_the_least_energy():
 
 def test_rest_curvature_of_the_linear_cell_is_that_of_slightly_curled_tubes():
     """A cylinder takes `(1 + nu)` times the isotropic rest curvature, nu of the bending at free membrane."""
-    found = solve_cell(design(SPACING / 3.0, 0.55), 1.92, (0.0, np.pi / 6))
+    cell = UnitCell(design(SPACING / 3.0, 0.55), 1.92)
+    linear, found = effective_stiffness(cell, relax_flat_cell(cell)), solve_cell(cell.design, 1.92, (0.0, np.pi / 6))
     assert 0.05 < SPACING * found.natural_curvature[0] < 0.15
-    np.testing.assert_allclose(found.rest_curvature, found.rest_curvature[0] * np.array([1, 1, 0]), atol=1e-9)
-    a, b, d = found.stiffness[:3, :3], found.stiffness[:3, 3:], found.stiffness[3:, 3:]
+    np.testing.assert_allclose(linear.rest_curvature, linear.rest_curvature[0] * np.array([1, 1, 0]), atol=1e-9)
+    a, b, d = linear.stiffness[:3, :3], linear.stiffness[:3, 3:], linear.stiffness[3:, 3:]
     free = d - b.T @ np.linalg.solve(a, b)
-    cylinder = found.rest_curvature[0] * (1.0 + free[0, 1] / free[0, 0])
+    cylinder = linear.rest_curvature[0] * (1.0 + free[0, 1] / free[0, 0])
     np.testing.assert_allclose(found.natural_curvature * found.natural_hoop**2, cylinder, rtol=0.01)
 
 

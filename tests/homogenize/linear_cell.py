@@ -1,4 +1,4 @@
-"""Effective stiffness of the flat relaxed cell for strains and curvatures: the linear objective cell.
+"""The linear objective cell, another way to the stiffness of the flat relaxed cell for strains and curvatures.
 
 The image of a lattice vector A is an infinitesimal rigid motion. For the strain E and the curvature K it is
 
@@ -18,11 +18,6 @@ Gaussian curvature does work on the forces within a relaxed cell: `c det K`, whi
 D33. No cylinder shows c, and images of two directions commute to first order only, so that c depends on the points that
 represent the cell. In a sheet c is fixed at its border, where Airy's function of the inner forces vanishes. Take
 `D12 + 2 D33` from here, and the rest from elsewhere (`homogenize.cell.rod_bending`).
-
-Stability is that on the cell itself and on a supercell of 2 x 2 stars. A displacement of the supercell is a sum of four
-kinds (Bloch waves): those that repeat from cell to cell, and those that change their sign along A1, along A2 or along
-both. The Hessian does not couple them. So the spectrum of the supercell is that of four matrices of the size of one
-cell.
 """
 
 from __future__ import annotations
@@ -34,23 +29,13 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from asterism.discrete.model.state import State
-from asterism.equilibrium.arrays import Array, Floats
-from asterism.equilibrium.linear.backends import make_factor
-from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.equilibrium.newton.certificate import smallest_eigenvalue
-from asterism.homogenize.cell.flat_cell import FlatCell
-from asterism.homogenize.cell.periodic_images import PeriodicImages
+from asterism.equilibrium.arrays import Array
+from asterism.homogenize.cell.flat_cell import FlatCell, mean_height
+from asterism.homogenize.cell.linear_response import NEUTRAL_SHIFT, reduction_matrix
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 # Voigt: 11, 22 and 2 x 12 as symmetric matrices
 VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
-# 1: added to the diagonal over its largest entry. A straight line in a flat sheet turns about itself without energy.
-NEUTRAL_SHIFT = 1e-12
-# Kelvin notation (11, 22, sqrt 2 x 12): rotations keep the norm of a stiffness
-KELVIN_FACTORS = np.array([1.0, 1.0, np.sqrt(2.0)])
-# signs along A1 and A2 of the displacements that do not repeat from cell to cell
-SIGN_CHANGES = ((-1, 1), (1, -1), (-1, -1))
 
 
 @dataclass(frozen=True)
@@ -148,34 +133,6 @@ def _of_lower_surface(stiffness: Array, moment: Array, depth: float, inverse_met
     return out
 
 
-def mean_height(cell: UnitCell, state: State) -> float:
-    """mm, height of a flat cell's points over the held point, weighted by printed area."""
-    z = state.positions[: cell.mesh.n_base, 2]
-    return float(cell.weights @ z - z[ANCHOR])
-
-
-def reduction_matrix(images: PeriodicImages, signs: Array, n_twists: int, turned: bool = True) -> sp.csr_matrix:
-    """(3 U + R + 3 K, 3 V + R + 3 J) unfolded degrees of freedom from those of the cell.
-
-    Parameters
-    ----------
-    images : of the points and joints.
-    signs : (U,) factors of the images.
-    n_twists : R.
-    turned : the images turn; otherwise they move as their base points.
-    """
-
-    def block(base: Array, factors: Array, turn: Array, n_base: int) -> sp.bsr_matrix:
-        blocks = factors[:, None, None] * (turn if turned else np.eye(3))
-        rows = np.arange(len(base) + 1)
-        return sp.bsr_matrix((blocks, base, rows), shape=(3 * len(base), 3 * n_base))
-
-    parts = [block(images.base, signs, images.turn, images.n_base), sp.identity(n_twists)]
-    if images.n_joints:
-        parts.append(block(images.joint, signs[images.joint_point], images.joint_turn, images.n_joints))
-    return sp.block_diag(parts, format="csr")
-
-
 def _about(tilt: Array) -> Array:
     """(U, 3) e3 x tilt (U, 2)."""
     return np.column_stack([-tilt[:, 1], tilt[:, 0], np.zeros(len(tilt))])
@@ -208,65 +165,3 @@ def _changed_rotations(span: Array, inverse: Array) -> Iterator[tuple[int, int, 
     for i, strain in enumerate(VOIGT_BASIS):
         for j, form in enumerate(VOIGT_BASIS):
             yield i, j, _about(span @ (-inverse.T @ strain @ inverse @ inverse.T @ form).T)
-
-
-def isotropic_constants(stiffness: Floats) -> tuple[float, float]:
-    """Constants A11 and A12 of the isotropic tensor nearest to a Voigt stiffness (3, 3).
-
-    Examples
-    --------
-    >>> isotropic_constants(np.array([[4.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]))
-    (4.0, 1.0)
-    """
-    a = np.asarray(stiffness)
-    one = (3 * a[0, 0] + 3 * a[1, 1] + 2 * a[0, 1] + 4 * a[2, 2]) / 8
-    two = (a[0, 0] + a[1, 1] + 6 * a[0, 1] - 4 * a[2, 2]) / 8
-    return float(one), float(two)
-
-
-def distance_from_isotropy(stiffness: Floats) -> float:
-    """Distance of a Voigt stiffness (3, 3) from the nearest isotropic one, over its own norm (Frobenius)."""
-    one, two = isotropic_constants(stiffness)
-    nearest = np.array([[one, two, 0.0], [two, one, 0.0], [0.0, 0.0, 0.5 * (one - two)]])
-    scale = np.outer(KELVIN_FACTORS, KELVIN_FACTORS)
-    return float(np.linalg.norm(scale * (stiffness - nearest)) / np.linalg.norm(scale * stiffness))
-
-
-@dataclass(frozen=True)
-class CellStability:
-    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm.
-
-    Attributes
-    ----------
-    cell : of displacements that repeat from cell to cell.
-    supercell : of all displacements of 2 x 2 stars.
-    """
-
-    cell: float
-    supercell: float
-
-
-def cell_stability(cell: UnitCell, state: State) -> CellStability:
-    """Smallest eigenvalues at an equilibrium.
-
-    Parameters
-    ----------
-    state : equilibrium of the cell with its present images (flat or tube).
-    """
-    factor, modes = cell.factor(), cell.rigid_modes(state)
-    own = smallest_eigenvalue(cell.pattern, cell.hessian(state, 0.0), factor, modes)
-    lowest = own
-    hessian, torus = cell.unfolded_hessian(state), cell.mesh
-    for signs in SIGN_CHANGES:
-        change = np.prod(np.array(signs) ** np.abs(torus.image), axis=1)
-        inner = reduction_matrix(cell.images, change, len(cell.edges))
-        low = sp.tril(inner.T @ hessian @ inner, format="csc")
-        low.sort_indices()
-        pattern = SparsePattern.from_lower(low)
-        own_factor = make_factor(pattern)
-        try:
-            supercell_pair = smallest_eigenvalue(pattern, low.data, own_factor, np.empty((pattern.size, 0)))
-        finally:
-            own_factor.close()
-        lowest = min(lowest, supercell_pair, key=lambda pair: pair.value)
-    return CellStability(own.value, lowest.value)
