@@ -15,7 +15,13 @@ from asterism.discrete.model.star_bumps import bump_heights
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.newton.minimise import minimise
-from asterism.homogenize.cell.flat_cell import FlatCell, between, cell_gradient_tolerance, polished, with_orthogonal_directors
+from asterism.homogenize.cell.flat_cell import (
+    FlatCell,
+    between,
+    cell_gradient_tolerance,
+    polished,
+    with_orthogonal_directors,
+)
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 
