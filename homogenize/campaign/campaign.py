@@ -6,21 +6,25 @@ never uses samples of another material or of other code.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
+from asterism.homogenize.campaign import workers
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt, code_version
-from asterism.homogenize.campaign.workers import solve_missing
 from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.plan import CellTask, LawPlan
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
+
+# so many cells are solved in this process
+FEW_CELLS = 3
 
 
 class CellAnswer(Protocol):
@@ -126,17 +130,20 @@ def run_campaign(
 
     def record(task: CellTask) -> SampleRecord:
         outcome = known[name[task]]
-        failed = outcome.failed or (None if outcome.sample is None else _doubt(outcome.sample))
+        failed = outcome.failed or next(iter((outcome.sample or {}).get("doubts", ())), None)
         return SampleRecord(task, plan.label(task), outcome.sample, failed, outcome.crashed, outcome.seconds)
 
     failed = sum(record(task).failed is not None for key, task in first.items() if key in known)
-    begin = CampaignProgress(len(known), len(first), failed, None, None)
-    cells = [(inputs[task], (solve, designs[task], plan.edge_mm, code_version())) for task in missing]
-    with closing(solve_missing(kept, _solve_one, cells, jobs, dask, lambda: send_report(begin))) as solved:
-        for number, outcome, left in solved:
-            known[name[missing[number]]] = outcome
-            last = record(missing[number])
+    start = time.perf_counter()
+    with _workers(len(missing), jobs, dask) as submit_all:
+        send_report(CampaignProgress(len(known), len(first), failed, None, None))
+        arguments = [(solve, designs[task], plan.edge_mm, code_version()) for task in missing]
+        for count, (number, outcome) in enumerate(submit_all(_solve_one, arguments), 1):
+            task = missing[number]
+            known[name[task]] = kept.write(inputs[task], outcome)
+            last = record(task)
             failed += last.failed is not None
+            left = (time.perf_counter() - start) / count * (len(missing) - count)
             send_report(CampaignProgress(len(known), len(first), failed, left, last))
     return [record(task) for task in tasks]
 
@@ -149,9 +156,11 @@ def cell_inputs(design: Design, edge_mm: float, respond: SolveCell | None = None
     return {**parts, "edge_mm": edge_mm, "graded": design.mesh.graded, **other}
 
 
-def _doubt(sample: dict[str, Any]) -> str | None:
-    """Why the answer of a cell does not stand for a sheet."""
-    return next(iter(sample.get("doubts", ())), None)
+def _workers(cells: int, jobs: int, dask: str | None) -> AbstractContextManager[workers.SubmitAll]:
+    """Those that solve so many cells; a few are solved here, before a process would have begun."""
+    if cells and dask is not None:
+        return workers.dask_workers(dask)
+    return workers.local_workers(min(jobs, cells)) if cells > FEW_CELLS else workers.this_process()
 
 
 def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) -> Outcome:

@@ -17,12 +17,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.errors import AddressError, CampaignError
 
 Arrivals = Iterator[tuple[int, Any]]
@@ -43,9 +42,6 @@ WORKER_ENVIRONMENT = {
     "NUMBA_NUM_THREADS": "1",
     "MKL_CBWR": "AUTO,STRICT",
 }
-# so many cells are solved in this process
-FEW_CELLS = 3
-Cell = tuple[Mapping[str, Any], tuple[Any, ...]]
 
 
 def default_jobs() -> int:
@@ -210,45 +206,3 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
                     client.cancel(futures)
 
         yield submit_all
-
-
-def solve_missing(
-    kept: KeptSamples,
-    function: Callable[..., Outcome],
-    cells: Sequence[Cell],
-    jobs: int,
-    dask: str | None,
-    begin: Callable[[], None],
-) -> Generator[tuple[int, Outcome, float], None, None]:
-    """Solve cells, and yield their numbers and outcomes as they are kept, with an estimate of the seconds left.
-
-    The workers end with the generator: close it (`contextlib.closing`), also after an interruption.
-
-    Parameters
-    ----------
-    function : solves a cell. Other processes must be able to import it.
-    cells : for each the inputs that its file is named by, and the arguments of the function.
-    jobs : number of processes on this machine.
-    dask : address of a Dask scheduler, whose workers take the place of these processes.
-    begin : called when the workers are there, and at once if there is no cell.
-
-    Raises
-    ------
-    CampaignError, AddressError
-        See `homogenize.campaign.workers`.
-    """
-    if not cells:
-        begin()
-        return
-    start, processes = time.perf_counter(), min(jobs, len(cells))
-    workers: AbstractContextManager[SubmitAll]
-    if dask is not None:
-        workers = dask_workers(dask)
-    else:  # a few cells are done before a process has begun
-        workers = local_workers(processes) if len(cells) > FEW_CELLS else this_process()
-    with workers as submit_all:
-        begin()
-        arrivals = submit_all(function, [arguments for _, arguments in cells])
-        for count, (number, outcome) in enumerate(arrivals, 1):
-            left = (time.perf_counter() - start) / count * (len(cells) - count)
-            yield number, kept.write(cells[number][0], outcome), left

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import multiprocessing
 import shutil
 import signal
 import subprocess
@@ -271,6 +272,19 @@ def test_a_scheduler_that_is_killed_is_named(tmp_path: Path) -> None:
     finally:
         cluster.kill()
         cluster.communicate()
+
+
+def in_a_daemon(folder: Path) -> None:
+    run_campaign(plan(), folder, 2, respond=fake.solve_cell)
+
+
+@pytest.mark.slow
+def test_a_process_of_the_studio_has_workers_too(tmp_path: Path) -> None:
+    """It is a daemon, which may have no children of multiprocessing."""
+    process = multiprocessing.get_context("spawn").Process(target=in_a_daemon, args=(tmp_path,), daemon=True)
+    process.start()
+    process.join()
+    assert process.exitcode == 0 and len(list(tmp_path.iterdir())) == len(plan().tasks())
 
 
 @pytest.mark.usefixtures("one_process")
