@@ -29,7 +29,7 @@ from asterism.pattern.design.residual_curvature import ResidualCurvature
 from asterism.pattern.layout.layout import Layout
 from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
-from asterism.results.words import VISIBLE_SAG_MM, distance_error, height_error
+from asterism.results.words import VISIBLE_SAG_MM, distance_error, height_error, shape_in_words
 from asterism.shape.shape import Shape
 
 Facts = dict[str, list[str]]
@@ -290,7 +290,7 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
     if (above := summary.get("above_needles_mm")) is not None:
         lines.append(f"rises {above:.1f} mm over its needles")
     if "is_minimum" in summary:
-        lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT a certified equilibrium")
+        lines.append(shape_in_words(summary))
     return lines
 
 

@@ -21,13 +21,17 @@ from asterism.shape.shape import Shape
 
 
 def shape_for_report(
-    design: Design, results: Path | None, beside: Path | None, say: Callable[[str], None], law: Law[Any] | None = None
+    design: Design,
+    results: Path | Shape | None,
+    beside: Path | None,
+    say: Callable[[str], None],
+    law: Law[Any] | None = None,
 ) -> tuple[Shape | None, str]:
     """Return a shape of the design and its origin; None and the reason if no preview is available.
 
     Parameters
     ----------
-    results : directory of results, or its shape.vtu.
+    results : a shape, the directory of its results, or its shape.vtu.
     beside : usual directory of the results. They are used if they belong to this design; a preview among them is
         ignored if a law is given.
     say : called with a line if the first run compiles loops, and if no shape is available.
@@ -44,7 +48,7 @@ def shape_for_report(
     from asterism.process.compiling import announce_compiling
 
     if results is not None:
-        shape = read_shape(results)
+        shape = results if isinstance(results, Shape) else read_shape(results)
         if not _is_of(shape, design):
             raise DesignError("--results", "must be of this design; compute them again", str(results))
         return shape, shape.made_by
@@ -102,7 +106,7 @@ def report(
     design: Design,
     path: str | Path,
     *,
-    results: str | Path | None = None,
+    results: str | Path | Shape | None = None,
     beside: str | Path | None = None,
     printer: str | Printer = "ultimaker2",
     plastic: str | PlasticProfile = "tpu95a",
@@ -114,7 +118,7 @@ def report(
     Parameters
     ----------
     path : file of the page; it ends with `.pdf`.
-    results : directory of results of this design, or its shape.vtu; a new preview by default.
+    results : a shape of this design, the directory of its results, or its shape.vtu; a new preview by default.
     beside : directory whose results are used if they belong to this design; ignored otherwise.
     printer, plastic : a profile, its name, or its file.
     law : law of a new preview; that of the paper's material by default.
@@ -141,7 +145,7 @@ def report(
     prepare(design, machine, profile, any_size=True)
     shape, source = shape_for_report(
         design,
-        None if results is None else Path(results),
+        Path(results) if isinstance(results, str) else results,
         None if beside is None else Path(beside),
         say or (lambda line: None),
         law,

@@ -119,6 +119,26 @@ def sag_in_words(below_mm: float, error_mm: float | None) -> str:
     return f"{below_mm:.1f} mm below the base{error}"
 
 
+def shape_in_words(summary: Mapping[str, Any]) -> str:
+    """The state of a shape: of which model it is, and how far it may be from the truth. The worst comes first.
+
+    >>> shape_in_words({"model": "preview", "is_minimum": True, "expected_rms_percent": 1.52})
+    'Preview, about 1.5 %'
+    >>> shape_in_words({"model": "exact", "is_minimum": True, "mesh_error_percent": 0.7})
+    'Exact, mesh error 0.7 %'
+    >>> shape_in_words({"model": "exact", "is_minimum": False, "mesh_error_percent": 0.7})
+    'Not an equilibrium'
+    """
+    if not summary.get("is_minimum"):
+        return "Not an equilibrium"
+    is_preview = summary.get("model") == "preview"
+    percent = summary.get("expected_rms_percent" if is_preview else "mesh_error_percent")
+    number = "unknown" if percent is None else "below 0.1 %" if percent < 0.05 else f"{percent:.1f} %"
+    if is_preview:
+        return "Preview" if percent is None else f"Preview, about {number}"
+    return f"Exact, mesh error {number}"
+
+
 def doubts(summary: Mapping[str, Any]) -> list[str]:
     """The reasons in the summary of a preview, an exact shape or a verification, each once.
 

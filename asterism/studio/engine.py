@@ -1,8 +1,8 @@
 """The engine: one preview, which shows edits as they come. The newest edit wins.
 
 An edit gives the linear response at once and then the equilibrium. While the pointer is down, equilibria are left out
-if newer edits wait, but not for long. When nothing has been asked for a while, a fine mesh follows, with the estimated
-error, the warnings and the other forms.
+if newer edits wait, but not for long. When nothing has been asked for a while, a fine mesh follows, with the error, the
+warnings and the other forms, and the exact model can go on from there. A pattern without a preview is left to it.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
+from asterism.exact.cost import exact_cost
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -35,7 +36,6 @@ from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
 from asterism.studio.messages import (
-    NO_PREVIEW,
     Busy,
     Edit,
     FitTarget,
@@ -43,15 +43,16 @@ from asterism.studio.messages import (
     Limits,
     Parts,
     Ready,
+    Rested,
     ShowForm,
     Sign,
     StudioProblem,
 )
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
-from asterism.studio.summaries import blank_summary, printed_summary, rest_summary
+from asterism.studio.summaries import blank_summary, rest_summary
 
 MAX_STEP_S = 30.0  # of a computation without a sign of its own; then the engine counts as hanging
-REST_S = 0.3  # without a message, after which the fine frame follows
+REST_S = 0.3  # without a message, after which the fine frame and the exact model follow
 
 
 class Engine:
@@ -70,6 +71,7 @@ class Engine:
         self._inbox, self._send_on = inbox, send
         self._bounds = SearchBounds(inbox, send, clock)
         self._preview: Preview | None = None
+        self._printed: Design | None = None  # a design without a preview
         self._known: Edit | None = None
         self._design: Design | None = None
         self._limits = EngineLimits()
@@ -93,6 +95,9 @@ class Engine:
         if isinstance(message, Parts):
             self._try(lambda: self._frames.send_again(message, self._preview, self._is_dragging))
             return
+        if isinstance(message, FitTarget):
+            self._try(lambda: self._frames.send_pose(self._preview, message.seq))
+            return
         self._is_resting = False
         if isinstance(message, Edit):
             self._try(lambda: self._edit(message))
@@ -100,8 +105,6 @@ class Engine:
             self._try(lambda: self._search(self._flip))
         elif isinstance(message, ShowForm):
             self._try(lambda: self._search(lambda: self._show_form(message.index)))
-        elif isinstance(message, FitTarget):
-            self._try(lambda: self._frames.send_pose(self._preview, message.seq))
 
     def rest(self) -> None:
         """After a while without edits: a fine frame, and all that is known about the shape."""
@@ -159,10 +162,10 @@ class Engine:
             self._show_design(design, edit)
         except BlankSheetError:
             self._show_blank(design)
-        except (DesignError, LawError) as error:
-            if design.rods is None or self._preview is not None:
+        except (DesignError, LawError):
+            if design.rods is None:
                 raise
-            self._show_printed(design, error)
+            self._show_printed(design)
 
     def _show_design(self, design: Design, edit: Edit) -> None:
         preview = self._preview
@@ -175,6 +178,7 @@ class Engine:
     def _open(self, design: Design, snapshot: bytes | None) -> None:
         """Go to the form of a snapshot, or to the one that a search finds; the form shown before has no influence."""
         preview, self._preview = self._preview, None  # if this fails, later edits must not go on from the old form
+        self._printed = None
         self._owes_search = False
         if preview is None:
             preview = Preview(design, check=self._bounds.check, say=self._say)
@@ -276,17 +280,19 @@ class Engine:
         self._frames.send_blank(design, self._bounds.seq)
         self._send(blank_summary(self._bounds.seq))
 
-    def _show_printed(self, design: Design, reason: Exception) -> None:
-        """Send the flat sheet of a pattern that has no preview, and why it has none."""
-        self._is_resting = True
-        seq = self._bounds.seq
-        self._frames.send_printed(design, seq)
-        self._send(printed_summary(seq))
-        self._send(StudioProblem(seq, NO_PREVIEW, " ".join(str(reason).split())))
+    def _show_printed(self, design: Design) -> None:
+        """Send the flat sheet of a pattern that has no preview: the exact model has to compute it."""
+        self._preview = None
+        self._printed = design
+        self._frames.send_printed(design, self._bounds.seq)
 
     def _show_at_rest(self) -> None:
-        preview, known = self._preview, self._known
-        if preview is None or known is None or known.is_dragging:
+        preview, known, seq = self._preview, self._known, self._bounds.seq
+        if known is None or known.is_dragging:
+            return
+        if preview is None:
+            if self._printed is not None:
+                self._send(Rested(seq, None, exact_cost(self._printed).seconds))
             return
         if preview.state.result is not preview.state.resting:
             return  # a linear response
@@ -295,10 +301,12 @@ class Engine:
             self._owes_search = False
             self._show(EQUILIBRIUM, None)
         shape = preview.shape()
+        if self._inbox.has_waiting:
+            raise Superseded
+        self._send(Rested(seq, pickle.dumps(shape), exact_cost(preview.design).seconds))
         self._frames.prepare_fine(preview)
         if self._inbox.has_waiting:
             raise Superseded
-        seq = self._bounds.seq
         frame = self._frames.fine(preview, seq)
         self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
         self._send(rest_summary(seq, preview, shape))

@@ -146,7 +146,7 @@ def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Fr
     """The flat, released sheet of a design without stars: its mesh under a number, and its frame."""
     shape = blank_sheet(design)
     mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64), is_fine=True)
-    return mesh, _flat_frame(number, seq, shape.positions, None)
+    return mesh, _flat_frame(number, seq, "exact", shape.positions, None)
 
 
 def printed_messages(design: Design, layout: Layout, number: int, seq: int) -> tuple[ShownMesh, Frame]:
@@ -158,17 +158,17 @@ def printed_messages(design: Design, layout: Layout, number: int, seq: int) -> t
     marks = SheetMarks(mesh.points, mesh.triangles)
     shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(layout).site, is_fine=True)
     normals = np.tile(np.array([0.0, 0.0, 1.0]), (len(positions), 1))
-    return shown, _flat_frame(number, seq, positions, marks.ribbons(layout, positions, normals))
+    return shown, _flat_frame(number, seq, "printed", positions, marks.ribbons(layout, positions, normals))
 
 
-def _flat_frame(number: int, seq: int, positions: Floats, ribbons: tuple[Floats, Floats] | None) -> Frame:
+def _flat_frame(number: int, seq: int, stage: str, positions: Floats, ribbons: tuple[Floats, Floats] | None) -> Frame:
     """A flat sheet at positions (V, 3), with the ribbons of its rods."""
     count, small = len(positions), np.float32
     arms, arm_normals = ribbons or (np.empty((0, STATIONS, 3, 3)), np.empty((0, STATIONS, 3)))
     return Frame(
         seq=seq,
         mesh=number,
-        stage="equilibrium",
+        stage=stage,
         positions=positions.astype(small),
         curvature=np.zeros(count, dtype=small),
         strain=np.zeros(count, dtype=small),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
@@ -19,6 +19,8 @@ from asterism.studio.messages import (
     Frame,
     Limits,
     Parts,
+    Ready,
+    Rested,
     ShapeSummary,
     ShowForm,
     ShownMesh,
@@ -32,6 +34,9 @@ from asterism.studio.star_sizes import split
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.target import Target
 
+if TYPE_CHECKING:
+    from asterism.studio.settling import Settling
+
 
 class StudioOwner(Protocol):
     """The part of the studio that its helpers use; they stand below it."""
@@ -41,6 +46,7 @@ class StudioOwner(Protocol):
     tabs: Tabs
     engine: EngineRequests
     parts: FrameParts
+    settling: Settling
 
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...
@@ -66,6 +72,7 @@ class EngineRequests:
         self._studio = studio
         self.limits: Limits | None = None
         self.last_seq = 0
+        self._first_seq = 0  # of the last question for another shape
         self._revisions: dict[int, int] = {}  # of the document, by question
         self._sent_base: dict[str, Any] | None = None
         self.link = make_engine(self._answer, studio.tell_state)
@@ -92,6 +99,7 @@ class EngineRequests:
         self, document: Document, is_dragging: bool = False, is_opened: bool = False, snapshot: bytes | None = None
     ) -> None:
         """Have the engine compute what the document shows; the arguments are those of `Edit`."""
+        self._ask_anew()
         base, sites, sizes, removed = split(document.table)
         design = None if base == self._sent_base else base
         self._sent_base = base
@@ -102,8 +110,15 @@ class EngineRequests:
 
     def search(self, request: ask.Simple | ask.FormRequest) -> None:
         """Have the engine search for the other side, or for another form."""
+        self._ask_anew()
         seq = self._new_seq()
         self.link.ask(ShowForm(seq, request.index) if isinstance(request, ask.FormRequest) else Flip(seq))
+
+    def _ask_anew(self) -> None:
+        """Another shape is asked for: the exact one is that of another design or form."""
+        self._studio.settling.cancel()
+        self._studio.shown.exact = None
+        self._first_seq = self.last_seq + 1
 
     def fit_target(self) -> int:
         """Have the engine lay the target on the shape; return the number of the question."""
@@ -117,11 +132,16 @@ class EngineRequests:
         match message:
             case ShownMesh():
                 shown.add_mesh(message)
+            case Ready():
+                studio.settling.warm()
             case Frame() if revision >= 0:
                 shown.add_frame(message, revision, studio.tabs)
                 studio.tell_state()
             case ShapeSummary() if revision >= 0:
                 shown.add_summary(message, revision)
+                studio.tell_state()
+            case Rested() if revision >= 0 and message.seq >= self._first_seq:
+                studio.settling.rest(message, revision)
                 studio.tell_state()
             case TargetPose():
                 studio.parts.move(message)
@@ -172,6 +192,7 @@ class FrameParts:
         surface = None if self.target is None else self.target.surface
         self._requested = Parts(self._studio.engine.last_seq, smooth, surface, self.version)
         self._studio.engine.link.request_parts(self._requested)
+        self._studio.settling.show_again()
 
     def load(self, target: Target) -> None:
         """Show a target that was sent, laid on the shape if there is one."""

@@ -18,7 +18,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Array
 from asterism.studio.messages import Frame, ShownMesh
 
-MESH, SHAPE, COMPARISON = 1, 2, 3
+MESH, SHAPE = 1, 2
 _DTYPES = {"f": "f4", "u": "u4", "i": "u4", "b": "u1"}
 
 
@@ -97,13 +97,14 @@ def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:
         "arm_normals": _whole(frame.arm_normals),
         "needles": frame.needles,
     }
-    if (smooth := frame.smooth) is not None:
-        arrays |= {
-            "smooth": smooth.positions,
-            "smooth_arms": smooth.arms,
-            "smooth_arm_normals": _whole(smooth.arm_normals),
-            "smooth_needles": smooth.needles,
-        }
+    for name, part in (("smooth", frame.smooth), ("before", frame.before)):
+        if part is not None:
+            arrays |= {
+                name: part.positions,
+                f"{name}_arms": part.arms,
+                f"{name}_arm_normals": _whole(part.arm_normals),
+                f"{name}_needles": part.needles,
+            }
     if (target := frame.target) is not None:
         arrays["target"] = target.distance
         header["target"] = {"rms_mm": target.rms_mm, "max_mm": target.max_mm, "version": target.version}

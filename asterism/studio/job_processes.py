@@ -1,29 +1,32 @@
-"""The jobs of the studio: verification, fit, export and report, each in a process of its own.
+"""The jobs of the studio: verification, fit, export, report and exact shapes, each in a process of its own.
 
-To cancel a job, the server ends its process. A function imports what its job needs: the solvers take most of a second.
+To cancel a job, the server ends its process; that of exact shapes stays and waits for the next one. A function imports
+what its job needs: the solvers take most of a second.
 """
 
 from __future__ import annotations
 
+import pickle
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.errors import LawError
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
+from asterism.results.words import shape_in_words
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.messages import VERIFIED, Computed, Fitted, JobProgress, Surface, Verified, Written
+from asterism.studio.messages import Fitted, JobProgress, Settle, Settled, Surface, Written
 from asterism.studio.requests import Hold
 from asterism.studio.weights import SheetWeights
 
 if TYPE_CHECKING:
-    from asterism.verification.verification import Verification
+    from asterism.shape.shape import Shape
 
 
 class ProgressSender:
@@ -43,17 +46,93 @@ class ProgressSender:
             self._connection.send(JobProgress(self._job, stage, done, of, now - self._begun))
 
 
-def run_verification(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
-    """Verify a design. A pattern without a preview has nothing to verify: its exact shape is computed.
+class _Newer(BaseException):
+    """The exact shape is not wanted any more; no handler of errors on the way may keep it."""
+
+
+def run_settling(connection: Connection) -> None:
+    """Compute one exact shape after the other; a further message ends the one under way.
 
     Parameters
     ----------
-    connection : the process's end of a pipe; it gets `JobProgress` and at the end `Verified`, `Computed` or
-        `StudioProblem`.
+    connection : the process's end of a pipe. It gets `Settle`, or None for no shape, and gives `JobProgress` and at
+        the end `Settled` or `StudioProblem`.
+    """
+    from asterism.exact.simulation import exact_shape
+    from asterism.pattern import gallery
+
+    exact_shape(gallery.load("star"))  # loads the compiled loops
+    known: tuple[Settle, Shape] | None = None
+    while True:
+        order: Settle | None = connection.recv()
+        if order is None or connection.poll():
+            continue
+        design: Design | None = None
+        try:
+            design = Design.from_dict(order.table, order.folder)
+            if known is None or known[0].near != order.near or known[0].table != order.table:
+                known = order, _exact_shape(connection, order, design)
+            connection.send(_settled(order, known[1]))
+        except _Newer:
+            continue
+        except Exception as error:
+            connection.send(engine_problem(order.job, error, design))
+
+
+def _exact_shape(connection: Connection, order: Settle, design: Design) -> Shape:
+    from asterism.exact.simulation import exact_shape
+    from asterism.verification.progress import ExactProgress
+
+    counted = ExactProgress("exact shape", ProgressSender(connection, order.job))
+
+    def watched(name: str, iteration: Any) -> None:
+        if connection.poll():
+            raise _Newer
+        counted.report(name, iteration)
+
+    near = None if order.near is None else pickle.loads(order.near)
+    return exact_shape(design, report=watched, near=near)
+
+
+def _settled(order: Settle, exact: Shape) -> Settled:
+    from asterism.studio.engine_frames import TargetComparison
+
+    near = None if order.near is None else pickle.loads(order.near)
+    message = settled(order.job, exact, near, order.pose)
+    if order.target is None:
+        return message
+    compared = TargetComparison(order.target, order.version)
+    distance = compared.distance(message.frame.positions, exact.weights)
+    return replace(message, frame=replace(message.frame, target=distance))
+
+
+def settled(job: int, exact: Shape, near: Shape | None, pose: tuple[Array, Array] | None = None) -> Settled:
+    """The message with an exact shape. The number of the mesh is negative, unlike those of the engine."""
+    from asterism.studio.shape_frame import settled_messages
+    from asterism.studio.summaries import exact_summary
+
+    mesh, frame = settled_messages(exact, near, pose, -job)
+    return Settled(job, mesh, frame, exact_summary(exact), pickle.dumps(exact))
+
+
+def run_verification(
+    connection: Connection,
+    job: int,
+    table: dict[str, Any],
+    folder: str,
+    out: str,
+    pose: tuple[Array, Array] | None = None,
+) -> None:
+    """Verify a design.
+
+    Parameters
+    ----------
+    connection : the process's end of a pipe; it gets `JobProgress` and at the end `Settled` or `StudioProblem`.
     job : number of the job.
     table : of the design file.
     folder : of the design file, for pictures.
-    out : directory of the results. Those of a pattern without a preview go beside it: `-exact` replaces `VERIFIED`.
+    out : directory of the results.
+    pose : as in `Settle`.
     """
     from asterism.reports.verification_page import write_verification
     from asterism.results.files import check_writable
@@ -65,58 +144,13 @@ def run_verification(connection: Connection, job: int, table: dict[str, Any], fo
         progress("design", 0, 1)
         design = Design.from_dict(table, folder)
         check_writable(out)
-        try:
-            verification = verify(design, progress=progress)
-        except (DesignError, LawError):
-            if design.rods is None:
-                raise
-            connection.send(_computed(job, design, f"{out.removesuffix(VERIFIED)}-exact", progress))
-            return
+        verification = verify(design, progress=progress)
         progress("report", 0, 1)
-        files = write_verification(verification, out)
+        files = tuple(str(Path(out) / name) for name in write_verification(verification, out))
+        message = settled(job, verification.exact[verification.result], verification.preview, pose)
+        connection.send(replace(message, summary=verification.summary.to_json(), files=files))
     except Exception as error:
         connection.send(engine_problem(job, error, design))
-        return
-    connection.send(verified(job, verification, tuple(str(Path(out) / name) for name in files)))
-
-
-def _computed(job: int, design: Design, out: str, progress: ProgressSender) -> Computed:
-    """The message with the exact shape of a pattern without a preview. Its mesh has the number of a verification's."""
-    from asterism.exact.simulation import exact_shape
-    from asterism.reports.write_results import write_results
-    from asterism.studio.shape_frame import shape_messages
-    from asterism.studio.summaries import exact_summary
-    from asterism.verification.progress import ExactProgress
-
-    counted = ExactProgress("exact model", progress)
-    shape = exact_shape(design, report=counted.report)
-    counted.finish()
-    progress("files", 0, 1)
-    files = write_results(shape, out)
-    mesh, frame = shape_messages(shape, number=-job, stage="exact")
-    paths = tuple(str(Path(out) / name) for name in files)
-    return Computed(job, shape.summary.to_json(), mesh, frame, exact_summary(shape), paths)
-
-
-def verified(job: int, verification: Verification, files: tuple[str, ...]) -> Verified:
-    """The message with both shapes at the vertices of the exact one, and the distance of their cell means.
-
-    The number of the mesh is negative, unlike those of the engine.
-    """
-    from asterism.studio.sheet_marks import mesh_message
-
-    comparison = verification.comparison
-    exact = comparison.reference
-    mesh = mesh_message(-job, exact.printed, exact.triangles, np.empty(0, dtype=np.int64), is_fine=True)
-    return Verified(
-        job=job,
-        summary=verification.summary.to_json(),
-        mesh=mesh,
-        exact=exact.positions.astype(np.float32),
-        preview=comparison.other.at(exact.printed).astype(np.float32),
-        distance=comparison.distance_mm.astype(np.float32),
-        files=files,
-    )
 
 
 def run_fit(
@@ -163,26 +197,50 @@ def run_fit(
 
 
 def run_export(
-    connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, options: dict[str, Any]
+    connection: Connection,
+    job: int,
+    table: dict[str, Any],
+    folder: str,
+    out: str,
+    options: dict[str, Any],
+    exact: bytes | None = None,
 ) -> None:
-    """Write all files for the print into `out`; see `asterism.print.export.export` for the options."""
+    """Write all files for the print into `out`; see `asterism.print.export.export` for the options.
+
+    Parameters
+    ----------
+    exact : the exact shape of the design, pickled; it takes the place of a preview.
+    """
 
     def work(say: Callable[[str], None]) -> Written:
         from asterism.print.export import export
 
+        if exact is not None and options.pop("preview", False):
+            options["shape"] = pickle.loads(exact)
         exported = export(Design.from_dict(table, folder), out, say=say, **options)
-        return Written(job, exported.summary.to_json(), out, tuple(exported.files), exported.warnings)
+        seen = exported.job.shape
+        state = {"shape_state": None if seen is None else shape_in_words(seen.summary)}
+        return Written(job, exported.summary.to_json() | state, out, tuple(exported.files), exported.warnings)
 
     _write(connection, job, "export", work)
 
 
-def run_report(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, printer: str) -> None:
-    """Write the page about the design, a PDF, as `out`."""
+def run_report(
+    connection: Connection,
+    job: int,
+    table: dict[str, Any],
+    folder: str,
+    out: str,
+    printer: str,
+    exact: bytes | None = None,
+) -> None:
+    """Write the page about the design, a PDF, as `out`; about its exact shape, if it is given."""
 
     def work(say: Callable[[str], None]) -> Written:
         from asterism.reports.design_report import report
 
-        report(Design.from_dict(table, folder), out, printer=printer, say=say)
+        results = None if exact is None else pickle.loads(exact)
+        report(Design.from_dict(table, folder), out, results=results, printer=printer, say=say)
         path = Path(out)
         return Written(job, {}, str(path.parent), (path.name,))
 

@@ -14,9 +14,10 @@ from asterism.studio import requests as ask
 from asterism.studio.child import Child, StartedProcess
 from asterism.studio.document import Document
 from asterism.studio.engine_requests import StudioOwner
-from asterism.studio.messages import VERIFIED, Computed, Fitted, JobProgress, StudioProblem, Verified, Written
+from asterism.studio.messages import VERIFIED, Fitted, JobProgress, Settled, StudioProblem, Written
 from asterism.studio.page_data import engine_problem_data, failure_data
 from asterism.studio.requests import Request, RequestError
+from asterism.studio.settling import job_numbers
 from asterism.studio.weights import sheet_weights
 
 PROCESSES = {
@@ -83,7 +84,6 @@ class JobRequests:
 
     def __init__(self, studio: JobOwner) -> None:
         self._studio = studio
-        self._count = 0
         self._running: RunningJob | None = None
         self._taking: asyncio.Task[None] | None = None  # shows the result of a fit
 
@@ -99,7 +99,8 @@ class JobRequests:
         arguments: tuple[Any, ...]
         match request:
             case ask.Simple(type="verify"):
-                kind, arguments = "verify", (table, str(folder), str(folder / f"{stem}{VERIFIED}"))
+                out, pose = str(folder / f"{stem}{VERIFIED}"), self._studio.shown.sheet
+                kind, arguments = "verify", (table, str(folder), out, pose)
             case ask.FitRequest():
                 target = self._studio.parts.target
                 if target is None:
@@ -109,21 +110,23 @@ class JobRequests:
                 kind, arguments = "fit", (target.surface_of_file, target.name, request.hold, printer, weights)
             case ask.ExportRequest():
                 options = self._export_options(request)
-                kind, arguments = "export", (table, str(folder), str(folder / f"{stem}-print"), options)
+                out = str(folder / f"{stem}-print")
+                kind, arguments = "export", (table, str(folder), out, options, self._studio.shown.exact)
             case ask.Simple(type="report"):
                 printer = self._studio.printer
-                kind, arguments = "report", (table, str(folder), str(folder / f"{stem}.pdf"), printer)
+                out = str(folder / f"{stem}.pdf")
+                kind, arguments = "report", (table, str(folder), out, printer, self._studio.shown.exact)
             case _:
                 raise RequestError("the server does not do that")
         if self._running is not None:
             raise RequestError("wait for the running job, or cancel it")
-        self._count += 1
+        number = next(job_numbers)
         # at low priority
-        child = Child(StartedProcess(PROCESSES[kind], (self._count, *arguments), 10), self._message, self._died)
-        progress = JobProgress(self._count, "starting", 0, 0, 0.0)
+        child = Child(StartedProcess(PROCESSES[kind], (number, *arguments), 10), self._message, self._died)
+        progress = JobProgress(number, "starting", 0, 0, 0.0)
         version = self._studio.parts.version
-        folders = tuple(folder / f"{stem}{end}" for end in (VERIFIED, "-exact", "-print"))
-        self._running = RunningJob(self._count, kind, document, document.revision, version, child, progress, folders)
+        folders = tuple(folder / f"{stem}{end}" for end in (VERIFIED, "-print"))
+        self._running = RunningJob(number, kind, document, document.revision, version, child, progress, folders)
 
     def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
         options = {"printer": self._studio.printer, **request.options}
@@ -164,7 +167,7 @@ class JobRequests:
             return
         if isinstance(message, JobProgress):
             job.progress = message
-        elif isinstance(message, StudioProblem | Verified | Computed | Fitted | Written):
+        elif isinstance(message, StudioProblem | Settled | Fitted | Written):
             self._running = None
         self._tell(job, message)
 
@@ -198,17 +201,14 @@ class JobRequests:
                     problem |= {"text": f"{other}: {message.text}", "field": "", "stars": (), "at_mm": None}
                 studio.tell({**problem, "job": job.kind})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
-            case Verified() | Computed() if other is not None:
+            case Settled() if other is not None:
                 text = f"The verification of {other} is done; its files are beside that design."
                 studio.tell({"type": "note", "text": text})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
-            case Verified():
-                studio.shown.show_verified(message, job.revision, studio.tabs)
-                self._finish(job, message.summary, [Path(name) for name in message.files], ())
-            case Computed():
-                studio.shown.add_mesh(message.mesh)
-                studio.shown.add_frame(message.frame, job.revision, studio.tabs)
-                studio.shown.add_summary(message.shown, job.revision)
+            case Settled():
+                if job.revision == job.document.revision:
+                    studio.settling.cancel()
+                    studio.shown.show_exact(message, job.revision, studio.tabs)
                 self._finish(job, message.summary, [Path(name) for name in message.files], ())
             case Fitted():
                 self._taking = asyncio.create_task(self._take(job, message))

@@ -21,10 +21,6 @@ VERIFIED = "-verified"
 ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
 
 
-# kind of the problem of a pattern that the exact model alone can compute
-NO_PREVIEW = "no preview"
-
-
 @dataclass(frozen=True)
 class Edit:
     """Show this design. Whatever is None stays as in the last edit that gave it.
@@ -159,8 +155,8 @@ class ShownMesh:
 
 
 @dataclass(frozen=True)
-class SmoothPart:
-    """The sheet without its bumps, on the mesh of its frame.
+class SheetPart:
+    """Another sheet on the mesh of a frame: without its bumps, or the preview beside an exact shape.
 
     Attributes
     ----------
@@ -211,13 +207,14 @@ class Frame:
 
     Attributes
     ----------
-    stage : `linear`, `equilibrium` or `exact`.
+    stage : `printed`, `linear`, `equilibrium` or `exact`.
     positions : (V, 3) mm.
     curvature : (V,) 1/mm, mean curvature of the smooth surface.
     strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
     arms, arm_normals : (A, K, 3, 3) left and right upper edges of the arms, their middle on the fabric, (A, K, 3).
     needles : (N, 2, 3) foot and tip.
     smooth, target : what `Parts` asks for.
+    before : of an exact shape, the preview from which it was computed, at the same vertices and in the same pose.
     is_again : a shape that was shown before, with other parts.
     snapshot : the form, to come back to; None for linear stages. It is pickled, since only an engine can read it.
     """
@@ -235,7 +232,8 @@ class Frame:
     height_mm: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
     snapshot: bytes | None = None
-    smooth: SmoothPart | None = None
+    smooth: SheetPart | None = None
+    before: SheetPart | None = None
     target: TargetDistance | None = None
     is_again: bool = False
 
@@ -276,7 +274,7 @@ class StudioProblem:
     Attributes
     ----------
     kind : `design`, `law`, `mesh`, `no minimum`, `too long`, `cancelled`, `no other side`, `search ended`,
-        `no preview`, `output`.
+        `output`.
     field, value, allowed : of a mistake in the design; empty otherwise.
     text : one line.
     """
@@ -334,28 +332,58 @@ class JobProgress:
 
 
 @dataclass(frozen=True)
-class Verified:
-    """The end of a verification: both shapes at the vertices of one mesh, and their distance (V,) mm."""
+class Rested:
+    """A design is at rest: the exact model can go on from here.
 
-    job: int
-    summary: dict[str, Any]
-    mesh: ShownMesh
-    exact: Array
-    preview: Array
-    distance: Array
-    files: tuple[str, ...]
+    Attributes
+    ----------
+    shape : the preview; None if the design has none. It is pickled, since the server cannot read it.
+    seconds : that the exact shape takes, estimated.
+    """
+
+    seq: int
+    shape: bytes | None
+    seconds: float
 
 
 @dataclass(frozen=True)
-class Computed:
-    """The end of an exact computation of a pattern without a preview: its shape takes the place of the preview's."""
+class Settle:
+    """Compute the exact shape of a design.
+
+    Attributes
+    ----------
+    job : number of the answer.
+    near : the preview, pickled as in `Rested`; without one the sheet is released from the flat print.
+    pose : printed (V, 2) and shown (V, 3) places of the sheet that pages show, mm.
+    target, version : as in `Parts`.
+    """
 
     job: int
-    summary: dict[str, Any]
+    table: dict[str, Any]
+    folder: str
+    near: bytes | None
+    pose: tuple[Array, Array] | None
+    target: Surface | None
+    version: int
+
+
+@dataclass(frozen=True)
+class Settled:
+    """An exact shape: it takes the place of the preview from which it was computed.
+
+    Attributes
+    ----------
+    shape : for a report or an export, pickled.
+    summary, files : of a verification.
+    """
+
+    job: int
     mesh: ShownMesh
     frame: Frame
     shown: ShapeSummary
-    files: tuple[str, ...]
+    shape: bytes
+    summary: dict[str, Any] = field(default_factory=dict)
+    files: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -174,6 +174,7 @@ class Simple(Request):
         "history",  # send small plans of the last states
         "kept",  # send small plans of the unsaved work that other sessions have left
         "flip",
+        "settle",  # compute the exact shape, although it takes long
         "verify",
         "report",
         "cancel",  # break off the job

@@ -10,9 +10,11 @@ from scipy.sparse import coo_array
 from asterism.draw.ribbons import ribbons
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.off_sheet import off_sheet_mm
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
-from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.messages import Frame, SheetPart, ShownMesh
 from asterism.studio.sheet_marks import SheetMarks, mesh_message, ribbon_stations
 
 
@@ -25,30 +27,66 @@ def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") ->
         shape = shape.aligned()
         shape = replace(shape, positions=shape.positions - [0.0, 0.0, shape.positions[:, 2].min()])
     positions, layout, small = shape.positions, shape.layout, np.float32
-    arms, arm_normals = _rod_ribbons(shape)
-    needles, strain = np.empty((0, 2, 3)), np.empty(0)
-    arm_site: Ints = np.zeros(len(arms), dtype=np.int64)
+    part, strain = _sheet_part(shape), np.empty(0)
+    arm_site: Ints = np.zeros(len(part.arms), dtype=np.int64)
     if layout is not None:
-        marks = SheetMarks(shape.printed, shape.triangles)
-        arms, arm_normals = marks.ribbons(layout, positions, vertex_normals(positions, shape.triangles))
         arm_site = ribbon_stations(layout).site
-        needles = marks.needles(layout, positions)
         strain = _area_strain(shape)
     curvature = shape.point_fields.get("mean_curvature_per_mm", np.empty(0))
     frame = Frame(
         seq=0,
         mesh=number,
         stage=stage,
-        positions=positions.astype(small),
+        positions=part.positions,
         curvature=_without_gaps(np.asarray(curvature, dtype=float), shape.triangles).astype(small),
         strain=strain.astype(small),
-        arms=arms.astype(small),
-        arm_normals=arm_normals.astype(small),
-        needles=needles.astype(small),
+        arms=part.arms,
+        arm_normals=part.arm_normals,
+        needles=part.needles,
         is_minimum=bool(shape.summary.get("is_minimum", False)),
         height_mm=float(np.ptp(positions[:, 2])),
     )
     return mesh_message(number, shape.printed, shape.triangles, arm_site, is_fine=True), frame
+
+
+def settled_messages(
+    exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | None, number: int
+) -> tuple[ShownMesh, Frame]:
+    """The same of an exact shape beside the preview from which it was computed, in the pose of the sheet on the page.
+
+    Parameters
+    ----------
+    pose : printed (V, 2) and shown (V, 3) places of that sheet, mm; by default that of `shape_messages`.
+    """
+    mesh, frame = shape_messages(exact, number, "exact")
+    if near is None:
+        return mesh, frame
+    layout = exact.layout
+    off = 0.0 if layout is None else off_sheet_mm(layout, len(near.printed))
+    before, positions = near.at(exact.printed, off), exact.positions
+    if pose is not None:
+        rotation, shift = rigid_fit(near.at(pose[0], off), np.asarray(pose[1], dtype=float))
+        before = before @ rotation.T + shift
+    if not exact.held:
+        rotation, shift = rigid_fit(positions, before, exact.weights)
+        positions = positions @ rotation.T + shift
+    moved = replace(exact, positions=positions)
+    shown, other = _sheet_part(moved), _sheet_part(replace(exact, positions=before))
+    parts = {name: getattr(shown, name) for name in ("positions", "arms", "arm_normals", "needles")}
+    return mesh, replace(frame, before=other, **parts)
+
+
+def _sheet_part(shape: Shape) -> SheetPart:
+    """Places, arms and needles of a shape as they are."""
+    layout, positions = shape.layout, shape.positions
+    if layout is None:
+        arms, arm_normals = _rod_ribbons(shape)
+        needles = np.empty((0, 2, 3))
+    else:
+        marks = SheetMarks(shape.printed, shape.triangles)
+        arms, arm_normals = marks.ribbons(layout, positions, vertex_normals(positions, shape.triangles))
+        needles = marks.needles(layout, positions)
+    return SheetPart(*(part.astype(np.float32) for part in (positions, arms, arm_normals, needles)))
 
 
 def _rod_ribbons(shape: Shape) -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.shape.pose import upright_rotation
-from asterism.studio.messages import Frame, ShownMesh, SmoothPart
+from asterism.studio.messages import Frame, SheetPart, ShownMesh
 from asterism.studio.sheet_marks import SheetMarks, mesh_message, ribbon_stations
 
 
@@ -111,11 +111,11 @@ class SheetView:
             smooth=None if smooth is None else self._smooth_part(layout, smooth),
         )
 
-    def _smooth_part(self, layout: Layout, positions: Floats) -> SmoothPart:
+    def _smooth_part(self, layout: Layout, positions: Floats) -> SheetPart:
         """The sheet without bumps, with arms and needles that end there."""
         arms, arm_normals = self._marks.ribbons(layout, positions, vertex_normals(positions, self.triangles))
         parts = (positions, arms, arm_normals, self._marks.needles(layout, positions))
-        return SmoothPart(*(part.astype(np.float32) for part in parts))
+        return SheetPart(*(part.astype(np.float32) for part in parts))
 
     @cached_property
     def weights(self) -> Floats:

@@ -10,7 +10,7 @@ from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.files import plain
 from asterism.studio import frames
 from asterism.studio.frames import frame_parts, mesh_bytes
-from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem, Verified
+from asterism.studio.messages import Frame, Settled, ShapeSummary, ShownMesh, StudioProblem
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
 
@@ -22,6 +22,8 @@ class Shown:
     ----------
     meshes : packed meshes by number, the newest last.
     numbers : of the last shape, for the message `state`.
+    exact : the shape that is shown, pickled, if it is the exact one of the document as it is.
+    has_preview : whether the design has one.
     snapshots : forms by the document's revision, to come back to by undo.
     """
 
@@ -40,6 +42,8 @@ class Shown:
         self.stage: str | None = None
         self.revision: int | None = None
         self.summary_revision: int | None = None
+        self.exact: bytes | None = None
+        self.has_preview = True
         self._last: tuple[int, dict[str, Any], dict[str, Any]] | None = None
         self.snapshots.clear()
 
@@ -50,9 +54,14 @@ class Shown:
             del self.meshes[old]
 
     def add_frame(self, frame: Frame, revision: int, tabs: Iterable[Tab]) -> None:
-        """Show a shape in all tabs."""
+        """Show a shape in all tabs. A preview never takes the place of the exact shape of the same design."""
+        if self.exact is not None and frame.stage != "exact":
+            return
         if not frame.is_again:
-            self.busy, self.problem = None, None
+            self.busy, self.problem, self.summary_revision = None, None, None
+        self.has_preview = self.has_preview if frame.stage == "exact" else frame.stage != "printed"
+        if frame.stage == "printed" and self.stage == "exact":
+            return  # the last exact shape stays until the next one
         self.stage, self.revision = frame.stage, revision
         self.numbers = {**self.numbers, "height_mm": float(frame.height_mm), "is_minimum": bool(frame.is_minimum)}
         if frame.snapshot is not None:
@@ -73,6 +82,8 @@ class Shown:
 
     def add_summary(self, summary: ShapeSummary, revision: int) -> None:
         """Numbers, warnings and forms of a shape."""
+        if self.exact is not None:
+            return
         self.numbers = plain({**self.numbers, **summary.numbers})
         self.warnings = [asdict(notice) for notice in summary.warnings]
         self.forms = [asdict(form) for form in summary.forms]
@@ -84,12 +95,14 @@ class Shown:
         self.problem, self.busy = data, None
         return data
 
-    def show_verified(self, verified: Verified, revision: int, tabs: Iterable[Tab]) -> None:
-        """Show both shapes of a verification."""
-        self.add_mesh(verified.mesh)
-        arrays = {"exact": verified.exact, "preview": verified.preview, "distance": verified.distance}
-        for tab in tabs:
-            tab.show(verified.mesh.mesh, {"revision": revision}, arrays, frames.COMPARISON)
+    def show_exact(self, settled: Settled, revision: int, tabs: Iterable[Tab]) -> None:
+        """Show an exact shape of the document as it is. The forms that its preview could take stay."""
+        self.add_mesh(settled.mesh)
+        self.add_frame(settled.frame, revision, tabs)
+        forms, self.exact = self.forms, None
+        self.numbers = {}
+        self.add_summary(settled.shown, revision)
+        self.forms, self.exact = forms, settled.shape
 
     def greet(self, tab: Tab) -> None:
         """Show the last shape in a tab that has just been opened."""
@@ -99,8 +112,7 @@ class Shown:
     def state(self) -> dict[str, Any]:
         """The shape's part of the message `state`."""
         return {
-            "revision": self.revision,
-            "stage": self.stage,
+            "has_preview": self.has_preview,
             "numbers": self.numbers,
             "summary_revision": self.summary_revision,
             "warnings": self.warnings,

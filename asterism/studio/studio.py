@@ -16,6 +16,7 @@ from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import OutputError
 from asterism.studio import requests as ask
 from asterism.studio.autosave import autosaves
+from asterism.studio.badge import Situation, badge
 from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, with_drawing
@@ -34,6 +35,7 @@ from asterism.studio.page_data import (
     problem_data,
 )
 from asterism.studio.requests import GestureRequest, Request, RequestError
+from asterism.studio.settling import Settling
 from asterism.studio.shown_shape import Shown
 from asterism.studio.tab import Tab, Tabs
 
@@ -64,6 +66,7 @@ class Studio:
         self._slots: dict[str, tuple[dict[str, Any], bytes | None, dict[str, Any]]] = {}
         self.drawings = Drawings()
         self.parts = FrameParts(self)
+        self.settling = Settling(self)
 
     async def start(self) -> None:
         """Start the engine and the work on requests; to be called in the event loop."""
@@ -80,6 +83,7 @@ class Studio:
         await asyncio.gather(self._working, return_exceptions=True)
         await self.jobs.stop()
         await self._upkeep.stop()
+        self.settling.close()
         self.engine.link.close()
 
     def unsaved_work(self) -> list[Path]:
@@ -115,11 +119,30 @@ class Studio:
             "type": "state",
             **self.engine.data(),
             **self.shown.state(),
+            "badge": self.badge(),
+            "settling": self.settling.data(),
+            "settle_s": self.settling.waits_s,
             "unsaved_since": self._upkeep.unsaved_since,
             "slots": {slot: self._slots[slot][2] if slot in self._slots else None for slot in ("A", "B", "C")},
             "target": self.parts.data(),
             "jobs": self.jobs.data(),
         }
+
+    def badge(self) -> dict[str, Any]:
+        """The state of the shown shape, for pages and for the designs that are kept."""
+        shown, document = self.shown, self.document
+        at_work = self.engine.link.status in ("starting", "computing") or self.settling.data() is not None
+        has_numbers = shown.summary_revision is not None
+        return badge(
+            Situation(
+                -1 if document is None else document.revision,
+                shown.revision,
+                shown.stage,
+                bool(shown.numbers.get("is_minimum")),
+                shown.numbers if has_numbers else None,
+                at_work,
+            )
+        )
 
     def _gallery(self) -> dict[str, Any]:
         files = design_files(self.folder)
@@ -169,6 +192,8 @@ class Studio:
                 self.jobs.cancel()
             case ask.Simple(type="stop"):
                 self.engine.link.stop()
+                self.settling.stop()
+                self.tell_state()
             case ask.BumpsRequest():
                 self.parts.show_bumps(tab, request.shown)
             case _:
@@ -235,6 +260,9 @@ class Studio:
             case ask.PrinterRequest():
                 self.printer = known_printer(request.name)
                 self.tell_document()
+            case ask.Simple(type="settle" | "verify" as kind) if kind == "settle" or not self.shown.has_preview:
+                self.settling.begin()
+                self.tell_state()
             case _:
                 self.jobs.start(request, document)
                 self.tell_state()
@@ -254,13 +282,14 @@ class Studio:
         if self.document is not None:
             self._left[self.document.path] = self.document
         self.document = document = await asyncio.to_thread(opened, self.folder, request)
+        self.settling.cancel()
         self.shown.clear()
         self._slots.clear()
         self.engine.forget()
         self.parts.forget_target()
         for tab in self.tabs:
             tab.gesture = None
-            tab.forget_shapes()
+            tab.forget_shape()
         self._show_document(document)
         self.tell_document()
         for problem in document.autosave.problems:
@@ -303,8 +332,8 @@ class Studio:
             await self.accept(snapshot)
             return
         if request.type == "keep":
-            keys = ("height_mm", "extent_mm", "expected_rms_percent", "expected_height_percent", "contraction")
-            numbers = {key: self.shown.numbers.get(key) for key in keys}
+            numbers = {key: self.shown.numbers.get(key) for key in ("height_mm", "extent_mm")}
+            numbers["state"] = self.badge()["words"]
             data = {"name": document.path.stem, "revision": document.revision, **numbers}
             self._slots[request.slot] = document.table, self.shown.snapshots.get(document.revision), data
         else:

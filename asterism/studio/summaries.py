@@ -14,6 +14,7 @@ SUMMARY_KEYS = (
     "above_needles_mm",
     "below_needles_mm",
     "extent_mm",
+    "mesh_error_percent",
     "contraction",
     "roll_radius_mm",
     "is_minimum",
@@ -36,21 +37,16 @@ def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
     if forms:
         # its index among the forms
         forms.insert(0, Form(-1, preview.equilibrium.guess, 0.0, True))
-    numbers = {key: shape.summary[key] for key in SUMMARY_KEYS}
+    numbers = {key: shape.summary.get(key) for key in SUMMARY_KEYS}
     below = numbers["below_needles_mm"]
     numbers["below_needles_mm"] = below if below is not None and below > VISIBLE_SAG_MM else None
     return ShapeSummary(seq, numbers, tuple(notices), tuple(forms))
 
 
 def exact_summary(shape: Shape) -> ShapeSummary:
-    """The same of an exact shape of a pattern without a preview."""
+    """The same of an exact shape."""
     numbers = {key: shape.summary.get(key) for key in SUMMARY_KEYS}
     return ShapeSummary(0, numbers, tuple(Notice(str(line)) for line in shape.summary["warnings"]))
-
-
-def printed_summary(seq: int) -> ShapeSummary:
-    """The same of a flat sheet as it is printed: nothing is known of its shape."""
-    return ShapeSummary(seq, dict.fromkeys(SUMMARY_KEYS))
 
 
 def blank_summary(seq: int) -> ShapeSummary:

@@ -23,9 +23,8 @@ class PageSocket(Protocol):
 
 @dataclass(frozen=True)
 class WaitingShape:
-    """A shape or a comparison on a mesh, as it is packed into a frame."""
+    """A shape on a mesh, as it is packed into a frame."""
 
-    kind: int
     mesh: int
     header: dict[str, Any]
     arrays: dict[str, Any]
@@ -47,7 +46,6 @@ class Tab:
         self._known: set[int] = set()
         self._texts: list[str] = []
         self._shape: WaitingShape | None = None
-        self._comparison: WaitingShape | None = None
         self._in_flight: int | None = None
         self._frame = 0
         self._wake = asyncio.Event()
@@ -60,18 +58,14 @@ class Tab:
         self.is_behind = len(self._texts) > 500
         self._wake.set()
 
-    def show(self, mesh: int, header: dict[str, Any], arrays: dict[str, Any], kind: int = frames.SHAPE) -> None:
-        """Show a shape. It replaces one of the same kind that still waits."""
-        waiting = WaitingShape(kind, mesh, header, arrays)
-        if kind == frames.COMPARISON:
-            self._comparison = waiting
-        else:
-            self._shape = waiting
+    def show(self, mesh: int, header: dict[str, Any], arrays: dict[str, Any]) -> None:
+        """Show a shape. It replaces one that still waits."""
+        self._shape = WaitingShape(mesh, header, arrays)
         self._wake.set()
 
-    def forget_shapes(self) -> None:
-        """Another design is open: shapes that wait are not sent."""
-        self._shape = self._comparison = None
+    def forget_shape(self) -> None:
+        """Another design is open: a shape that waits is not sent."""
+        self._shape = None
 
     def acknowledge(self, frame: int) -> None:
         """The page has drawn a frame."""
@@ -86,17 +80,9 @@ class Tab:
             self._wake.clear()
             while self._texts:
                 await socket.send_text(self._texts.pop(0))
-            if self._in_flight is None and (waiting := self._next()) is not None:
+            if self._in_flight is None and (waiting := self._shape) is not None:
+                self._shape = None
                 await self._draw(socket, waiting)
-
-    def _next(self) -> WaitingShape | None:
-        """What is drawn next; a comparison goes first."""
-        waiting = self._comparison or self._shape
-        if waiting is not None and waiting is self._comparison:
-            self._comparison = None
-        else:
-            self._shape = None
-        return waiting
 
     async def _draw(self, socket: PageSocket, waiting: WaitingShape) -> None:
         """Send a shape, and its mesh before it if the page does not have it."""
@@ -110,7 +96,7 @@ class Tab:
         self._frame += 1
         self._in_flight = self._frame
         header = {**waiting.header, "mesh": mesh, "frame": self._frame}
-        await socket.send_bytes(frames.pack(waiting.kind, header, waiting.arrays))
+        await socket.send_bytes(frames.pack(frames.SHAPE, header, waiting.arrays))
 
 
 class Tabs:

@@ -30,13 +30,11 @@ const VIEW_STATE = {
   showArms: true,
   showBumps: true,
   orthographic: false,
-  shown: "preview",
-  comparison: null,
+  shown: "shape",
   frame: null,
   hover: null,
   selection: new Set(),
   theme: "auto",
-  problem: null,
   connection: "open",
 };
 

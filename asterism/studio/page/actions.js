@@ -1,10 +1,10 @@
 // What buttons and keys do.
 
+import { isLong } from "./badge.js";
 import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
 import { toast } from "./panels/toasts.js";
-import { isLong } from "./store.js";
 import { openTable } from "./table.js";
 import { openHelp } from "./keys.js";
 
@@ -108,11 +108,11 @@ export function createActions(studio) {
       const ends = [
         store.on(["document"], fitPlan),
         store.on(["frame"], ({ frame }) => {
-          if (frame?.stage !== "equilibrium" || frame.revision <= before) return;
+          if (!frame || frame.stage === "linear" || frame.revision <= before) return;
           stop();
           requestAnimationFrame(() => studio.view?.fit());
         }),
-        store.on(["problem"], ({ problem }) => problem?.isBlocking === false && problem.kind !== "no preview" && stop()), // refused
+        store.on(["problem"], ({ problem }) => problem?.isBlocking === false && stop()), // refused
       ];
       const stop = () => ends.forEach((end) => end());
       fitPlan();

@@ -51,15 +51,6 @@ export const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 /** A field of the design file without the numbers of its entries: `pins[0].scale` is `pins.scale`. */
 export const plainField = (field) => field.replace(/\[\d+\]/g, "");
 
-/** How sure a preview is, in words, from its estimated rms distance to the exact shape in percent of the diameter. */
-export function trust(expected) {
-  if (!Number.isFinite(expected)) return { words: "Not estimated yet", level: 0 };
-  if (expected < 1) return { words: "Very close to the exact shape", level: 3 };
-  if (expected < 2.5) return { words: "Good for design decisions", level: 2 };
-  if (expected < 6) return { words: "Shows the form; verify before you print", level: 1 };
-  return { words: "Rough; verify before you rely on it", level: 1 };
-}
-
 export function round(value, step) {
   return Number((Math.round(value / step) * step).toFixed(6));
 }

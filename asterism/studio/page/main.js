@@ -7,13 +7,15 @@ import { listenToDrops } from "./drop.js";
 import { Edits } from "./edits.js";
 import { listenToKeys } from "./keys.js";
 import { listen } from "./messages.js";
-import { buildCompare, buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
+import { buildBadge } from "./panels/badge.js";
+import { buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
 import { brushPanel } from "./panels/brush.js";
 import { gradientPanel, rulerPanel } from "./panels/gradient.js";
 import { buildInspector } from "./panels/inspector.js";
 import { materialPanel } from "./panels/material.js";
 import { needlesPanel } from "./panels/needles.js";
 import { outlinePanel } from "./panels/outline.js";
+import { pictureTitle } from "./panels/picture.js";
 import { selectionPanel } from "./panels/selection.js";
 import { shapePanel } from "./panels/shape.js";
 import { buildStart } from "./panels/start.js";
@@ -71,13 +73,11 @@ buildTop($("top"), studio);
 buildTools($("tools"), studio);
 buildStatus($("status"), studio);
 buildPlanBar($("plan-bar"), studio);
-if (studio.view) {
-  buildViewBar($("view-bar"), studio);
-  buildCompare($("compare"), studio);
-}
+if (studio.view) buildViewBar($("view-bar"), studio);
+buildBadge($("badge"), studio);
 buildViewNote($("view-note"), studio);
 buildStart($("start"), studio);
-keepToastsAbove($("plan-note"), $("view-note"), $("compare"));
+keepToastsAbove($("plan-note"), $("view-note"), $("badge"));
 buildInspector($("inspector"), {
   store,
   toolTitles: Object.fromEntries(Object.entries(studio.tools).map(([name, { title }]) => [name, title])),
@@ -170,7 +170,9 @@ const shown = {
   isWaiting: () => studio.edits.isWaiting,
   tool: () => store.get("tool"),
   selection: () => [...store.get("selection")],
-  comparison: () => Boolean(store.get("comparison")),
+  badge: () => structuredClone(store.get("badge")),
+  isBeside: () => Boolean(store.get("frame")?.hasBefore),
+  isGrey: () => view?.isGrey ?? false,
   isSmooth: () => view?.isSmooth ?? false,
   target: () => structuredClone(store.get("state").target ?? null),
   targetDistance: () => structuredClone(store.get("frame")?.target ?? null),
@@ -181,6 +183,7 @@ const shown = {
   rods: () => structuredClone(store.get("sheet")?.rods ?? []),
   screenOf: () => (point) => studio.plan.toScreen(point),
   viewOf: () => (point) => view?.toScreen(point),
+  pictureTitle: () => pictureTitle(store),
   measured: () => store.get("measured") ?? null,
 };
 window.studio = Object.freeze(

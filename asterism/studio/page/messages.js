@@ -19,20 +19,14 @@ export function listen(studio) {
         studio.opened += 1;
         studio.plan.fit();
       }
-      const comparison = store.get("comparison");
-      const isOld = comparison?.revision !== message.revision;
-      if (comparison && comparison.isOld !== isOld) store.set({ comparison: { ...comparison, isOld } });
       prune();
       const kept = message.kept_work.length;
       if (kept && (!before?.kept_work.length || before.path !== message.path)) offerKeptWork(message.kept_work);
       if (!kept) document.querySelector("[data-text*='left unsaved changes']")?.remove();
     },
     state(message) {
-      const before = store.get("state");
-      store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: message.problem.kind !== "no preview" } : null });
+      store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: true } : null });
       if (message.jobs) store.set({ jobs: message.jobs });
-      if (before.engine !== message.engine && message.engine === "ready" && store.get("frame"))
-        announce("The sheet is in equilibrium");
     },
     history: (message) => store.set({ history: message.states }),
     kept: (message) => store.set({ kept: message.states }),
@@ -56,7 +50,6 @@ export function listen(studio) {
       if (message.kind?.startsWith("file ")) return offerFile(message);
       const shown = showProblem(message);
       store.set({ problem: { ...message, isBlocking: false } });
-      if (message.kind === "no preview") return; // the note below the view says it
       if (message.job) {
         const { [message.job]: failed, ...jobs } = store.get("jobs");
         store.set({ jobs });
@@ -77,7 +70,6 @@ export function listen(studio) {
     studio.view?.reset();
     store.set({
       frame: null,
-      comparison: null,
       results: {},
       history: null,
       problem: null,
@@ -162,17 +154,16 @@ export function listen(studio) {
       store.set({ support: null });
   }
 
+  store.on(["badge"], ({ badge }) => ["preview", "exact"].includes(badge.kind) && announce(badge.words));
+
   return {
     message: (message) => takers[message.type]?.(message),
     frame(frame) {
       if (studio.view) return studio.view.take(frame);
-      const { kind, header, arrays } = frame; // nothing is drawn, but numbers and verifications are shown
-      if (kind === 2) store.set({ frame: header });
-      if (kind === 3) {
-        const isOld = header.revision !== store.get("document")?.revision;
-        store.set({ comparison: { ...arrays, mesh: header.mesh, revision: header.revision, isOld } });
-      }
-      if (kind === 2 || kind === 3) connection.acknowledge(header.frame);
+      const { kind, header } = frame; // nothing is drawn, but numbers are shown
+      if (kind !== 2) return;
+      store.set({ frame: header });
+      connection.acknowledge(header.frame);
     },
     blocked: () =>
       toast(

@@ -1,5 +1,7 @@
 // The state of the page: what the server said, what is selected, which tool is active. Everything else reads it here.
 
+import { badgeOf } from "./badge.js";
+
 /** Values by name; listeners are called after a change with the new values. */
 export class Store {
   #values;
@@ -38,9 +40,6 @@ export class Store {
   }
 }
 
-/** Whether the engine works long enough for the page to offer its end. */
-export const isLong = ({ searching, busy, engine }) => Boolean(searching || (busy && engine === "computing"));
-
 export const NO_SYMMETRY = { mirrorX: false, mirrorY: false, sixfold: false };
 
 const REMEMBERED = [
@@ -77,7 +76,7 @@ export function createStore() {
     gallery: null,
     startOpen: false,
     frame: null, // header of the shape that is drawn
-    comparison: null, // arrays of the last verification
+    badge: { kind: "computing", words: "Connecting" }, // the state of the shape, see badge.js
     jobs: {}, // progress by job
     results: {}, // results by job
     history: null, // earlier states, as the server listed them
@@ -103,12 +102,15 @@ export function createStore() {
     showBumps: true,
     showTarget: true,
     orthographic: false,
-    shown: "preview", // preview | exact | both
+    shown: "shape", // shape | preview | both: the last two beside an exact shape
     theme: "auto",
     planShare: 50,
   };
   const store = new Store({ ...defaults, ...pick(remembered(), REMEMBERED, defaults) });
-  if (store.get("viewColour") === "distance") store.set({ viewColour: "none" }); // its verification is gone
+  store.on(["state", "frame", "connection", "document"], (values) => {
+    const badge = badgeOf(values);
+    if (JSON.stringify(badge) !== JSON.stringify(values.badge)) store.set({ badge });
+  });
   store.on(REMEMBERED, (values) => {
     try {
       localStorage.setItem(MEMORY, JSON.stringify(pick(values, REMEMBERED, defaults)));

@@ -42,4 +42,4 @@ def test_the_page_shows_the_exact_shape_or_says_why_it_has_no_picture(tmp_path: 
     written = report(CROSS, tmp_path / "with.pdf", beside=tmp_path / "cross")
     assert written.shape is not None and written.source == "by the exact model"
     words = " ".join(pdf_words(tmp_path / "with.pdf", 0))
-    assert "40 mm in all" in words and "a certified equilibrium" in words
+    assert "40 mm in all" in words and "Exact, mesh error" in words

@@ -97,7 +97,7 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
     assert "by the exact model" in done.out
     text, _ = page(tmp_path / "r.pdf")
-    assert "height 12.3 mm" in text and "NOT a certified equilibrium" in text and "mesh error about 1.7 %" in text
+    assert "height 12.3 mm" in text and "Not an equilibrium" in text and "mesh error about 1.7 %" in text
     assert "estimated error" not in text
     # what the commands warn of is on the page too
     assert "passes through itself (12 pairs of triangles)" in text

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,11 @@ from asterism.studio.messages import (
     Frame,
     JobProgress,
     Ready,
+    Settled,
+    ShapeSummary,
     ShownMesh,
     StudioProblem,
     Surface,
-    Verified,
     Written,
 )
 from asterism.studio.weights import SheetWeights
@@ -65,7 +67,7 @@ def wait_for_gate() -> None:
         time.sleep(0.01)
 
 
-def verify(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+def verify(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, pose: Any) -> None:
     """A verification that waits for its end, unless the design's name says otherwise."""
     connection.send(JobProgress(job, "exact model", 30, 100, 0.1))
     if table["name"] == "wait":
@@ -73,11 +75,15 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
     wait_for_gate()
     if table["name"] == "die":
         os._exit(3)
-    flat = np.zeros((3, 2), dtype=np.float32)
-    none = np.zeros(0, dtype=np.uint32)
-    mesh = ShownMesh(-job, flat, np.array([[0, 1, 2]]), np.arange(3), none)
-    shape = np.zeros((3, 3), dtype=np.float32)
-    connection.send(Verified(job, {"rms_percent": float("nan")}, mesh, shape, shape, shape[:, 0], ()))
+    connection.send(replace(exact(job), summary={"rms_percent": float("nan")}))
+
+
+def exact(job: int) -> Settled:
+    """A flat triangle as an exact shape."""
+    flat, none = np.zeros((3, 3), dtype=np.float32), np.zeros((0, 2, 3, 3))
+    mesh = ShownMesh(-job, flat[:, :2], np.array([[0, 1, 2]]), np.arange(3), np.zeros(0, dtype=np.uint32))
+    frame = Frame(0, -job, "exact", flat, flat[:, 0], flat[:, 0], none, none[:, 0], none[:, 0], is_minimum=True)
+    return Settled(job, mesh, frame, ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": True}), b"exact")
 
 
 def fit(
@@ -110,7 +116,13 @@ def fit(
 
 
 def export(
-    connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, options: dict[str, Any]
+    connection: Connection,
+    job: int,
+    table: dict[str, Any],
+    folder: str,
+    out: str,
+    options: dict[str, Any],
+    shape: bytes | None,
 ) -> None:
     """An export of two files, one of which is elsewhere."""
     place = Path(out)
@@ -119,7 +131,7 @@ def export(
     connection.send(Written(job, options, out, ("a.stl", "../../outside.txt", "missing.stl"), ("thin arms",)))
 
 
-def write_for_ever(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+def write_for_ever(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, pose: Any) -> None:
     """A verification that is ended while it writes."""
     with staged(out) as unfinished:
         (unfinished / "half.vtu").write_text("half")
@@ -127,7 +139,7 @@ def write_for_ever(connection: Connection, job: int, table: dict[str, Any], fold
         time.sleep(600)
 
 
-def leave_a_process(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+def leave_a_process(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, pose: Any) -> None:
     """A verification that is killed while another process of its own holds its pipe."""
     if os.fork() == 0:
         time.sleep(20)

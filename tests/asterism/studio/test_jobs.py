@@ -29,15 +29,15 @@ def name_it(page: Page, name: str) -> None:
     page.until("document", gesture=1)
 
 
-def test_a_verification_ends_with_both_shapes_and_numbers(page: Page, studio: Studio):
+def test_a_verification_ends_with_the_exact_shape_and_numbers(page: Page, studio: Studio):
     name_it(page, "quick")
     page.send(type="verify")
     progress = page.until("progress", stage="exact model")
     assert (progress["job"], progress["done"], progress["of"]) == ("verify", 30, 100)
     result = page.until("result", job="verify")
     assert result["summary"] == {"rms_percent": None} and result["revision"] == 1
-    assert page.until("comparison")["exact"].shape == (3, 3)
-    assert studio.jobs.data() == {}
+    assert page.until("shape", stage="exact")["positions"].shape == (3, 3)
+    assert studio.jobs.data() == {} and studio.badge()["words"] == "Exact, mesh error 0.7 %"
 
 
 @pytest.mark.slow
@@ -69,7 +69,7 @@ def test_a_result_that_cannot_be_shown_is_named(page: Page, studio: Studio, monk
     def fails(*arguments: object) -> None:
         raise KeyError("exact")
 
-    monkeypatch.setattr(studio.shown, "show_verified", fails)
+    monkeypatch.setattr(studio.shown, "show_exact", fails)
     name_it(page, "quick")
     page.send(type="verify")
     problem = page.until("problem")

@@ -123,8 +123,7 @@ def test_a_verification_of_another_design_is_told_and_not_shown(
     else:
         assert page.until("problem")["text"] == "dome: the verify ended unexpectedly"
     assert page.until("result", job="verify")["failed"]
-    (tab,) = studio.tabs
-    assert tab._comparison is None
+    assert studio.shown.exact is None and studio.badge()["kind"] != "exact"
 
 
 def test_a_shape_that_waits_is_not_sent_as_that_of_the_opened_design(
@@ -137,7 +136,7 @@ def test_a_shape_that_waits_is_not_sent_as_that_of_the_opened_design(
     monkeypatch.setattr(studio.engine.link, "ask", lambda message: None)
     page.send(type="open", gallery="cone")
     page.until("document", name="cone")
-    assert tab._next() is None
+    assert tab._shape is None
 
 
 @pytest.mark.parametrize(

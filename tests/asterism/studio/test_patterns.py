@@ -12,13 +12,11 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.print_layout import print_layout
 from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
-from asterism.studio.job_processes import run_verification
-from asterism.studio.messages import NO_PREVIEW, Computed, Edit, Limits, ShownMesh
+from asterism.studio.messages import Edit, Limits, Rested, ShownMesh
 from asterism.studio.page_data import document_data
 from asterism.studio.sheet_marks import NO_SITE, ribbon_stations
 from tests.asterism.previews.motifs.nets import net, net_law
 from tests.asterism.studio.engine_pipe import EnginePipe
-from tests.asterism.studio.test_job_processes import Sent
 
 CROSS = """# two lines
 [rods]
@@ -76,28 +74,17 @@ def test_ribbons_follow_curves_and_taper(tmp_path: Path) -> None:
     assert stations.width == pytest.approx(1.5 + 0.02 * stations.points[..., 0], abs=2e-3)
 
 
-def test_a_pattern_without_a_preview_is_shown_as_printed_with_the_reason(engine: EnginePipe, cross: Document) -> None:
+def test_a_pattern_without_a_preview_is_left_to_the_exact_model(engine: EnginePipe, cross: Document) -> None:
     empty: dict[str, Any] = {"sites": np.empty((0, 2)), "sizes_mm": np.empty((0, 3)), "removed": np.empty((0, 2))}
     engine.send(Edit(1, cross.table, **empty))
-    frame, problem = engine.frame(1), engine.problem(1)
+    frame = engine.frame(1, "printed")
     (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
     assert frame.positions[:, :2] == pytest.approx(mesh.printed) and not frame.positions[:, 2].any()
     assert frame.arms[:, :, :2, 2].min() == pytest.approx(0.4) and len(frame.arms) == len(mesh.arm_site)
-    assert problem.kind == NO_PREVIEW and "asterism simulate" in problem.text
+    rested = engine.until(lambda answer: isinstance(answer, Rested))
+    assert rested.shape is None and 0.5 < rested.seconds < 20.0
     engine.send(Edit(2, {**cross.table, "border": {"rectangle_mm": [32.0, 20.0]}}, **empty))
-    assert np.ptp(engine.frame(2).positions[:, 0]) == pytest.approx(32.0)
-
-
-@pytest.mark.slow
-def test_instead_of_a_verification_comes_the_exact_shape(tmp_path: Path, cross: Document) -> None:
-    pipe = Sent()
-    run_verification(pipe, 3, cross.table, ".", str(tmp_path / "out"))  # type: ignore[arg-type]
-    result = pipe.messages[-1]
-    assert isinstance(result, Computed) and result.frame.stage == "exact" and result.frame.is_minimum
-    assert result.mesh.mesh == result.frame.mesh == -3 and len(result.frame.arms) == len(result.mesh.arm_site)
-    assert result.frame.height_mm > 1.0 and result.summary["is_minimum"]
-    assert result.shown.numbers["extent_mm"] == result.summary["extent_mm"]
-    assert all(Path(name).is_file() and Path(name).parent.name == "out-exact" for name in result.files)
+    assert np.ptp(engine.frame(2, "printed").positions[:, 0]) == pytest.approx(32.0)
 
 
 @pytest.mark.slow

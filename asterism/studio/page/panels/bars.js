@@ -1,6 +1,6 @@
 // The bars above plan and view.
 
-import { button, choice, h, refresh, segments } from "../dom.js";
+import { button, choice, h, refresh } from "../dom.js";
 import { QUANTITIES } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
@@ -70,16 +70,17 @@ export function buildViewBar(element, { store, view }) {
   const target = colour.element.querySelector('[value="target"]');
   const update = () => {
     const hasTarget = Boolean(store.get("state").target);
-    colour.element.disabled = Boolean(store.get("comparison")) && store.get("shown") === "both";
+    const hasBoth = Boolean(store.get("frame")?.hasBefore);
+    colour.element.disabled = hasBoth && store.get("shown") === "both";
     colour.element.title = colour.element.disabled ? "Two shapes have no colours" : "Colours of the sheet";
-    distance.disabled = !store.get("comparison");
-    distance.textContent = store.get("comparison") ? "Distance" : "Distance (verify first)";
+    distance.disabled = !hasBoth;
+    distance.textContent = hasBoth ? "Exact to preview" : "Exact to preview (not yet)";
     target.disabled = !hasTarget;
     target.textContent = hasTarget ? "To the target" : "To the target (load one first)";
     if (!hasTarget && store.get("connection") === "open" && store.get("viewColour") === "target")
       store.set({ viewColour: "none" });
   };
-  store.on(["comparison", "shown", "state"], update);
+  store.on(["frame", "shown", "state"], update);
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
   const toggles = [
@@ -128,23 +129,13 @@ function viewMenu({ store, view }) {
 const WITHOUT_VIEW =
   "This browser does not draw in space: WebGL 2 is missing or switched off. Plan, numbers, verification and export work.";
 
-/** One line below the view: why there is no shape yet, or why the last good one is shown. */
+/** One line below the view: why there is no picture, or why a shape cannot be computed. */
 export function buildViewNote(element, { store, actions, view }) {
   const update = () => {
-    const { problem, busy, engine } = store.get("state");
+    const { problem } = store.get("state");
     const parts = [];
     if (!view) parts.push(h("span", { class: "strong", role: "alert", testid: "no-view" }, WITHOUT_VIEW));
-    if (store.get("document") && problem?.kind === "no preview") {
-      const isRunning = Boolean(store.get("jobs").verify);
-      parts.push(
-        h(
-          "span",
-          { class: "strong offer", role: "status", testid: "no-preview" },
-          h("span", {}, "This pattern has no preview and is shown as it is printed."),
-          isRunning ? null : button({ text: "Compute the exact shape", testid: "compute", title: problem.text, onclick: actions.verify }),
-        ),
-      );
-    } else if (store.get("document") && problem) {
+    if (store.get("document") && problem) {
       const isInMaterial = /^(fabric|plastic)\./.test(problem.field ?? "");
       const place =
         problem.stars?.length || problem.at_mm
@@ -152,60 +143,11 @@ export function buildViewNote(element, { store, actions, view }) {
           : isInMaterial
             ? button({ text: "Show the value", testid: "show-value", onclick: () => actions.showPage("sheet") })
             : null;
-      parts.push(
-        h(
-          "span",
-          { class: "strong problem", role: "alert" },
-          h("span", {}, `${problem.text.replace(/\.?$/, ".")} The last good shape is shown.`),
-          place,
-        ),
-      );
-    } else if (store.get("document") && !store.get("frame")) {
-      parts.push(
-        h(
-          "span",
-          { class: "strong" },
-          engine === "starting"
-            ? `The engine starts; the sheet rises in a moment${busy ? `: ${busy}` : ""}.`
-            : `Computing the first shape${busy ? `: ${busy}` : ""}.`,
-        ),
-      );
+      const text = `${problem.text.replace(/\.?$/, ".")} The last good shape is shown.`;
+      parts.push(h("span", { class: "strong problem", role: "alert" }, h("span", {}, text), place));
     }
-    refresh(
-      element,
-      [problem, busy, engine, Boolean(store.get("frame")), Boolean(store.get("document")), Boolean(store.get("jobs").verify)],
-      () => parts,
-    );
+    refresh(element, [problem, Boolean(store.get("document"))], () => parts);
   };
-  store.on(["state", "frame", "document", "jobs"], update);
-  update();
-}
-
-/** Preview, exact shape, or both: shown after a verification. */
-export function buildCompare(element, { store }) {
-  const shown = segments({
-    label: "Shown shape",
-    testid: "shown",
-    options: [
-      { value: "preview", text: "Preview" },
-      { value: "exact", text: "Exact" },
-      { value: "both", text: "Both" },
-    ],
-    value: store.get("shown"),
-    onchange: (value) => store.set({ shown: value }),
-  });
-  const key = h(
-    "div",
-    { class: "key" },
-    h("span", {}, h("i", { class: "preview" }), "Preview"),
-    h("span", {}, h("i", { class: "exact" }), "Exact shape"),
-  );
-  element.append(shown.element, key);
-  const update = () => {
-    key.hidden = store.get("shown") !== "both";
-    element.hidden = !store.get("comparison");
-    shown.set(store.get("shown"));
-  };
-  store.on(["comparison", "shown"], update);
+  store.on(["state", "document"], update);
   update();
 }

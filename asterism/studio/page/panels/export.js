@@ -26,7 +26,7 @@ export function openExport({ store, connection }) {
       })
     : null;
   const preview = check({
-    text: "Write the shape too (OBJ, STL, GLB), and what rounding does to it",
+    text: `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`,
     value: true,
     testid: "export-preview",
     onchange: () => {},
@@ -76,6 +76,7 @@ export function openExport({ store, connection }) {
           ? [
               section("Written"),
               hint(`All files are in ${folderOf(store.get("document").path, result.files)}`),
+              result.summary?.shape_state ? hint(`The shape: ${result.summary.shape_state}`) : null,
               (result.warnings ?? []).map((text) => hint(text.charAt(0).toUpperCase() + text.slice(1))),
               fileList(first(result.files)),
               h(

@@ -69,7 +69,7 @@ function about(result) {
 /** What a fit came to. */
 function numbers(s, isOld) {
   const rows = [
-    ["Distance, rms", `${percent(s.preview.mean_percent, 2)} of the diameter`],
+    ["Distance by the preview, rms", `${percent(s.preview.mean_percent, 2)} of the diameter`],
     ...(s.preview.weighted_percent === s.preview.mean_percent
       ? []
       : [["The same by the weights", percent(s.preview.weighted_percent, 2)]]),
@@ -87,6 +87,6 @@ function numbers(s, isOld) {
       rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
     ),
     ...s.warnings.map((line) => h("p", { class: "hint" }, capital(line))),
-    hint(isOld ? "The design has changed since." : "Verify computes the exact shape of this design."),
+    isOld ? hint("The design has changed since.") : null,
   ];
 }

@@ -27,7 +27,7 @@ export function formsPart(studio, { on }) {
     const focused = document.activeElement;
     const hadFocus = focused === flip || forms.contains(focused);
     refresh(forms, [others, isSearching], () => (others.length > 1 ? list(others, isSearching) : []));
-    flip.hidden = store.get("frame")?.stage === "exact" || store.get("state").problem?.kind === "no preview";
+    flip.hidden = !store.get("state").has_preview;
     flip.disabled = !store.get("frame") || isSearching;
     flip.lastChild.textContent = searching === "flip" ? "Searching …" : "Flip to the other side";
     stop.hidden = !isSearching;
@@ -50,7 +50,6 @@ export function formsPart(studio, { on }) {
 
   function item(form, isSearching) {
     const sign = form.energy_percent >= 0 ? "+" : "";
-    const energy = form.is_shown ? "" : `energy ${sign}${percent(form.energy_percent)}`;
     return h(
       "button",
       {
@@ -62,7 +61,7 @@ export function formsPart(studio, { on }) {
         onclick: () => actions.showForm(form.index),
       },
       h("span", { class: "grow", title: form.name }, form.is_shown ? "This form" : "Another form"),
-      h("span", { class: "count" }, form.is_shown ? "shown" : energy),
+      h("span", { class: "count" }, form.is_shown ? "shown" : `energy ${sign}${percent(form.energy_percent)}`),
     );
   }
 

@@ -3,6 +3,9 @@
 import { button, check, choice, dialog, h } from "../dom.js";
 import { numberField } from "./fields.js";
 
+/** What a picture says about itself: the design and the state of its shape. */
+export const pictureTitle = (store) => `${store.get("document")?.name ?? "sheet"} · ${store.get("badge").words}`;
+
 const SIZES = {
   "1600 × 1200": [1600, 1200],
   "1920 × 1080": [1920, 1080],
@@ -73,7 +76,7 @@ export function openPicture({ store, view }) {
           kind: "primary",
           testid: "picture-go",
           onclick: async () => {
-            const blob = await view.picture(...size, { background: ground, title: captions.box.checked ? name : null });
+            const blob = await view.picture(...size, { background: ground, title: captions.box.checked ? pictureTitle(store) : null });
             const link = h("a", {
               href: URL.createObjectURL(blob),
               download: `${name}.png`,

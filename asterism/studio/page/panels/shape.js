@@ -1,7 +1,8 @@
-// Panel of the shape: how sure it is, warnings, other forms, verification, kept designs A, B, C.
+// Panel of the shape: its state and numbers, warnings, other forms, verification, kept designs A, B, C.
 
+import { MEANINGS } from "../badge.js";
 import { button, h, hint, refresh, replace, section } from "../dom.js";
-import { capital, fixed, mm, percent, seconds, size, trust } from "../format.js";
+import { capital, fixed, mm, percent, seconds, size } from "../format.js";
 import { icon } from "../icons.js";
 import { formsPart } from "./forms.js";
 import { fitPart } from "./fit.js";
@@ -19,20 +20,9 @@ export function shapePanel(studio, page) {
   function update() {
     const { numbers = {}, warnings: all = [] } = store.get("state");
     const frame = store.get("frame");
-    const expected = numbers.expected_rms_percent;
-    const isPreview = frame?.stage !== "exact" && store.get("state").problem?.kind !== "no preview";
-    const { words } = trust(expected);
-    if (!isPreview && frame?.stage !== "exact") {
-      replace(trusted, h("div", { class: "big" }, "–"), h("p", {}, "This pattern has no preview: its cells have no law, or it does not repeat."));
-    } else if (frame?.stage === "exact") {
-      const isSure = frame.is_minimum ? "a certified minimum" : "not certified as a minimum";
-      replace(trusted, h("div", { class: "big" }, icon("verify"), " Exact"), h("p", {}, `The shape of the exact model, ${isSure}.`));
-    } else replace(
-      trusted,
-      h("div", { class: "big" }, Number.isFinite(expected) ? `± ${percent(expected)}` : "–"),
-      h("p", {}, words),
-      h("p", {}, "Estimated error: distance to the exact shape, in percent of the diameter"),
-    );
+    const badge = store.get("badge");
+    replace(trusted, h("div", { class: "big" }, badge.words), h("p", {}, MEANINGS[badge.kind]));
+    figures.classList.toggle("stale", Boolean(badge.isStale));
     const rows = [
       [
         "Height",
@@ -51,7 +41,7 @@ export function shapePanel(studio, page) {
       figures,
       rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
     );
-    refresh(warnings, [all, isPreview], () => [
+    refresh(warnings, [all], () => [
       section("Warnings", h("span", { class: "count" }, String(all.length))),
       all.length
         ? h(
@@ -70,7 +60,7 @@ export function shapePanel(studio, page) {
               ),
             ),
           )
-        : hint(isPreview ? "None. The preview's assumptions hold everywhere on this sheet." : "None."),
+        : hint("None."),
     ]);
   }
 
@@ -110,9 +100,10 @@ export function shapePanel(studio, page) {
       progressText.textContent = `${progress.of ? `${Math.round(100 * share)} % · ${progress.stage}` : capital(progress.stage)} · ${seconds(progress.seconds)}`;
       return;
     }
-    const isOld = Boolean(store.get("comparison")?.isOld);
-    refresh(ended, [result, isOld, isOldShape(), Boolean(store.get("document"))], () => [
-      section("Exact model"),
+    const document = store.get("document");
+    const isOld = result?.revision !== document?.revision;
+    refresh(ended, [result, isOld, Boolean(document), store.get("state").has_preview], () => [
+      section("Preview beside the exact model"),
       ...verdict(result, isOld),
     ]);
   }
@@ -122,7 +113,7 @@ export function shapePanel(studio, page) {
     if (!result?.summary) {
       const about = result?.cancelled
         ? "Cancelled. The preview is unchanged."
-        : "Computes the shape without the preview's simplifications, and shows where the two differ. It runs beside your work.";
+        : "Writes a report that compares the preview with exact shapes from two starts. It runs beside your work.";
       return [
         hint(about),
         button({
@@ -130,19 +121,16 @@ export function shapePanel(studio, page) {
           text: "Verify",
           kind: "wide",
           testid: "verify-panel",
-          disabled: !store.get("document"),
+          disabled: !store.get("document") || !store.get("state").has_preview,
           onclick: actions.verify,
         }),
       ];
     }
     const s = result.summary;
-    if (!Number.isFinite(s.rms_percent)) return exactAlone(s, isOldShape());
     const [exact, preview] = s.heights_mm ?? [];
     const rows = [
-      ["Distance, root mean square", mm((s.rms_percent / 100) * s.diameter_mm, 2)],
-      ["Estimated error was", mm((s.expected_rms_percent / 100) * s.diameter_mm, 2)],
+      ["Distance, root mean square", `${mm((s.rms_percent / 100) * s.diameter_mm, 2)} (${percent(s.rms_percent)})`],
       ["Largest distance", mm((s.max_percent / 100) * s.diameter_mm, 2)],
-      ...distancesToMinima(s),
       ["Exact height", mm(exact)],
       ["Preview's height", mm(preview)],
       ["Exact model took", seconds(s.exact_s)],
@@ -150,13 +138,7 @@ export function shapePanel(studio, page) {
     const known = new Set((store.get("state").warnings ?? []).map(({ text }) => text));
     const others = (s.warnings ?? []).filter((text) => !known.has(text));
     return [
-      h(
-        "div",
-        { class: "trust", testid: "verdict" },
-        h("div", { class: "big" }, icon("verify"), ` ${percent(s.rms_percent)}`),
-        h("p", {}, agreement(s)),
-        isOld ? h("p", {}, "The design has changed since.") : null,
-      ),
+      isOld ? hint("The design has changed since.") : null,
       h(
         "dl",
         { class: "figures", testid: "verified" },
@@ -187,35 +169,13 @@ export function shapePanel(studio, page) {
     ];
   }
 
-  const isOldShape = () => store.get("frame")?.stage !== "exact";
-
-  /** The result of a pattern without a preview. */
-  function exactAlone(s, isOld) {
-    const rows = [
-      ["Height", mm(s.height_mm)],
-      ["Size", size(s.extent_mm)],
-      ["Mesh error", Number.isFinite(s.mesh_error_percent) ? percent(s.mesh_error_percent) : "–"],
-      ["Computed in", seconds(s.wall_s)],
-    ].filter(([, value]) => !value.startsWith("–"));
-    return [
-      h("p", { testid: "verdict" }, s.is_minimum ? "A certified minimum of the exact model." : "No certified minimum: see the warnings."),
-      isOld ? hint("The design has changed since.") : null,
-      h(
-        "dl",
-        { class: "figures", testid: "verified" },
-        rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
-      ),
-      button({ icon: "verify", text: "Compute again", onclick: actions.verify }),
-    ];
-  }
-
   function kept() {
     const { slots: all = {}, numbers = {} } = store.get("state");
     const rows = ["A", "B", "C"].map((slot) => [slot, all[slot]]);
     const present = {
       height_mm: numbers.height_mm ?? store.get("frame")?.height_mm,
       extent_mm: numbers.extent_mm,
-      expected_rms_percent: numbers.expected_rms_percent,
+      state: store.get("badge").words,
     };
     const isAny = rows.some(([, entry]) => entry);
     refresh(slots, [all, present, Boolean(store.get("document"))], () => [
@@ -230,7 +190,7 @@ export function shapePanel(studio, page) {
               h(
                 "tr",
                 {},
-                ["mm", "Height", "Size", "Error", ""].map((text) => h("th", { scope: "col" }, text)),
+                ["mm", "Height", "Size", "State", ""].map((text) => h("th", { scope: "col" }, text)),
               ),
             ),
             h(
@@ -291,12 +251,7 @@ export function shapePanel(studio, page) {
           : "–",
         sizeChange(entry.extent_mm, present?.extent_mm),
       ),
-      h(
-        "td",
-        {},
-        Number.isFinite(entry.expected_rms_percent) ? percent(entry.expected_rms_percent) : "–",
-        change(entry.expected_rms_percent, present?.expected_rms_percent, 1),
-      ),
+      h("td", {}, entry.state),
       h(
         "td",
         {},
@@ -313,13 +268,13 @@ export function shapePanel(studio, page) {
     );
   }
 
-  on(["state", "frame", "document"], () => (update(), kept()));
-  on(["jobs", "results", "document", "comparison", "frame"], verification);
+  on(["state", "badge", "frame", "document"], () => (update(), kept()));
+  on(["jobs", "results", "document", "state"], verification);
   update();
   verification();
   kept();
   return [
-    section("How sure is this?"),
+    section("Shape"),
     trusted,
     figures,
     warnings,
@@ -330,22 +285,3 @@ export function shapePanel(studio, page) {
     fitPart(studio, page),
   ];
 }
-
-/** The distance to the exact shape of each start, if the two ended in different minima. */
-function distancesToMinima({ starts, starts_agree: agree, diameter_mm: diameter }) {
-  if (agree || !starts?.release?.is_minimum || !starts?.preview?.is_minimum) return [];
-  return [
-    ["To the minimum from the flat print", mm((starts.release.rms_percent / 100) * diameter, 2)],
-    ["To the minimum from the preview", mm((starts.preview.rms_percent / 100) * diameter, 2)],
-  ];
-}
-
-/** What the distance means for the person who waits for it. */
-function agreement({ rms_percent: rms, expected_rms_percent: expected }) {
-  const off = "from the preview to the exact shape, in percent of the diameter";
-  if (!Number.isFinite(expected)) return `Distance ${off}.`;
-  if (rms <= expected) return `Distance ${off}: within the estimated error.`;
-  if (rms <= 2 * expected) return `Distance ${off}: a little above the estimated error.`;
-  return `Distance ${off}: far above the estimated error. Judge by the exact shape.`;
-}
-

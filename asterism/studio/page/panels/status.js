@@ -1,12 +1,11 @@
-// The line at the bottom: engine, estimated error, height, size, warnings, what is under the pointer.
+// The line at the bottom: state of the shape, height, size, warnings, what is under the pointer.
 
 import { h, replace } from "../dom.js";
-import { isLong } from "../store.js";
-import { capital, mm, percent, plural, size, times, trust } from "../format.js";
+import { MEANINGS, activityOf, dotOf } from "../badge.js";
+import { mm, plural, size, times } from "../format.js";
 
 export function buildStatus(element, { store, actions }) {
   const engine = h("span", { testid: "engine", role: "status" });
-  const error = h("span", { testid: "expected" });
   const height = h("span", { testid: "height" });
   const extent = h("span", { testid: "extent" });
   const stars = h("span", { testid: "stars" });
@@ -18,20 +17,27 @@ export function buildStatus(element, { store, actions }) {
     testid: "warnings",
     onclick: () => actions.showPage("shape"),
   });
-  element.append(engine, error, height, extent, stars, job, h("span", { class: "gap" }), place, warnings);
+  element.append(engine, height, extent, stars, job, h("span", { class: "gap" }), place, warnings);
 
   function update() {
     const { numbers = {}, warnings: all = [] } = store.get("state");
     const frame = store.get("frame");
     const document = store.get("document");
-    const [words, kind] = engineText(store);
-    replace(engine, h("i", { class: `dot ${kind}`, "aria-hidden": "true" }), words);
-    const isStale = store.get("state").summary_revision !== document?.revision;
-    for (const one of [error, extent]) one.classList.toggle("stale", isStale);
+    const badge = store.get("badge");
+    const activity = activityOf({
+      state: store.get("state"),
+      connection: store.get("connection"),
+      document,
+    });
+    replace(
+      engine,
+      h("i", { class: `dot ${dotOf(badge, activity)}`, "aria-hidden": "true" }),
+      h("b", { testid: "footer-state" }, badge.words),
+      activity ? `  ${activity}` : "",
+    );
+    engine.title = MEANINGS[badge.kind];
+    for (const one of [height, extent]) one.classList.toggle("stale", Boolean(badge.isStale));
     const isDrawn = Boolean(document && frame);
-    const expected = numbers.expected_rms_percent;
-    replace(error, "Estimated error ", h("b", {}, Number.isFinite(expected) ? percent(expected) : "–"));
-    error.title = `${trust(expected).words}. Root mean square distance to the exact shape, in percent of the diameter.`;
     replace(height, "Height ", h("b", {}, isDrawn ? mm(numbers.height_mm ?? frame.height_mm) : "–"));
     replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
     const sheet = store.get("sheet");
@@ -61,35 +67,16 @@ export function buildStatus(element, { store, actions }) {
       replace(place, `Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, h("b", {}, sizes + weight));
     } else replace(place, chosen ? `${plural(chosen, "star")} selected` : "");
   }
-  store.on(["state", "frame", "document", "connection", "sheet", "jobs"], update);
+  store.on(["state", "badge", "frame", "document", "connection", "sheet", "jobs"], update);
   store.on(["hover", "selection", "sheet"], under);
   update();
   under();
 }
 
-const SEARCHES = {
-  flip: "Searching for the other side, Esc cancels",
-  form: "Searching for the other form, Esc cancels",
-};
 const JOBS = { verify: "Verifying", fit: "Fitting to the target", export: "Writing files", report: "Writing the report" };
 
 function jobText(jobs) {
   const [name, progress] = Object.entries(jobs)[0] ?? [];
   if (!name) return null;
   return `${JOBS[name] ?? name}${progress.of ? `, ${Math.round((100 * progress.done) / progress.of)} %` : " …"}`;
-}
-
-function engineText(store) {
-  if (store.get("connection") === "lost") return ["Connection lost, trying again", "bad"];
-  if (store.get("connection") === "connecting") return ["Connecting", "busy"];
-  const { engine, busy, stage, searching } = store.get("state");
-  if (!store.get("document"))
-    return [engine === "starting" ? "Engine starts" : "Ready", engine === "starting" ? "busy" : ""];
-  if (searching) return [SEARCHES[searching], "busy"];
-  if (busy) return [isLong(store.get("state")) ? `${capital(busy)}, Esc cancels` : capital(busy), "busy"];
-  if (engine === "starting") return ["Engine starts", "busy"];
-  if (engine === "computing") return ["Computing", "busy"];
-  if (engine === "failed") return ["Engine restarts", "bad"];
-  if (store.get("state").problem?.kind === "no preview") return ["Shown as printed", ""];
-  return [{ linear: "First estimate", exact: "Exact shape" }[stage] ?? "In equilibrium", ""];
 }

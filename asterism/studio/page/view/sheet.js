@@ -30,7 +30,7 @@ export function vertexNormals(positions, triangles) {
 }
 
 /** Values of a field at the vertices, in the unit that its legend shows; null if this shape has none. */
-export function fieldValues(name, shape, comparison) {
+export function fieldValues(name, shape) {
   if (name === "height") {
     const heights = new Float32Array(shape.positions.length / 3);
     let low = Infinity;
@@ -38,10 +38,17 @@ export function fieldValues(name, shape, comparison) {
     for (let k = 0; k < heights.length; k++) heights[k] = shape.positions[3 * k + 2] - low;
     return heights;
   }
-  if (name === "distance") return comparison?.distance ?? null;
+  if (name === "distance") return shape.before ? distances(shape.exact, shape.before) : null;
   const factor = { curvature: 1000, strain: 100, target: 1 }[name];
   const values = shape[name];
   return factor && values ? values.map((value) => factor * value) : null;
+}
+
+/** Distances of the same places of two sheets. */
+function distances(one, other) {
+  return Float32Array.from({ length: one.length / 3 }, (_, k) =>
+    Math.hypot(...[0, 1, 2].map((c) => one[3 * k + c] - other[3 * k + c])),
+  );
 }
 
 /** Lowest and highest corner of a set of positions. */

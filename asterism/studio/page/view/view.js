@@ -25,6 +25,8 @@ const NO_NEEDLES = new Float32Array(0);
 const REST_MS = 250; // without a change, until the picture is drawn with all its light
 const QUICK_MS = 45; // longest picture of a moving sheet, if fewer pixels and less light make that possible
 const MAX_MESHES = 8;
+const MOVE_MS = 350; // in which the sheet moves over from the preview to the exact shape
+const STALE_MS = 600; // without a newer shape, after which the shape of an older design is grey
 const WIDE_ASPECT = 1.4; // in wider pictures the height of a sheet limits its size
 
 export class View {
@@ -38,6 +40,7 @@ export class View {
   #hasFit = false;
   #aspect = 0;
   #pixels = [0, 0];
+  #drawn = null; // arrays of the sheet as it is drawn
   #box = null;
   #tops = []; // positions that the view shows
   #corners = []; // of the board, which saved pictures show, too
@@ -45,6 +48,10 @@ export class View {
   #light = 0; // shadows of the present shape: 1 of the sun, 2 also of the sky
   #fullMs = 0; // of the last picture with all its light
   #rest = 0;
+  #share = 1; // of the way from the preview to the exact shape
+  #staleTimer = 0;
+  #agedFrame = null;
+  isGrey = false;
 
   #ended = new AbortController();
 
@@ -64,10 +71,11 @@ export class View {
     const observer = new ResizeObserver(() => this.#resized());
     observer.observe(canvas);
     this.#ended.signal.addEventListener("abort", () => observer.disconnect());
-    store.on(["viewColour", "comparison"], () => this.#colour());
-    store.on(["shown", "comparison", "showBumps"], () => this.#place());
+    store.on(["viewColour"], () => this.#colour());
+    store.on(["shown", "showBumps"], () => this.#place());
+    store.on(["badge", "frame"], () => this.#age());
     store.on(["hover", "selection"], () => this.#mark());
-    store.on(["showArms", "theme", "problem", "connection"], () => this.invalidate());
+    store.on(["showArms", "theme"], () => this.invalidate());
     store.on(["orthographic"], ({ orthographic }) => {
       this.camera.isOrthographic = orthographic;
       this.invalidate();
@@ -85,32 +93,24 @@ export class View {
     }
     let isTaken = false;
     try {
-      if (kind === 2) isTaken = this.#takeShape(header, arrays);
-      else this.#takeComparison(header, arrays);
+      isTaken = this.#takeShape(header, arrays);
     } finally {
       if (!isTaken) this.onFrame(header); // whatever happens: the server sends no other frame before
     }
-  }
-
-  #takeComparison({ mesh, revision }, arrays) {
-    if (this.shape) bringTo(this.shape.positions, arrays);
-    const isOld = revision !== this.store.get("document")?.revision;
-    this.store.set({
-      comparison: { ...arrays, mesh, revision, isOld },
-      viewColour: "distance",
-      shown: "exact",
-    });
   }
 
   /** Returns whether the shape will be drawn and confirmed. */
   #takeShape(header, arrays) {
     const mesh = this.meshes.get(header.mesh);
     if (!mesh) return false;
-    const { arm_normals: normals, smooth_arm_normals: smoothNormals } = arrays;
-    this.shape = { ...arrays, arm_normals: unit(normals), arm_site: mesh.arm_site, mesh, header };
-    if (arrays.smooth) this.shape.smooth_arm_normals = unit(smoothNormals);
+    const normals = Object.keys(arrays).filter((name) => name.endsWith("arm_normals"));
+    const units = Object.fromEntries(normals.map((name) => [name, unit(arrays[name])]));
+    const isFirst = arrays.before && !(this.shape?.before && this.shape.header.revision === header.revision);
+    this.shape = { ...arrays, ...units, arm_site: mesh.arm_site, mesh, header };
+    header.hasBefore = Boolean(arrays.before);
     this.store.set({ frame: header });
-    this.#place();
+    if (isFirst && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.#moveOver(this.shape);
+    else this.#place();
     if (!this.#hasFit && this.#pixels[0]) this.fit(); // before its size is known there is nothing to fit to
     this.invalidate();
     return true;
@@ -122,8 +122,38 @@ export class View {
     this.#confirm(); // the server sends no other shape before
     this.shape = null;
     this.renderer.clear();
-    this.store.set({ comparison: null, shown: "preview" });
-    if (this.store.get("viewColour") === "distance") this.store.set({ viewColour: "none" });
+    this.store.set({ shown: "shape" });
+  }
+
+  /** Moves the sheet from the preview to the exact shape. */
+  #moveOver(shape) {
+    const begun = performance.now();
+    const step = () => {
+      if (this.shape !== shape) return;
+      this.#share = Math.min(1, (performance.now() - begun) / MOVE_MS);
+      this.#place();
+      if (this.#share < 1) requestAnimationFrame(step);
+    };
+    step();
+  }
+
+  /** A shape of an older design is grey, if no newer one follows soon. */
+  #age() {
+    const isStale = Boolean(this.store.get("badge")?.isStale);
+    const { header } = this.shape ?? {};
+    if (!isStale || header !== this.#agedFrame) {
+      clearTimeout(this.#staleTimer);
+      this.#staleTimer = 0;
+      this.#setGrey(false);
+    }
+    this.#agedFrame = header;
+    if (isStale && !this.#staleTimer && !this.isGrey) this.#staleTimer = setTimeout(() => this.#setGrey(true), STALE_MS);
+  }
+
+  #setGrey(isGrey) {
+    if (this.isGrey === isGrey) return;
+    this.isGrey = isGrey;
+    this.invalidate();
   }
 
   /** Lets go of the canvas; a browser has few contexts for drawing. */
@@ -137,11 +167,21 @@ export class View {
   }
 
   get positions() {
-    const comparison = this.store.get("comparison");
-    const shown = this.store.get("shown");
-    if (comparison && shown === "exact") return comparison.exact;
-    if (comparison && shown === "both") return comparison.preview;
-    return this.isSmooth ? this.shape.smooth : this.shape.positions;
+    return this.#drawn.positions;
+  }
+
+  /** Which of its sheets the shape shows: its own (""), the one without bumps, or the preview beside an exact shape. */
+  get #part() {
+    if (this.shape.before && this.store.get("shown") !== "shape") return "before";
+    return this.isSmooth ? "smooth" : "";
+  }
+
+  /** The arrays of a sheet of the shape. */
+  #sheetOf(part) {
+    const { shape } = this;
+    const prefix = part && `${part}_`;
+    const [arms, normals, needles] = ["arms", "arm_normals", "needles"].map((name) => shape[prefix + name] ?? NO_NEEDLES);
+    return { positions: shape[part || "positions"], arms, normals, needles };
   }
 
   /** Whether the sheet is shown without its bumps; until the server has sent that, it is shown with them. */
@@ -150,9 +190,6 @@ export class View {
   }
 
   get triangles() {
-    const comparison = this.store.get("comparison");
-    if (comparison && this.store.get("shown") !== "preview")
-      return (this.meshes.get(comparison.mesh) ?? this.shape.mesh).triangles;
     return this.shape.mesh.triangles;
   }
 
@@ -160,22 +197,20 @@ export class View {
   #place() {
     if (!this.shape) return;
     this.#light = 0;
-    const part = this.isSmooth ? "smooth_" : "";
-    const [arms, armNormals, given] = ["arms", "arm_normals", "needles"].map((name) => this.shape[part + name]);
-    const needles = given ?? NO_NEEDLES;
+    const part = this.#part;
+    this.#drawn = this.#sheetOf(part);
+    if (this.shape.before && !part && this.#share < 1) this.#drawn = between(this.#sheetOf("before"), this.#drawn, this.#share);
+    const { arms, normals: armNormals, needles } = this.#drawn;
     const { positions, triangles, renderer } = this;
-    const comparison = this.store.get("comparison");
-    const mesh = comparison ? (this.meshes.get(comparison.mesh) ?? this.shape.mesh) : this.shape.mesh;
-    const { printed, outline } = this.store.get("shown") === "preview" ? this.shape.mesh : mesh;
+    const { printed, outline } = this.shape.mesh;
     const normals = vertexNormals(positions, triangles);
     renderer.fill(this.sheetSurface, { positions, normals, printed, triangles, lines: outline });
     renderer.fill(this.rimSurface, rim(positions, normals, outline));
-    if (comparison) {
-      const { exact } = comparison;
-      const normals = vertexNormals(exact, mesh.triangles);
-      renderer.fill(this.exactSurface, { positions: exact, normals, triangles: mesh.triangles });
+    if (part === "before") {
+      const { positions: exact } = this.shape;
+      renderer.fill(this.exactSurface, { positions: exact, normals: vertexNormals(exact, triangles), triangles });
     }
-    const made = arms?.length ? bars(arms, armNormals, arms.rows) : null;
+    const made = arms.length ? bars(arms, armNormals, arms.rows) : null;
     this.shape.perArm = made?.perArm;
     if (made) renderer.fill(this.armSurface, made);
     else this.armSurface.count = 0;
@@ -197,9 +232,8 @@ export class View {
   #colour() {
     if (!this.shape) return;
     const name = this.store.get("viewColour");
-    const comparison = this.store.get("comparison");
-    const shape = { ...this.shape, positions: this.positions };
-    const values = name === "none" ? null : fieldValues(name, shape, comparison);
+    const shape = { ...this.shape, positions: this.positions, exact: this.shape.positions };
+    const values = name === "none" ? null : fieldValues(name, shape);
     this.isColoured = Boolean(values) && values.length === this.positions.length / 3;
     let domain = null;
     if (this.isColoured) {
@@ -272,8 +306,8 @@ export class View {
   }
 
   #surfaces() {
-    const isGrey = this.store.get("problem")?.isBlocking || this.store.get("connection") === "lost";
-    const shown = this.store.get("comparison") ? this.store.get("shown") : "preview";
+    const { isGrey } = this;
+    const shown = this.shape.before ? this.store.get("shown") : "shape";
     const [front, back] = isGrey ? GREY : FABRIC;
     const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
     const coloured = this.isColoured && !isGrey && shown !== "both" ? 1 : 0;
@@ -288,7 +322,7 @@ export class View {
       { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
       { surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true },
     );
-    if (this.store.get("showArms") && shown === "preview" && this.armSurface.count)
+    if (this.store.get("showArms") && this.armSurface.count)
       surfaces.push({ surface: this.armSurface, base: PLASTIC, shine: 0.1, coloured: 1, casts: true });
     if (shown === "both") surfaces.push({ surface: this.exactSurface, base: EXACT, alpha: 0.45 });
     if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
@@ -328,7 +362,7 @@ export class View {
 
   /** The printed place under a pointer event, or null. */
   printedAt(event) {
-    if (!this.shape || this.positions.length !== this.shape.mesh.printed.length * 1.5) return null;
+    if (!this.shape) return null;
     const hit = pick(this.camera.ray(this.place(event), this.aspect), this.positions, this.triangles);
     return hit && printedPlace(hit, this.shape.mesh.printed, this.triangles);
   }
@@ -370,15 +404,13 @@ function caption(context, title, pixelMm) {
   context.fillRect(1.5 * unit, height - 1.7 * unit, length / pixelMm, unit / 5);
 }
 
-/** Moves both shapes of a verification to the middle of the shown one, so that the picture stays where it is. */
-function bringTo(positions, { exact, preview }) {
-  const [one, other] = [box(positions), box(preview)];
-  for (let k = 0; k < exact.length; k++) {
-    const c = k % 3;
-    const move = (one.low[c] + one.high[c] - other.low[c] - other.high[c]) / 2;
-    exact[k] += move;
-    preview[k] += move;
-  }
+/** The arrays of a sheet on its way from one to another. */
+function between(from, to, share) {
+  const part = (name) => {
+    const mixed = to[name].map((end, k) => (1 - share) * from[name][k] + share * end);
+    return Object.assign(mixed, { rows: to[name].rows });
+  };
+  return Object.fromEntries(Object.keys(to).map((name) => [name, part(name)]));
 }
 
 /** Unit vectors that came as whole numbers up to 127. */

@@ -1,0 +1,49 @@
+// The badge in the picture: the state of the shape, and what is shown of an exact shape and its preview.
+
+import { MEANINGS, activityOf, dotOf } from "../badge.js";
+import { button, h, refresh, segments } from "../dom.js";
+
+export function buildBadge(element, { store, connection }) {
+  const state = h("div", { class: "state", role: "status", testid: "badge" });
+  const shown = segments({
+    label: "Shown shape",
+    testid: "shown",
+    options: [
+      { value: "shape", text: "Exact" },
+      { value: "preview", text: "Preview" },
+      { value: "both", text: "Both" },
+    ],
+    value: store.get("shown"),
+    onchange: (value) => store.set({ shown: value }),
+  });
+  const key = h(
+    "div",
+    { class: "key" },
+    h("span", {}, h("i", { class: "preview" }), "Preview"),
+    h("span", {}, h("i", { class: "exact" }), "Exact shape"),
+  );
+  element.append(state, shown.element, key);
+  const update = () => {
+    const badge = store.get("badge");
+    const { settling, settle_s: waits } = store.get("state");
+    element.hidden = !store.get("document");
+    refresh(state, [badge, settling, waits], () => [
+      h("i", { class: `dot ${dotOf(badge, settling)}`, "aria-hidden": "true" }),
+      h("b", { title: MEANINGS[badge.kind], testid: "badge-words" }, badge.words),
+      settling ? h("span", { class: "muted" }, activityOf({ state: { settling }, document: true })) : null,
+      waits
+        ? button({
+            text: `Exact shape, about ${Math.ceil(waits)} s`,
+            testid: "settle",
+            onclick: () => connection.send("settle"),
+          })
+        : null,
+    ]);
+    const hasBoth = Boolean(store.get("frame")?.hasBefore);
+    shown.element.hidden = !hasBoth;
+    key.hidden = !hasBoth || store.get("shown") !== "both";
+    shown.set(store.get("shown"));
+  };
+  store.on(["badge", "state", "frame", "shown", "document"], update);
+  update();
+}

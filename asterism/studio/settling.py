@@ -1,0 +1,129 @@
+"""Settling: the exact shape of a design at rest follows its preview, from one process that stays."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+from asterism.studio.child import Child, StartedProcess
+from asterism.studio.engine_requests import StudioOwner
+from asterism.studio.messages import JobProgress, Rested, Settle, Settled, StudioProblem
+from asterism.studio.page_data import engine_problem_data
+
+PROCESS = "asterism.studio.job_processes:run_settling"
+# An exact shape that is estimated to take longer waits for a click.
+MAX_SECONDS = 20.0
+NICENESS = 10
+# numbers of jobs and exact shapes: their meshes must not share one
+job_numbers = itertools.count(1)
+
+
+class Settling:
+    """Has the exact shape computed of what has come to rest, and shows it unless something else is asked for meanwhile.
+
+    Attributes
+    ----------
+    waits_s : seconds that the exact shape would take, if it waits for a click.
+    """
+
+    def __init__(self, studio: StudioOwner, process: str = PROCESS) -> None:
+        self._studio, self._process = studio, process
+        self._child: Child | None = None
+        self._rested: tuple[Rested, int] | None = None  # with the revision
+        self._order: tuple[Settle, int] | None = None  # that the process works on, with the revision
+        self._progress: JobProgress | None = None
+        self.waits_s: float | None = None
+
+    def warm(self) -> None:
+        """Start the process, so that it has loaded everything when it is needed."""
+        if self._child is None:
+            self._child = Child(StartedProcess(self._process, (), NICENESS), self._message, self._died)
+
+    def rest(self, rested: Rested, revision: int) -> None:
+        """A design is at rest; what takes long waits for `begin`."""
+        self.cancel()
+        self._rested = rested, revision
+        if rested.seconds <= MAX_SECONDS:
+            self.begin()
+        else:
+            self.waits_s = rested.seconds
+
+    def begin(self) -> None:
+        """Compute the exact shape of what is at rest; does nothing if it is shown or under way."""
+        if self._order is None and self._studio.shown.exact is None:
+            self._begin()
+
+    def _begin(self) -> None:
+        studio, document = self._studio, self._studio.document
+        if self._rested is None or document is None:
+            return
+        self.warm()
+        assert self._child is not None
+        rested, revision = self._rested
+        target = studio.parts.target
+        order = Settle(
+            next(job_numbers),
+            document.table,
+            str(document.path.parent),
+            rested.shape,
+            studio.shown.sheet,
+            None if target is None else target.surface,
+            studio.parts.version,
+        )
+        self._order, self._progress, self.waits_s = (order, revision), None, None
+        self._child.send(order)
+
+    def show_again(self) -> None:
+        """The target is another one: show the exact shape with the distance to that."""
+        if self._studio.shown.exact is not None or self._order is not None:
+            self._begin()
+
+    def stop(self) -> None:
+        """The person breaks it off; a click begins it again."""
+        rested, had = self._rested, self._order
+        self.cancel()
+        if rested is not None and had is not None:
+            self._rested, self.waits_s = rested, rested[0].seconds
+
+    def cancel(self) -> None:
+        """Something else is asked for: the exact shape under way is not wanted."""
+        if self._order is not None and self._child is not None:
+            self._child.send(None)
+        self._order = self._rested = self._progress = self.waits_s = None
+
+    def close(self) -> None:
+        """End the process."""
+        if self._child is not None:
+            self._child.close()
+
+    def data(self) -> dict[str, Any] | None:
+        """How far the exact shape is, for the message `state`; None if none is under way."""
+        if self._order is None:
+            return None
+        progress = self._progress
+        return {"done": 0, "of": 0} if progress is None else {"done": progress.done, "of": progress.of}
+
+    def _message(self, child: Child, message: Any) -> None:
+        studio = self._studio
+        if self._order is None or message.job != self._order[0].job:
+            return  # about a design that has changed since
+        revision = self._order[1]
+        match message:
+            case JobProgress():
+                self._progress = message
+            case Settled():
+                self._order = None
+                studio.shown.show_exact(message, revision, studio.tabs)
+            case StudioProblem():
+                self._order = None
+                studio.tell({**engine_problem_data(message), "revision": revision})
+        studio.tell_state()
+
+    def _died(self, child: Child) -> None:
+        self._child, had = None, self._order
+        self._order = None
+        if had is not None:
+            studio = self._studio
+            text = "the exact model ended unexpectedly; an edit starts it again"
+            studio.tell({**engine_problem_data(StudioProblem(0, "engine", text)), "revision": had[1]})
+            studio.tell_state()
