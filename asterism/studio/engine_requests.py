@@ -115,9 +115,8 @@ class EngineRequests:
         self.link.ask(ShowForm(seq, request.index) if isinstance(request, ask.FormRequest) else Flip(seq))
 
     def _ask_anew(self) -> None:
-        """Another shape is asked for: the exact one is that of another design or form."""
+        """Another shape is asked for: the exact one under way is that of another design or form."""
         self._studio.settling.cancel()
-        self._studio.shown.exact = None
         self._first_seq = self.last_seq + 1
 
     def fit_target(self) -> int:

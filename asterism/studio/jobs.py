@@ -96,6 +96,7 @@ class JobRequests:
             Another job is running, or an option does not exist.
         """
         table, folder, stem = document.table, document.path.parent, document.path.stem
+        exact = self._studio.shown.exact_of(document.revision)
         arguments: tuple[Any, ...]
         match request:
             case ask.Simple(type="verify"):
@@ -111,11 +112,11 @@ class JobRequests:
             case ask.ExportRequest():
                 options = self._export_options(request)
                 out = str(folder / f"{stem}-print")
-                kind, arguments = "export", (table, str(folder), out, options, self._studio.shown.exact)
+                kind, arguments = "export", (table, str(folder), out, options, exact)
             case ask.Simple(type="report"):
                 printer = self._studio.printer
                 out = str(folder / f"{stem}.pdf")
-                kind, arguments = "report", (table, str(folder), out, printer, self._studio.shown.exact)
+                kind, arguments = "report", (table, str(folder), out, printer, exact)
             case _:
                 raise RequestError("the server does not do that")
         if self._running is not None:
@@ -208,7 +209,7 @@ class JobRequests:
             case Settled():
                 if job.revision == job.document.revision:
                     studio.settling.cancel()
-                    studio.shown.show_exact(message, job.revision, studio.tabs)
+                    studio.shown.show_exact(message, job.revision, studio.engine.last_seq, studio.tabs)
                 self._finish(job, message.summary, [Path(name) for name in message.files], ())
             case Fitted():
                 self._taking = asyncio.create_task(self._take(job, message))

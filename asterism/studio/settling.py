@@ -44,13 +44,13 @@ class Settling:
         self.cancel()
         self._rested = rested, revision
         if rested.seconds <= MAX_SECONDS:
-            self.begin()
+            self._begin()
         else:
             self.waits_s = rested.seconds
 
     def begin(self) -> None:
         """Compute the exact shape of what is at rest; does nothing if it is shown or under way."""
-        if self._order is None and self._studio.shown.exact is None:
+        if self._order is None and not self._is_shown:
             self._begin()
 
     def _begin(self) -> None:
@@ -73,9 +73,14 @@ class Settling:
         self._order, self._progress, self.waits_s = (order, revision), None, None
         self._child.send(order)
 
+    @property
+    def _is_shown(self) -> bool:
+        document = self._studio.document
+        return document is not None and self._studio.shown.exact_of(document.revision) is not None
+
     def show_again(self) -> None:
         """The target is another one: show the exact shape with the distance to that."""
-        if self._studio.shown.exact is not None or self._order is not None:
+        if self._is_shown or self._order is not None:
             self._begin()
 
     def stop(self) -> None:
@@ -113,7 +118,8 @@ class Settling:
                 self._progress = message
             case Settled():
                 self._order = None
-                studio.shown.show_exact(message, revision, studio.tabs)
+                assert self._rested is not None
+                studio.shown.show_exact(message, revision, self._rested[0].seq, studio.tabs)
             case StudioProblem():
                 self._order = None
                 studio.tell({**engine_problem_data(message), "revision": revision})

@@ -22,7 +22,6 @@ class Shown:
     ----------
     meshes : packed meshes by number, the newest last.
     numbers : of the last shape, for the message `state`.
-    exact : the shape that is shown, pickled, if it is the exact one of the document as it is.
     has_preview : whether the design has one.
     snapshots : forms by the document's revision, to come back to by undo.
     """
@@ -42,10 +41,15 @@ class Shown:
         self.stage: str | None = None
         self.revision: int | None = None
         self.summary_revision: int | None = None
-        self.exact: bytes | None = None
+        self._exact: bytes | None = None
+        self._exact_seq = -1  # of the engine's last answer before it
         self.has_preview = True
         self._last: tuple[int, dict[str, Any], dict[str, Any]] | None = None
         self.snapshots.clear()
+
+    def exact_of(self, revision: int) -> bytes | None:
+        """The shape that is shown, pickled, if it is the exact one of a state of the document."""
+        return self._exact if self.revision == revision else None
 
     def add_mesh(self, mesh: ShownMesh) -> None:
         """Keep a mesh for the tabs."""
@@ -54,14 +58,15 @@ class Shown:
             del self.meshes[old]
 
     def add_frame(self, frame: Frame, revision: int, tabs: Iterable[Tab]) -> None:
-        """Show a shape in all tabs. A preview never takes the place of the exact shape of the same design."""
-        if self.exact is not None and frame.stage != "exact":
+        """Show a shape in all tabs. The preview before an exact shape does not take its place."""
+        if self._exact is not None and frame.seq <= self._exact_seq:
             return
         if not frame.is_again:
             self.busy, self.problem, self.summary_revision = None, None, None
         self.has_preview = self.has_preview if frame.stage == "exact" else frame.stage != "printed"
         if frame.stage == "printed" and self.stage == "exact":
             return  # the last exact shape stays until the next one
+        self._exact = None
         self.stage, self.revision = frame.stage, revision
         self.numbers = {**self.numbers, "height_mm": float(frame.height_mm), "is_minimum": bool(frame.is_minimum)}
         if frame.snapshot is not None:
@@ -82,7 +87,7 @@ class Shown:
 
     def add_summary(self, summary: ShapeSummary, revision: int) -> None:
         """Numbers, warnings and forms of a shape."""
-        if self.exact is not None:
+        if self._exact is not None and summary.seq <= self._exact_seq:
             return
         self.numbers = plain({**self.numbers, **summary.numbers})
         self.warnings = [asdict(notice) for notice in summary.warnings]
@@ -95,14 +100,18 @@ class Shown:
         self.problem, self.busy = data, None
         return data
 
-    def show_exact(self, settled: Settled, revision: int, tabs: Iterable[Tab]) -> None:
-        """Show an exact shape of the document as it is. The forms that its preview could take stay."""
+    def show_exact(self, settled: Settled, revision: int, seq: int, tabs: Iterable[Tab]) -> None:
+        """Show an exact shape of the document as it is. The forms that its preview could take stay.
+
+        Parameters
+        ----------
+        seq : of the engine's last answer before it.
+        """
+        forms, self._exact, self.numbers = self.forms, None, {}
         self.add_mesh(settled.mesh)
         self.add_frame(settled.frame, revision, tabs)
-        forms, self.exact = self.forms, None
-        self.numbers = {}
         self.add_summary(settled.shown, revision)
-        self.forms, self.exact = forms, settled.shape
+        self.forms, self._exact, self._exact_seq = forms, settled.shape, seq
 
     def greet(self, tab: Tab) -> None:
         """Show the last shape in a tab that has just been opened."""

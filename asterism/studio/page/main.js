@@ -24,6 +24,7 @@ import { keepToastsAbove, toast } from "./panels/toasts.js";
 import { buildTools, buildTop } from "./panels/top.js";
 import { weightPanel } from "./panels/weight.js";
 import { PlanCanvas } from "./plan/canvas.js";
+import { tooLarge } from "./plan/print_area.js";
 import { BrushTool } from "./plan/tools/brush.js";
 import { GradientTool } from "./plan/tools/gradient.js";
 import { NeedleTool } from "./plan/tools/needles.js";
@@ -111,7 +112,11 @@ function showTool() {
 /** What the pointer does in the plan; for some tools it depends on the design. */
 function showHint() {
   const { hint } = studio.plan.tool;
-  refresh($("plan-note"), hint, () => h("span", {}, hint));
+  const fault = tooLarge(store.get("sheet"));
+  refresh($("plan-note"), [hint, fault], () => [
+    fault ? h("span", { class: "strong problem", role: "status", testid: "too-large" }, fault) : null,
+    h("span", {}, hint),
+  ]);
 }
 store.on(["tool"], showTool);
 store.on(["sheet", "sizesOf"], showHint);

@@ -1,6 +1,6 @@
 // The design file's [[pins]] tables, as the needle tool changes them. Tables do not change; every function makes new ones.
 
-import { roundPoint } from "./geometry.js";
+import { round, roundPoint } from "./geometry.js";
 
 /** Printed points of a table of points or corners, and where they are taken to. */
 export function pointsOf(table, shown) {
@@ -49,6 +49,42 @@ export function withMoved(tables, pins, { table: number, point }, { at, target }
   if (target) table.target_mm = table.target_mm.map((old, k) => (k === point ? roundPoint(target) : old));
   return changed(tables, number, table);
 }
+
+/** The chosen needles and groups; `support` is the first of them. */
+export const membersOf = (support) => (support ? [support, ...(support.also ?? [])] : []);
+
+/** Several needles, or whole groups (point null), moved on the board by the same step (mm). */
+export function withShifted(tables, pins, members, [dx, dy, dz]) {
+  const shifted = ([x, y, z]) => [x + dx, y + dy, z + dz];
+  return members.reduce((now, { table: number, point }) => {
+    const table = now[number];
+    if (point !== null) {
+      const target = shifted(targetsOf(table, pins[number])[point]);
+      return withMoved(now, pins, { table: number, point }, { target });
+    }
+    if (table.target_mm) return changed(now, number, { ...table, target_mm: targetsOf(table, pins[number]).map(shifted).map((one) => roundPoint(one)) });
+    return withTable(now, number, { offset_mm: roundPoint(shifted(table.offset_mm ?? [0, 0, 0])) });
+  }, tables);
+}
+
+/** A group of corners as needles, each of which can be moved alone; they stay where they are. */
+export function split(tables, pins, number) {
+  const { where, corners, scale, offset_mm, ...rest } = tables[number];
+  const [points_mm, target_mm] = [pins[number].points_mm, targetsOf(tables[number], pins[number])];
+  return changed(tables, number, { ...rest, points_mm, target_mm: target_mm.map((target) => roundPoint(target)) });
+}
+
+/** Whether a group can be split into needles. */
+export const canSplit = (table, shown) => !isPoints(table) && shown?.points_mm.length > 1 && !shown.edges.length;
+
+/** All places on the board drawn together, or apart, about the origin of the sheet; heights stay. */
+export const withRatio = (tables, ratio) =>
+  tables.map((table) => {
+    const drawn = ([x, y, z]) => roundPoint([ratio * x, ratio * y, z]);
+    const { target_mm: targets, offset_mm: offset } = table;
+    if (targets) return { ...table, target_mm: Array.isArray(targets[0]) ? targets.map(drawn) : drawn(targets) };
+    return { ...table, scale: round(ratio * (table.scale ?? 1), 4), ...(offset ? { offset_mm: drawn(offset) } : {}) };
+  });
 
 export function withoutNeedle(tables, pins, { table: number, point }) {
   const table = tables[number];

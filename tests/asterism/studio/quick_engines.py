@@ -78,12 +78,12 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
     connection.send(replace(exact(job), summary={"rms_percent": float("nan")}))
 
 
-def exact(job: int) -> Settled:
+def exact(job: int, is_minimum: bool = True) -> Settled:
     """A flat triangle as an exact shape."""
     flat, none = np.zeros((3, 3), dtype=np.float32), np.zeros((0, 2, 3, 3))
     mesh = ShownMesh(-job, flat[:, :2], np.array([[0, 1, 2]]), np.arange(3), np.zeros(0, dtype=np.uint32))
-    frame = Frame(0, -job, "exact", flat, flat[:, 0], flat[:, 0], none, none[:, 0], none[:, 0], is_minimum=True)
-    return Settled(job, mesh, frame, ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": True}), b"exact")
+    frame = Frame(0, -job, "exact", flat, flat[:, 0], flat[:, 0], none, none[:, 0], none[:, 0], is_minimum=is_minimum)
+    return Settled(job, mesh, frame, ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": is_minimum}), b"exact")
 
 
 def fit(

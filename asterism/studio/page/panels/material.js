@@ -1,8 +1,9 @@
 // Panel of fabric, plastic, pattern and printer. What the law does not allow is shown as such before it is tried.
 
-import { check, choice, h, hint, section } from "../dom.js";
+import { button, check, choice, h, hint, refresh, section } from "../dom.js";
 import { fixed } from "../format.js";
 import { patternOf } from "../sheet.js";
+import { withRatio } from "../supports.js";
 import { numberField } from "./fields.js";
 
 const DEFAULT_ROUNDING = { first_layer_mm: 0.3, layer_mm: 0.2, line_mm: 0.4 };
@@ -20,9 +21,18 @@ export function materialPanel({ store, edits, connection }, { on }) {
     digits: 3,
     testid: "stretch",
     field: "fabric.stretch",
-    onchange: (value) => send({ "fabric.stretch": value }),
+    onchange: (value) => {
+      const { number } = store.get("document");
+      const { tables } = store.get("sheet");
+      // the stretch for which the needles stand, as long as they have not followed
+      const isKnown = follows?.number === number && follows.tables === JSON.stringify(tables);
+      follows = { number, tables: JSON.stringify(tables), from: isKnown ? follows.from : (design().fabric?.stretch ?? 1.35) };
+      send({ "fabric.stretch": value });
+    },
   });
+  let follows = null;
   const stretchHint = hint("");
+  const needles = h("div", { testid: "needles-follow" });
   const thickness = numberField({
     label: "Released thickness",
     value: 0.8,
@@ -94,7 +104,26 @@ export function materialPanel({ store, edits, connection }, { on }) {
     const isEven = !Array.isArray(present);
     stretch.input.disabled = !isEven;
     if (isEven) stretch.set(present);
-    stretchHint.textContent = isEven ? lawText(sheet.limits) : `${present.join(" × ")}, unequal: no preview.`;
+    const isBehind = follows?.number === store.get("document").number && follows.tables === JSON.stringify(sheet.tables);
+    const ratio = isBehind && isEven && sheet.tables.length ? follows.from / present : 1;
+    refresh(needles, [ratio], () =>
+      ratio === 1
+        ? []
+        : [
+            hint(`The needles stand as for a stretch of ${fixed(follows.from, 2)}, so that the sheet gets another height.`),
+            button({
+              text: `Move the needles along: their distances × ${fixed(ratio, 2)}`,
+              kind: "wide",
+              testid: "follow-stretch",
+              onclick: () => {
+                const tables = withRatio(store.get("sheet").tables, ratio);
+                follows = null;
+                edits.once(() => edits.design({ pins: tables }, { pins: tables }));
+              },
+            }),
+          ],
+    );
+    stretchHint.textContent = isEven ? lawText(sheet.limits) : `${present.join(" × ")}, unequal.`;
     thickness.set(now.fabric?.thickness_mm ?? 0.8);
     const bar = now.plastic?.kappa_bar_per_mm ?? 0;
     kappa.element.hidden = typeof bar !== "number";
@@ -132,6 +161,7 @@ export function materialPanel({ store, edits, connection }, { on }) {
     section("Fabric"),
     stretch.element,
     stretchHint,
+    needles,
     thickness.element,
     section("Plastic"),
     kappa.element,

@@ -2,13 +2,17 @@
 
 import { button, check, choice, h, hint, section } from "../dom.js";
 import {
+  canSplit,
   isPoints,
+  membersOf,
   pointsOf,
+  split,
   spreadOf,
   targetsOf,
   titleOf,
   usualScale,
   withMoved,
+  withShifted,
   withSpread,
   withTable,
 } from "../supports.js";
@@ -97,6 +101,8 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const table = now.tables[support.table];
     const shown = now.pins[support.table];
     const parts = [];
+    const members = membersOf(support).filter(({ table: one }) => now.tables[one]);
+    if (members.length > 1) return several(now, members);
     if (support.point !== null && pointsOf(table, shown)[support.point]) {
       const at = pointsOf(table, shown)[support.point];
       const target = targetsOf(table, shown)[support.point];
@@ -151,11 +157,54 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     return parts;
   }
 
+  /** Needles and groups that move together. */
+  function several(now, members) {
+    const height = ({ table, point }) => targetsOf(now.tables[table], now.pins[table])[point ?? 0]?.[2] ?? 0;
+    const [first] = members;
+    return [
+      section(`${members.length} chosen`),
+      hint("Drag one and all move; Shift+drag, PageUp and PageDown lift them."),
+      numberField({
+        label: "Height of the first; all are lifted by the same",
+        value: height(first),
+        min: 0,
+        max: 5000,
+        step: 0.5,
+        digits: 2,
+        testid: "several-height",
+        field: "pins.target_mm",
+        onchange: (value) => send(withShifted(now.tables, now.pins, members, [0, 0, value - height(first)])),
+      }).element,
+    ];
+  }
+
   /** What holds for all places of a table. */
   function whole(now, number, table) {
     const change = (patch) => send(withTable(now.tables, number, patch));
     const offset = table.offset_mm ?? [0, 0, 0];
     const parts = [section("All places of this support")];
+    const shown = now.pins[number];
+    if (canSplit(table, shown))
+      parts.push(
+        button({
+          text: "Split into single needles",
+          kind: "wide",
+          testid: "split-support",
+          onclick: () => (send(split(now.tables, now.pins, number)), store.set({ support: { table: number, point: 0 } })),
+        }),
+      );
+    if (isPoints(table) && table.points_mm.length > 1)
+      parts.push(
+        button({
+          text: "Choose all of them",
+          kind: "wide",
+          testid: "choose-needles",
+          onclick: () => {
+            const [first, ...also] = table.points_mm.map((_, point) => ({ table: number, point }));
+            store.set({ support: { ...first, also } });
+          },
+        }),
+      );
     if (isPoints(table) && table.target_mm && pointsOf(table, sheet().pins[number]).length > 1) {
       parts.push(
         numberField({

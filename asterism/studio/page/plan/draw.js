@@ -3,7 +3,7 @@
 import { ramp, rampDomain } from "../view/colours.js";
 import { QUANTITIES, fixed } from "../format.js";
 import { nice } from "../geometry.js";
-import { drawPrintArea } from "./print_area.js";
+import { drawPrintArea, tooLarge } from "./print_area.js";
 import { drawSupports } from "./supports.js";
 import { polyline } from "./tools/common.js";
 import { drawWeights } from "./weights.js";
@@ -15,7 +15,7 @@ export function drawPlan(context, plan) {
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
   const paint = { context, plan, sheet, store, colour };
   context.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
-  if (store.get("printArea") && sheet.printer) drawPrintArea(paint);
+  if (sheet.printer && (store.get("printArea") || tooLarge(sheet))) drawPrintArea(paint);
   drawPaper(paint);
   drawWeights(paint);
   drawRods(paint);

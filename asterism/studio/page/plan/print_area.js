@@ -10,9 +10,20 @@ export function drawPrintArea(paint) {
   const { sheet, store } = paint;
   const { area_mm: area, frame_mm: frame, name } = sheet.printer;
   const title = store.get("document").printers?.find((one) => one.name === name)?.title ?? name;
-  const plastic = bounds(sheet.stars.flatMap((star) => star.arms.flat())).size;
   drawRoom(paint, frame, [6, 4], "Frame", isLarger(sheet.box.size, frame) && "the sheet is larger");
-  drawRoom(paint, area, [2, 3], `${title} prints`, isLarger(plastic, area) && "the stars reach further");
+  drawRoom(paint, area, [2, 3], `${title} prints`, isLarger(plasticOf(sheet), area) && "the pattern reaches further");
+}
+
+const plasticOf = ({ stars, rods }) =>
+  bounds([...stars.flatMap((star) => star.arms.flat()), ...rods.flatMap((rod) => rod.points_mm)]).size;
+
+/** Why the chosen printer cannot print a sheet, in a few words; null if it can. */
+export function tooLarge(sheet) {
+  if (!sheet?.printer) return null;
+  const { area_mm: area, frame_mm: frame } = sheet.printer;
+  const said = (room) => `${fixed(room[0], 0)} × ${fixed(room[1], 0)} mm`;
+  if (isLarger(sheet.box.size, frame)) return `The sheet is larger than the printer's frame, ${said(frame)}`;
+  return isLarger(plasticOf(sheet), area) ? `The pattern is larger than the printer reaches, ${said(area)}` : null;
 }
 
 const isLarger = (size, room) => size[0] > room[0] || size[1] > room[1];

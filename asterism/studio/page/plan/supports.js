@@ -1,12 +1,12 @@
 // Needles and held edges in the plan, and where they take the sheet.
 
 import { fixed } from "../format.js";
-import { pointsOf, targetsOf } from "../supports.js";
+import { membersOf, pointsOf, targetsOf } from "../supports.js";
 import { label } from "./draw.js";
 
 export function drawSupports(paint) {
   const { context, plan, sheet, store, colour } = paint;
-  const chosen = store.get("support");
+  const chosen = membersOf(store.get("support"));
   const isTool = store.get("tool") === "needles";
   sheet.tables.forEach((table, number) => {
     const shown = sheet.pins[number];
@@ -14,7 +14,7 @@ export function drawSupports(paint) {
     const points = pointsOf(table, shown);
     const targets = targetsOf(table, shown);
     points.forEach((point, k) => {
-      const isChosen = chosen?.table === number && (chosen.point === k || chosen.point === null);
+      const isChosen = chosen.some(({ table: one, point: at }) => one === number && (at === k || at === null));
       const place = targets[k];
       const [x, y] = plan.toScreen(point);
       if (isTool && place) drawTarget(paint, [x, y], plan.toScreen(place), isChosen);

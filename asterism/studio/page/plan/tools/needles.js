@@ -1,14 +1,27 @@
-// Needles: click places one, drag moves it (and where it is taken to), Shift+drag or the wheel lifts it.
+// Needles: click places one, drag moves it (and where it is taken to), Shift+drag or the wheel lifts it. Ctrl+click
+// chooses several, which move together; so do the needles of a group.
 
 import { distance } from "../../geometry.js";
 import { fixed } from "../../format.js";
-import { isPoints, pointsOf, targetsOf, usualScale, withMoved, withNeedle, withoutNeedle } from "../../supports.js";
+import {
+  isPoints,
+  membersOf,
+  pointsOf,
+  targetsOf,
+  usualScale,
+  withMoved,
+  withNeedle,
+  withShifted,
+  withoutNeedle,
+} from "../../supports.js";
 import { edgesOf, snapped } from "./common.js";
 import { label } from "../draw.js";
 
 const GRIP_PX = 12;
 const LIFT_STEP_MM = 1;
 const SAME_PLACE_MM = 0.5;
+
+const isSame = (one, other) => one.table === other.table && one.point === other.point;
 
 export class NeedleTool {
   cursor = "crosshair";
@@ -20,7 +33,7 @@ export class NeedleTool {
   }
 
   get hint() {
-    return "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts";
+    return "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts\u00a0· Ctrl+click chooses several";
   }
 
   /** The needle (or its cross) under the pointer. */
@@ -48,14 +61,23 @@ export class NeedleTool {
   down(event) {
     const sheet = this.store.get("sheet");
     const hit = this.#under(event);
-    this.edits.begin();
     if (hit) {
-      const isMovable = isPoints(sheet.tables[hit.table]);
-      this.store.set({ support: { table: hit.table, point: isMovable ? hit.point : null } });
-      if (isMovable) this.#drag = { ...hit, start: event.at, pixel: event.pixel, scale: usualScale(sheet) };
-      else this.edits.end();
+      const one = { table: hit.table, point: isPoints(sheet.tables[hit.table]) ? hit.point : null };
+      const chosen = membersOf(this.store.get("support"));
+      const isChosen = chosen.some((other) => isSame(other, one));
+      if (event.control) {
+        const [first, ...also] = isChosen ? chosen.filter((other) => !isSame(other, one)) : [...chosen, one];
+        return this.store.set({ support: first ? { ...first, also } : null });
+      }
+      if (!isChosen) this.store.set({ support: one });
+      const members = isChosen ? chosen : [one];
+      this.edits.begin();
+      const isAlone = members.length === 1 && one.point !== null;
+      const { tables, pins } = sheet;
+      this.#drag = { ...hit, start: event.at, pixel: event.pixel, scale: usualScale(sheet), ...(isAlone ? {} : { members, tables, pins }) };
       return;
     }
+    this.edits.begin();
     const { at } = this.#snap(event);
     const scale = usualScale(sheet);
     const { tables, support } = withNeedle(sheet.tables, sheet.pins, at, [scale * at[0], scale * at[1], 0]);
@@ -74,17 +96,15 @@ export class NeedleTool {
 
   move(event) {
     if (!this.#drag) return;
-    const { part, at, target, start, pixel, scale } = this.#drag;
+    const { part, at, target, start, pixel, scale, members, tables, pins } = this.#drag;
     const sheet = this.store.get("sheet");
+    const height = Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2);
+    if (members) {
+      const step = event.shift ? [0, 0, height - target[2]] : [event.at[0] - start[0], event.at[1] - start[1], 0];
+      return this.#send(withShifted(tables, pins, members, step));
+    }
     let change;
-    if (event.shift)
-      change = {
-        target: [
-          target[0],
-          target[1],
-          Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2),
-        ],
-      };
+    if (event.shift) change = { target: [target[0], target[1], height] };
     else if (part === "target") change = { target: [event.at[0], event.at[1], target[2]] };
     else {
       const moved = this.#snap({ ...event, at: [at[0] + event.at[0] - start[0], at[1] + event.at[1] - start[1]] }).at;
@@ -157,12 +177,9 @@ export class NeedleTool {
 
   lift(step) {
     const sheet = this.store.get("sheet");
-    const support = this.store.get("support");
-    if (!support || support.point === null || !sheet.tables[support.table]) return false;
-    const [x, y, z] = targetsOf(sheet.tables[support.table], sheet.pins[support.table])[support.point];
-    this.edits.once(() =>
-      this.#send(withMoved(sheet.tables, sheet.pins, support, { target: [x, y, Math.max(0, z + step)] })),
-    );
+    const members = membersOf(this.store.get("support")).filter(({ table }) => sheet.tables[table]);
+    if (!members.length) return false;
+    this.edits.once(() => this.#send(withShifted(sheet.tables, sheet.pins, members, [0, 0, step])));
     return true;
   }
 
@@ -189,7 +206,7 @@ export class NeedleTool {
   }
 
   draw(context, plan, colour) {
-    if (this.#drag) {
+    if (this.#drag && !this.#drag.members) {
       const sheet = this.store.get("sheet");
       const table = sheet.tables[this.#drag.table];
       if (!table?.points_mm?.[this.#drag.point]) return;

@@ -1,0 +1,253 @@
+"""The one statement about the shape, in the situations of a day, and whatever a random day brings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.pattern import gallery
+from asterism.studio.engine_requests import EngineRequests
+from asterism.studio.jobs import JobRequests
+from asterism.studio.messages import Edit, Frame, Parts, Rested, ShapeSummary, ShownMesh, StudioProblem
+from asterism.studio.studio import Studio
+from tests.asterism.studio.quick_engines import exact
+
+NONE = np.zeros((0, 2, 3, 3))
+
+
+class SlowEngine:
+    """A link to an engine that answers when the test says so."""
+
+    searching = None
+
+    def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
+        self.receive, self.status, self.asked = receive, "ready", 0
+
+    def edit(self, edit: Edit) -> None:
+        self.ask(edit)
+
+    def ask(self, message: Any) -> None:
+        self.status, self.asked = "computing", message.seq
+
+    def request_parts(self, parts: Parts) -> None: ...
+
+    def frame(self, stage: str = "equilibrium", is_minimum: bool = True, seq: int | None = None) -> None:
+        seq = self.asked if seq is None else seq
+        flat = np.zeros((4, 3), dtype=np.float32)
+        args = (flat, flat[:, 0], flat[:, 0], NONE, NONE[:, 0], NONE[:, 0])
+        self.receive(ShownMesh(1, flat[:, :2], np.array([[0, 1, 2]]), np.arange(3), NONE[:, 0, 0, 0]))
+        if stage != "linear" and seq >= self.asked:
+            self.status = "ready"
+        self.receive(Frame(seq, 1, stage, *args, is_minimum=is_minimum))
+
+    def rest(self, percent: float | None = 1.52, seconds: float = 2.0, is_minimum: bool = True) -> None:
+        self.receive(Rested(self.asked, None if percent is None else b"preview", seconds))
+        if percent is not None:
+            self.receive(ShapeSummary(self.asked, {"expected_rms_percent": percent, "is_minimum": is_minimum}))
+
+    def fail(self) -> None:
+        self.status = "ready"
+        self.receive(StudioProblem(self.asked, "too long", "no equilibrium within 20 s"))
+
+
+class SlowChild:
+    """The process of exact shapes, which answers when the test says so."""
+
+    def __init__(self) -> None:
+        self.orders: list[Any] = []
+
+    def send(self, order: Any) -> None:
+        self.orders.append(order)
+
+
+class Day:
+    """A studio without processes and without an event loop.
+
+    Attributes
+    ----------
+    orders : exact shapes that were asked for, and None for each that was called off.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        (folder / "dome.toml").write_bytes(gallery.path("dome").read_bytes())
+        self.studio = Studio(folder, folder / "dome.toml")
+        self.studio.engine = EngineRequests(self.studio, SlowEngine)  # type: ignore[arg-type]
+        self.studio.jobs = JobRequests(self.studio)
+        self.engine: SlowEngine = self.studio.engine.link  # type: ignore[assignment]
+        self.child = SlowChild()
+        self.studio.settling._child = self.child  # type: ignore[assignment]
+        assert self.studio.document is not None
+        self.document = self.studio.document
+        self.studio.engine.show(self.document, is_opened=True)
+
+    def edit(self, thickness: float = 0.4) -> None:
+        self.document.change({"stars.thickness_mm": thickness})
+        self.document.end_gesture()
+        self.studio.engine.show(self.document)
+
+    def preview(self, percent: float = 1.52, seconds: float = 2.0) -> None:
+        self.engine.frame()
+        self.engine.rest(percent, seconds)
+
+    def settle(self, is_minimum: bool = True) -> None:
+        self.studio.settling._message(self.child, exact(self.child.orders[-1].job, is_minimum))  # type: ignore[arg-type]
+
+    @property
+    def exact(self) -> bytes | None:
+        """What reports and exports are given."""
+        return self.studio.shown.exact_of(self.document.revision)
+
+    @property
+    def said(self) -> tuple[str, str, bool]:
+        badge = self.studio.badge()
+        return badge["kind"], badge["words"], badge["is_stale"]
+
+
+@pytest.fixture
+def day(tmp_path: Path) -> Day:
+    return Day(tmp_path)
+
+
+def opened(day: Day) -> None: ...
+
+
+def first_response(day: Day) -> None:
+    day.engine.frame("linear")
+
+
+def found(day: Day) -> None:
+    day.engine.frame()
+
+
+def rested(day: Day) -> None:
+    day.preview()
+
+
+def at_a_saddle(day: Day) -> None:
+    day.engine.frame(is_minimum=False)
+    day.engine.rest(is_minimum=False)
+
+
+def settled(day: Day) -> None:
+    day.preview()
+    day.settle()
+
+
+def settled_without_a_minimum(day: Day) -> None:
+    day.preview()
+    day.settle(is_minimum=False)
+
+
+def edited_after_settling(day: Day) -> None:
+    settled(day)
+    day.edit()
+
+
+def edit_without_an_answer(day: Day) -> None:
+    settled(day)
+    day.edit()
+    day.engine.fail()
+
+
+def large_sheet(day: Day) -> None:
+    day.preview(seconds=60.0)
+
+
+def printed_only(day: Day) -> None:
+    day.engine.frame("printed")
+    day.engine.rest(None, 60.0)
+
+
+def printed_and_under_way(day: Day) -> None:
+    day.engine.frame("printed")
+    day.engine.rest(None)
+
+
+def edited_without_a_preview(day: Day) -> None:
+    printed_and_under_way(day)
+    day.settle()
+    day.edit()
+    day.engine.frame("printed")
+    day.engine.rest(None, 60.0)
+
+
+# situation: kind and words of the badge, whether the shape is of an older design, whether report and export get the
+# exact shape; footer, picture, panel and the kept designs say the same words (tests of the page)
+MATRIX = {
+    opened: ("computing", "Computing", False, False),
+    first_response: ("computing", "Computing", False, False),
+    found: ("preview", "Preview", False, False),
+    rested: ("preview", "Preview, about 1.5 %", False, False),
+    at_a_saddle: ("doubtful", "Not an equilibrium", False, False),
+    settled: ("exact", "Exact, mesh error 0.7 %", False, True),
+    settled_without_a_minimum: ("doubtful", "Not an equilibrium", False, True),
+    edited_after_settling: ("computing", "Computing", True, False),
+    edit_without_an_answer: ("outdated", "Outdated", True, False),
+    large_sheet: ("preview", "Preview, about 1.5 %", False, False),
+    printed_only: ("none", "Not computed", False, False),
+    printed_and_under_way: ("computing", "Computing", False, False),
+    edited_without_a_preview: ("outdated", "Outdated", True, False),
+}
+
+
+@pytest.mark.parametrize("situation", MATRIX, ids=lambda one: one.__name__)
+def test_each_situation_has_one_statement(situation: Callable[[Day], None], day: Day) -> None:
+    situation(day)
+    assert (*day.said, day.exact is not None) == MATRIX[situation]
+
+
+def test_a_preview_that_comes_late_does_not_replace_the_exact_shape(day: Day) -> None:
+    settled(day)
+    day.engine.frame()
+    day.engine.receive(ShapeSummary(day.engine.asked, {"expected_rms_percent": 9.0}))
+    assert day.said[1] == "Exact, mesh error 0.7 %"
+
+
+def test_what_takes_long_waits_for_a_click_and_can_be_stopped(day: Day) -> None:
+    day.preview(seconds=60.0)
+    assert day.child.orders == [] and day.studio.settling.waits_s == 60.0
+    day.studio.settling.begin()
+    assert len(day.child.orders) == 1 and day.studio.settling.waits_s is None
+    day.studio.settling.stop()
+    assert day.child.orders[-1] is None and day.studio.settling.waits_s == 60.0
+    assert day.said[0] == "preview"
+
+
+def test_no_exact_shape_of_another_design_is_ever_shown_as_the_present_one(day: Day) -> None:
+    random, exacts = np.random.default_rng(5), 0
+    of_order: dict[int, dict[str, Any]] = {}
+    acts: list[Callable[[], None]] = [
+        lambda: day.edit(round(float(random.uniform(0.2, 1.0)), 2)),
+        lambda: (day.document.undo(), day.studio.engine.show(day.document, is_opened=True)),  # type: ignore[func-returns-value]
+        lambda: day.preview(),
+        lambda: day.engine.frame("linear"),
+        lambda: day.engine.frame(),
+        lambda: day.engine.frame(seq=day.engine.asked - 1),
+        lambda: day.preview(seconds=float(random.choice([2.0, 60.0]))),
+        lambda: day.engine.fail(),
+        lambda: day.studio.settling.stop(),
+        lambda: day.studio.settling.begin(),
+    ]
+    for _ in range(1500):
+        orders = [order for order in day.child.orders if order is not None]
+        of_order |= {order.job: order.table for order in orders}
+        if orders and random.random() < 0.4:  # the process answers, maybe to an order that was called off
+            job = int(random.choice([order.job for order in orders[-3:]]))
+            before = day.exact
+            day.studio.settling._message(day.child, exact(job))  # type: ignore[arg-type]
+            if before is None and day.exact is not None:
+                assert of_order[job] == day.document.table
+                exacts += 1
+        else:
+            acts[int(random.integers(len(acts)))]()
+        kind, _, is_stale = day.said
+        if kind == "exact":
+            assert not is_stale and day.studio.shown.revision == day.document.revision
+            assert day.exact is not None
+        else:
+            assert day.exact is None
+    assert exacts > 20
