@@ -181,9 +181,14 @@ class FrameParts:
         tab.is_smooth = not shown
         self.update()
 
+    @property
+    def is_smooth(self) -> bool:
+        """Whether a page shows the sheet without its bumps."""
+        return any(tab.is_smooth for tab in self._studio.tabs)
+
     def update(self) -> None:
         """Have the engine send what the open pages show."""
-        smooth = any(tab.is_smooth for tab in self._studio.tabs)
+        smooth = self.is_smooth
         if smooth != self._requested.smooth:
             self._request(smooth)
 

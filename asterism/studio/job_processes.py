@@ -98,7 +98,7 @@ def _settled(order: Settle, exact: Shape) -> Settled:
     from asterism.studio.engine_frames import TargetComparison
 
     near = None if order.near is None else pickle.loads(order.near)
-    message = settled(order.job, exact, near, order.pose)
+    message = settled(order.job, exact, near, order.pose, order.smooth)
     if order.target is None:
         return message
     compared = TargetComparison(order.target, order.version)
@@ -106,12 +106,14 @@ def _settled(order: Settle, exact: Shape) -> Settled:
     return replace(message, frame=replace(message.frame, target=distance))
 
 
-def settled(job: int, exact: Shape, near: Shape | None, pose: tuple[Array, Array] | None = None) -> Settled:
+def settled(
+    job: int, exact: Shape, near: Shape | None, pose: tuple[Array, Array] | None = None, smooth: bool = False
+) -> Settled:
     """The message with an exact shape. The number of the mesh is negative, unlike those of the engine."""
     from asterism.studio.shape_frame import settled_messages
     from asterism.studio.summaries import exact_summary
 
-    mesh, frame = settled_messages(exact, near, pose, -job)
+    mesh, frame = settled_messages(exact, near, pose, -job, smooth)
     return Settled(job, mesh, frame, exact_summary(exact), pickle.dumps(exact))
 
 

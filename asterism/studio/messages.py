@@ -355,7 +355,7 @@ class Settle:
     job : number of the answer.
     near : the preview, pickled as in `Rested`; without one the sheet is released from the flat print.
     pose : printed (V, 2) and shown (V, 3) places of the sheet that pages show, mm.
-    target, version : as in `Parts`.
+    smooth, target, version : as in `Parts`.
     """
 
     job: int
@@ -363,6 +363,7 @@ class Settle:
     folder: str
     near: bytes | None
     pose: tuple[Array, Array] | None
+    smooth: bool
     target: Surface | None
     version: int
 

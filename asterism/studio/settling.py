@@ -13,7 +13,7 @@ from asterism.studio.page_data import engine_problem_data
 PROCESS = "asterism.studio.job_processes:run_settling"
 # An exact shape that is estimated to take longer waits for a click.
 MAX_SECONDS = 20.0
-NICENESS = 10
+NICENESS = 5
 # numbers of jobs and exact shapes: their meshes must not share one
 job_numbers = itertools.count(1)
 
@@ -60,15 +60,16 @@ class Settling:
         self.warm()
         assert self._child is not None
         rested, revision = self._rested
-        target = studio.parts.target
+        parts = studio.parts
         order = Settle(
             next(job_numbers),
             document.table,
             str(document.path.parent),
             rested.shape,
             studio.shown.sheet,
-            None if target is None else target.surface,
-            studio.parts.version,
+            parts.is_smooth,
+            None if parts.target is None else parts.target.surface,
+            parts.version,
         )
         self._order, self._progress, self.waits_s = (order, revision), None, None
         self._child.send(order)
@@ -79,7 +80,7 @@ class Settling:
         return document is not None and self._studio.shown.exact_of(document.revision) is not None
 
     def show_again(self) -> None:
-        """The target is another one: show the exact shape with the distance to that."""
+        """Another target, or the sheet without its bumps: show the exact shape with that."""
         if self._is_shown or self._order is not None:
             self._begin()
 

@@ -12,6 +12,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame, SheetPart, ShownMesh
@@ -50,17 +51,18 @@ def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") ->
 
 
 def settled_messages(
-    exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | None, number: int
+    exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | None, number: int, smooth: bool = False
 ) -> tuple[ShownMesh, Frame]:
     """The same of an exact shape beside the preview from which it was computed, in the pose of the sheet on the page.
 
     Parameters
     ----------
     pose : printed (V, 2) and shown (V, 3) places of that sheet, mm; by default that of `shape_messages`.
+    smooth : with the sheet without its bumps.
     """
     mesh, frame = shape_messages(exact, number, "exact")
     if near is None:
-        return mesh, frame
+        return mesh, replace(frame, smooth=_without_bumps(exact, frame.positions) if smooth else None)
     layout = exact.layout
     off = 0.0 if layout is None else off_sheet_mm(layout, len(near.printed))
     before, positions = near.at(exact.printed, off), exact.positions
@@ -73,7 +75,18 @@ def settled_messages(
     moved = replace(exact, positions=positions)
     shown, other = _sheet_part(moved), _sheet_part(replace(exact, positions=before))
     parts = {name: getattr(shown, name) for name in ("positions", "arms", "arm_normals", "needles")}
-    return mesh, replace(frame, before=other, **parts)
+    return mesh, replace(frame, before=other, smooth=_without_bumps(exact, positions) if smooth else None, **parts)
+
+
+def _without_bumps(shape: Shape, positions: Floats) -> SheetPart | None:
+    """The sheet at positions (V, 3), moved along its normal to the means over a cell of the lattice."""
+    if shape.layout is None:
+        return None
+    positions = np.asarray(positions, dtype=float)
+    mean = CellMean(shape.printed, shape.weights, shape.layout.lattice_vectors)(positions)
+    normals = vertex_normals(mean, shape.triangles)
+    bumps = np.sum(normals * (positions - mean), axis=1, keepdims=True)
+    return _sheet_part(replace(shape, positions=positions - normals * bumps))
 
 
 def _sheet_part(shape: Shape) -> SheetPart:

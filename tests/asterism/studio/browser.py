@@ -24,7 +24,7 @@ PATIENCE_S = 120.0
 IS_MEASURED = "studio.targetDistance && studio.targetDistance.version === studio.target?.version"
 REST = (
     "studio.document && studio.engine === 'ready' && !studio.isWaiting && studio.shownRevision === studio.revision"
-    " && studio.stage === 'equilibrium'"
+    " && ['equilibrium', 'exact', 'printed'].includes(studio.stage)"
 )
 
 

@@ -162,7 +162,17 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const height = ({ table, point }) => targetsOf(now.tables[table], now.pins[table])[point ?? 0]?.[2] ?? 0;
     const [first] = members;
     return [
-      section(`${members.length} chosen`),
+      section(
+        `${members.length} chosen`,
+        button({
+          icon: "trash",
+          label: "Remove these supports",
+          keys: "Delete",
+          kind: "plain danger",
+          testid: "remove-needle",
+          onclick: () => tool.remove(),
+        }),
+      ),
       hint("Drag one and all move; Shift+drag, PageUp and PageDown lift them."),
       numberField({
         label: "Height of the first; all are lifted by the same",

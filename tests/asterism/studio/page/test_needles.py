@@ -82,3 +82,48 @@ def test_a_needle_is_removed_and_the_sheet_freed(page: StudioPage) -> None:
     assert len(table(page)["points_mm"]) == 3
     page.changed(lambda: page.item("free-sheet").click())
     assert not page.get("studio.document.design.pins")
+
+
+def test_a_group_is_split_and_its_needles_are_lifted_alone_and_together(shared: StudioPage) -> None:
+    shared.open("new")
+    shared.item("tool-needles").click()
+    shared.changed(lambda: shared.item("hold-corners").click())
+    shared.item("support-0").click()
+    shared.changed(lambda: shared.page.keyboard.press("PageUp"))  # the whole group
+    assert shared.get("studio.document.design.pins[0].offset_mm") == [0, 0, 1]
+    shared.changed(lambda: shared.item("split-support").click())
+    before = table(shared)
+    assert len(before["points_mm"]) == 6 and {z for _, _, z in before["target_mm"]} == {1}
+    shared.changed(lambda: shared.fill("needle-target-z", 12))
+    assert [z for _, _, z in table(shared)["target_mm"]] == [12, 1, 1, 1, 1, 1]
+    shared.page.mouse.click(*shared.point(before["points_mm"][1]))
+    shared.page.keyboard.down("Control")
+    shared.page.mouse.click(*shared.point(before["points_mm"][2]))
+    shared.page.keyboard.up("Control")
+    shared.changed(lambda: shared.fill("several-height", 5))
+    assert [z for _, _, z in table(shared)["target_mm"]] == [12, 5, 5, 1, 1, 1]
+
+
+def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
+    before = table(page)["target_mm"]
+    page.item("tab-sheet").click()
+    assert not page.item("follow-stretch").count()
+    page.changed(lambda: page.fill("stretch", 1.5))
+    assert table(page)["target_mm"] == before and "1.35" in page.item("needles-follow").inner_text()
+    page.changed(lambda: page.item("follow-stretch").click())
+    expected = [[1.35 / 1.5 * x, 1.35 / 1.5 * y, z] for x, y, z in before]
+    assert np.allclose(table(page)["target_mm"], expected, atol=0.01)
+    assert not page.item("follow-stretch").count()
+
+
+def test_a_sheet_that_is_too_large_for_the_printer_is_told_while_it_is_drawn(page: StudioPage) -> None:
+    assert not page.item("too-large").count()
+    page.item("tool-outline").click()
+    corner = page.get("studio.document.plan.outline_mm")[0]
+    page.page.mouse.move(*page.point(corner))
+    page.page.mouse.down()
+    page.page.mouse.move(*page.point((corner[0] + 4.0, corner[1] + 260.0)), steps=4)
+    page.wait("document.querySelector('[data-testid=too-large]')")  # the button is still down
+    page.page.keyboard.press("Escape")
+    page.page.mouse.up()
+    page.wait("!document.querySelector('[data-testid=too-large]')")

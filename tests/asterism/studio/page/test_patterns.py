@@ -13,22 +13,23 @@ from tests.asterism.studio.test_patterns import CROSS
 pytestmark = pytest.mark.slow
 
 
-def test_a_drawing_rises_by_the_exact_model_and_lies_flat_again_after_an_edit(shared: StudioPage, folder: Path) -> None:
+def test_a_drawing_rises_by_the_exact_model_and_stays_grey_until_the_next(
+    shared: StudioPage, folder: Path
+) -> None:
     (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
     shared.open("file-cross.toml")
-    shared.wait("studio.state.problem?.kind === 'no preview' && studio.shownRevision === studio.revision")
     assert not shared.item("tool-select").is_visible() and not shared.item("tool-weight").is_visible()  # for stars
     assert shared.item("stars").inner_text() == "4 rods"
     shared.item("tool-gradient").click()
-    shared.item("compute").click()
-    shared.wait("studio.stage === 'exact'")
-    assert shared.get("studio.height") > 1.0 and "certified" in shared.item("verdict").inner_text()
-    assert shared.item("engine").inner_text() == "Exact shape"
-    shared.item("tab-tool").click()
+    shared.wait("studio.badge.kind === 'exact'")  # without a click
+    height = shared.get("studio.height")
+    assert height > 1.0
     shared.item("gradient-number").fill("0.6")
     shared.page.keyboard.press("Enter")
-    shared.wait("studio.document.design.rods.thickness_mm === 0.6 && studio.stage === 'equilibrium'")
-    shared.wait("document.querySelector('[data-testid=engine]').innerText === 'Shown as printed'")
+    shared.wait("studio.document.design.rods.thickness_mm === 0.6")
+    shared.wait("studio.badge.kind === 'computing' && studio.isGrey && studio.stage === 'exact'")
+    shared.wait("studio.badge.kind === 'exact' && !studio.isGrey")
+    assert shared.get("studio.shownRevision === studio.revision") and shared.get("studio.height") != height
     shared.item("gradient-kind-linear").click()
     shared.wait("studio.document.design.rods.thickness_mm.profile === 'linear'")
     shared.item("undo").click()

@@ -125,7 +125,7 @@ def test_a_browser_that_cannot_draw_shows_plan_numbers_and_verification(browser:
     page.summarised()
     assert "does not draw in space" in page.item("no-view").inner_text() and not page.item("view-colour").count()
     page.item("verify").click()
-    page.wait("studio.comparison && document.querySelector('[data-testid=verified]')")
+    page.wait("document.querySelector('[data-testid=verified]')")
     page.changed(lambda: page.drag((-1.0, 0.0), (1.0, 1.0)))
     page.summarised()
     assert page.complaints == []

@@ -185,9 +185,11 @@ export class NeedleTool {
 
   remove() {
     const sheet = this.store.get("sheet");
-    const support = this.store.get("support");
-    if (!support || !sheet.tables[support.table]) return false;
-    this.edits.once(() => this.#send(withoutNeedle(sheet.tables, sheet.pins, support)));
+    const members = membersOf(this.store.get("support")).filter(({ table }) => sheet.tables[table]);
+    if (!members.length) return false;
+    members.sort((one, other) => other.table - one.table || other.point - one.point); // numbers before stay
+    const kept = members.reduce((tables, one) => withoutNeedle(tables, sheet.pins, one), sheet.tables);
+    this.edits.once(() => this.#send(kept));
     this.store.set({ support: null });
     return true;
   }

@@ -1,0 +1,65 @@
+"""The state of the shape on the page: one statement, and the exact shape that follows a stroke."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.asterism.studio.browser import StudioPage
+from tests.asterism.studio.test_badge import MATRIX
+
+# the README's tests open the page in `test_page` only
+pytestmark = pytest.mark.slow
+
+
+def test_whatever_speaks_of_the_shape_says_the_words_of_the_badge(page: StudioPage) -> None:
+    page.open("gallery-star")
+    (socket,) = page.live_sockets()
+    page.wait("studio.badge.kind === 'exact'")
+    page.item("tab-shape").click()
+    state = page.get("studio.state")
+    for kind, words, is_stale, _ in dict.fromkeys(MATRIX.values()):
+        badge = {**state["badge"], "kind": kind, "words": words, "is_stale": is_stale}
+        socket.send(json.dumps({**state, "badge": badge}))
+        page.wait(f"studio.badge.words === {words!r} && studio.badge.isStale === {str(is_stale).lower()}")
+        assert page.item("badge-words").inner_text() == page.item("footer-state").inner_text() == words
+        assert page.item("trust").inner_text().startswith(words)
+        assert page.get("studio.pictureTitle").endswith(f"· {words}")
+        page.wait(f"studio.isGrey === {str(is_stale).lower()}")
+        page.item("export").click()
+        assert page.item("export-dialog").inner_text().count(words) == 1
+        page.page.keyboard.press("Escape")
+    # what the server says of a frame that has not come is not said of the one that is drawn
+    socket.send(json.dumps({**state, "badge": {**state["badge"], "revision": 99}}))
+    page.wait("studio.badge.words === 'Computing'")
+
+
+def test_the_sheet_settles_after_a_stroke_and_is_shown_beside_its_preview(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.wait("studio.badge.kind === 'exact' && studio.isBeside")
+    first = shared.get("studio.height")
+    assert shared.item("view-colour").locator("[value=distance]").is_enabled()
+    shared.item("shown-both").click()
+    assert shared.item("shown-both").get_attribute("aria-checked") == "true"
+    shared.item("shown-shape").click()
+    shared.item("tool-brush").click()
+    shared.get(
+        "void (window.stale = [], setInterval(() => studio.badge.kind === 'exact'"
+        " && studio.shownRevision !== studio.revision && window.stale.push(studio.badge), 5))"
+    )
+    shared.changed(lambda: shared.drag((-20.0, 0.0), (20.0, 5.0)))
+    shared.wait("studio.badge.kind === 'exact'")
+    assert shared.get("studio.height") != first and shared.get("window.stale") == []
+    assert shared.item("footer-state").inner_text().startswith("Exact, mesh error")
+
+
+def test_a_report_of_a_settled_sheet_is_about_the_exact_shape(shared: StudioPage) -> None:
+    shared.open("gallery-star")
+    shared.wait("studio.badge.kind === 'exact'")
+    words = shared.get("studio.badge.words")
+    shared.item("export").click()
+    shared.item("export-go").click()
+    shared.wait("document.querySelectorAll('[data-testid=export-result] a').length > 5")
+    assert f"The shape: {words}" in shared.item("export-result").inner_text()
+    shared.page.keyboard.press("Escape")
