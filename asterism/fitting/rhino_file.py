@@ -37,7 +37,7 @@ def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
         `rhino3dm` is not installed, or the file holds no surface that can be read.
     """
     model = open_rhino_model(path, mm, lambda problem: TargetError(path, problem))
-    meshes = [mesh for geometry, _ in model.visible() for mesh in _meshes(path, geometry)]
+    meshes = [mesh for geometry, _, hidden in model.shown() if not hidden for mesh in _meshes(path, geometry)]
     if not meshes:
         kinds = sorted({type(thing.Geometry).__name__ for thing in model.file.Objects})
         held = f"only {', '.join(kinds)}" if kinds else "nothing"

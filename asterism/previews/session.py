@@ -50,6 +50,10 @@ class SearchLimitError(Error):
     exit_status = 1
 
 
+class SnapshotError(Error, ValueError):
+    """A snapshot belongs to another mesh."""
+
+
 class Watch:
     """Called at least once in each Newton iteration.
 
@@ -414,7 +418,7 @@ class Preview:
         ------
         DesignError, MeshError, LawError, SearchLimitError
             As for an edit. The preview keeps its state.
-        ValueError
+        SnapshotError
             The snapshot belongs to another mesh.
         """
         check_type(snapshot, Snapshot, "preview.snapshot() makes one")
@@ -444,7 +448,8 @@ class Preview:
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
-            raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
+            problem = f"snapshot: must be of a mesh with {len(state.shell.flat)} degrees of freedom, not {len(x)}"
+            raise SnapshotError(f"{problem}: it is of another mesh")
         if state.factor is self.state.factor:
             self.state = replace(self.state, is_factor_resting=False)  # the search overwrites the factor
         self.state = at_form(state, x, self._clock)

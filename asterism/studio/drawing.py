@@ -87,7 +87,7 @@ def read_drawing(path: Path, name: str, units: str | None = None) -> Drawing:
         raise UploadError(f"{name}: {error}") from None
 
 
-def rings(lines: Iterable[FileLine]) -> list[Floats]:
+def _rings(lines: Iterable[FileLine]) -> list[Floats]:
     """Closed curves (n, 2) mm without their last point, the largest first."""
     return sorted(closed_curves(lines), key=lambda ring: -float(shapely.area(shapely.polygons(ring))))
 
@@ -100,7 +100,7 @@ def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str,
         "name": name,
         "count": len(lines),
         "widths_mm": [min(widths), max(widths)] if len(widths) == len(lines) else None,
-        "has_rings": bool(rings(lines)),
+        "has_rings": bool(_rings(lines)),
         "is_one_ring": [line.is_closed for line in lines] == [True],
         "lines": pictured,
     }
@@ -134,7 +134,7 @@ def with_drawing(
     rods = [name for name, layer in chosen.items() if layer.use in ("rods", "both")]
     edges = [name for name, layer in chosen.items() if layer.use == "outline"]
     rim = next((name for name, layer in chosen.items() if layer.use == "both"), None)
-    outer = rings(drawing.lines_of(edges or [rim] if rim else edges))
+    outer = _rings(drawing.lines_of(edges or [rim] if rim else edges))
     if (edges or rim) and not outer:
         raise UploadError(f"{drawing.name}: {', '.join(edges) or rim}: an outline must have a closed line")
     box = outer[0] if outer else np.concatenate([line.points for line in drawing.lines_of(rods)])
@@ -147,8 +147,11 @@ def with_drawing(
         changed["border"] = _border(changed, rim, rims if edges else [])
         return _with_pins_on(changed, rims)
     if choice.sheet == "around":
-        changed["border"] = _around(changed, box - shift)
-        return _with_pins_on(changed, [np.asarray(changed["border"]["polygon_mm"])])
+        margin_mm = 10.0  # of fabric around the drawing
+        low, high = box.min(axis=0) - shift - margin_mm, box.max(axis=0) - shift + margin_mm
+        corners = np.round([low, [high[0], low[1]], high, [low[0], high[1]]], 3)
+        changed["border"] = {**_without_outline(changed), "polygon_mm": corners.tolist()}
+        return _with_pins_on(changed, [corners])
     changed["border"] = _kept_border(changed, outline)
     return changed, ""
 
@@ -186,7 +189,7 @@ def _with_rods(
 
 def _border(table: Mapping[str, Any], rim: str | None, outer: list[Floats]) -> dict[str, Any]:
     """The border whose outline is the largest ring, with the others as holes, or a closed rod of this name."""
-    kept = {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}
+    kept = _without_outline(table)
     if not outer:
         return {**kept, "rods": rim}
     corners, *inner = [_corners(ring) for ring in outer]
@@ -230,10 +233,8 @@ def _with_pins_on(table: dict[str, Any], rims: list[Floats]) -> tuple[dict[str, 
     sheet = shapely.Polygon(rims[0], rims[1:]).buffer(PIN_TOLERANCE_MM)
     for pins in table.get("pins", ()):
         if "points_mm" not in pins:
-            if "where" in pins:
-                kept.append(pins)
-            else:
-                lost += 1
+            kept += [pins] if "where" in pins else []
+            lost += "where" not in pins
             continue
         is_on = shapely.covers(sheet, shapely.points(np.asarray(pins["points_mm"], dtype=float)))
         lost += int((~is_on).sum())
@@ -244,17 +245,10 @@ def _with_pins_on(table: dict[str, Any], rims: list[Floats]) -> tuple[dict[str, 
     if not lost:
         return table, ""
     rest = {key: value for key, value in table.items() if key != "pins"}
-    supports = "1 support" if lost == 1 else f"{lost} supports"
-    note = (
-        f"{supports} of the former outline {'is' if lost == 1 else 'are'} left out; Undo brings the former sheet back."
-    )
+    supports = "1 support of the former outline is" if lost == 1 else f"{lost} supports of the former outline are"
+    note = f"{supports} left out; Undo brings the former sheet back."
     return rest | ({"pins": kept} if kept else {}), note
 
 
-def _around(table: Mapping[str, Any], box: Floats) -> dict[str, Any]:
-    """A rectangle around the points (n, 2) of a drawing."""
-    kept = {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}
-    margin_mm = 10.0  # of fabric around the drawing
-    low, high = box.min(axis=0) - margin_mm, box.max(axis=0) + margin_mm
-    corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
-    return {**kept, "polygon_mm": np.round(corners, 3).tolist()}
+def _without_outline(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in table["border"].items() if key not in (*OUTLINE_KEYS, "holes")}

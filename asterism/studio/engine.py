@@ -7,6 +7,7 @@ warnings and the other forms, and the exact model can go on from there. A patter
 
 from __future__ import annotations
 
+import math
 import pickle
 import sys
 import threading
@@ -29,7 +30,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.law_choice import law_of, paper_law
-from asterism.previews.session import Preview, SearchLimitError
+from asterism.previews.session import Preview, SearchLimitError, SnapshotError
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
@@ -48,10 +49,16 @@ from asterism.studio.messages import (
     Sign,
     StudioProblem,
 )
-from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
+from asterism.studio.search_bounds import (
+    MAX_DRAGGED_SEARCH_S,
+    MAX_SAID_STEP_S,
+    SIGN_EVERY_S,
+    Cancelled,
+    SearchBounds,
+    Superseded,
+)
 from asterism.studio.summaries import blank_summary, rest_summary
 
-MAX_STEP_S = 30.0  # of a computation without a sign of its own; then the engine counts as hanging
 REST_S = 0.3  # without a message, after which the fine frame and the exact model follow
 
 
@@ -129,18 +136,23 @@ class Engine:
             if problem.kind == UNEXPECTED and not isinstance(error, Error):
                 traceback.print_exc(file=sys.stderr)
             self._send(problem)
+        finally:
+            self._bounds.go_on(math.inf)
 
     def _send(self, message: Any) -> None:
         self._bounds.last_sign = time.monotonic()
+        self._bounds.go_on()
         self._send_on(message)
 
-    def _say(self, text: str) -> None:
+    def say(self, text: str) -> None:
+        """Pass on what begins, which may take long."""
         self._send(Busy(self._bounds.seq, text))
+        self._bounds.go_on(MAX_SAID_STEP_S)
 
     @property
-    def is_at_work(self) -> bool:
-        """Whether the last sign of the computation is not long ago."""
-        return time.monotonic() - self._bounds.last_sign < MAX_STEP_S
+    def is_stuck(self) -> bool:
+        """Whether the computation is in a loop without end."""
+        return self._bounds.is_stuck
 
     @property
     def _is_dragging(self) -> bool:
@@ -181,11 +193,11 @@ class Engine:
         self._printed = None
         self._owes_search = False
         if preview is None:
-            preview = Preview(design, check=self._bounds.check, say=self._say)
+            preview = Preview(design, check=self._bounds.check, say=self.say)
             if snapshot is not None:
                 self._restores(preview, snapshot, design)
         elif snapshot is None or not self._restores(preview, snapshot, design):
-            preview = Preview(design, check=self._bounds.check, say=self._say)
+            preview = Preview(design, check=self._bounds.check, say=self.say)
         self._preview = preview
 
     def _parsed(self, edit: Edit, parsed: Design | None) -> Design:
@@ -222,10 +234,8 @@ class Engine:
         """Whether the preview could go to the form of a snapshot."""
         try:
             preview.restore(replace(pickle.loads(snapshot), design=design))
-        except ValueError as error:
-            if isinstance(error, Error):
-                raise
-            return False  # the form of another mesh
+        except SnapshotError:
+            return False
         return True
 
     def _search(self, work: Callable[[], None]) -> None:
@@ -365,23 +375,20 @@ def run_engine(connection: Connection) -> None:
         with lock:
             connection.send(message)
 
-    def compiling(text: str) -> None:
-        send(Busy(0, text))
-
     inbox, law = Inbox(connection.recv), paper_law()
-    with signs_while_compiling(compiling, SIGN_EVERY_S), clock_without_compiling() as clock:
-        if not inbox.has_waiting:
-            list(Preview(gallery.load("star"), law).edit(gallery.load("star")))
-        send(Ready(time.monotonic() - begun))
+    with clock_without_compiling() as clock:
         engine = Engine(inbox, send, clock)
+        with signs_while_compiling(engine.say, SIGN_EVERY_S):
+            if not inbox.has_waiting:
+                list(Preview(gallery.load("star"), law).edit(gallery.load("star")))
+            send(Ready(time.monotonic() - begun))
 
-        def give_signs() -> None:
-            """A step of a computation may be long; a process that is stopped or stuck in a library gives no sign."""
-            with suppress(OSError):
-                while not inbox.is_closed:
-                    time.sleep(1.0)
-                    if engine.is_at_work:
-                        send(Sign())
+            def give_signs() -> None:
+                """A process that is stopped or stuck in a library gives no sign; one in a loop without end says so."""
+                with suppress(OSError):
+                    while not inbox.is_closed:
+                        time.sleep(1.0)
+                        send(Sign(engine.is_stuck))
 
-        threading.Thread(target=give_signs, daemon=True).start()
-        engine.serve()
+            threading.Thread(target=give_signs, daemon=True).start()
+            engine.serve()

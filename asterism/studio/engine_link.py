@@ -117,7 +117,11 @@ class EngineLink:
     def _message(self, child: Child, message: Any) -> None:
         if isinstance(message, Ready):
             self._loaded.add(child)
-        if child is not self._child or isinstance(message, Sign):
+        if child is not self._child:
+            return
+        if isinstance(message, Sign):
+            if message.is_stuck and self._owes is not None:
+                self._replace("the preview was stuck and was started again")
             return
         if isinstance(message, Ready):
             self._set("computing" if self._owes is not None else "ready")

@@ -116,7 +116,9 @@ class Ready:
 
 @dataclass(frozen=True)
 class Sign:
-    """The engine computes."""
+    """The engine computes; `is_stuck` in a loop that does not seem to end."""
+
+    is_stuck: bool = False
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,9 @@ STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
 MAX_DRAGGED_SEARCH_S = 2.5
 MAX_SEARCH_S = 20.0
 SIGN_EVERY_S = 2.0  # of life, in long searches
+# processor time of a step between two checks, after which it counts as a loop without end; and of an announced step
+MAX_STEP_S = 5.0
+MAX_SAID_STEP_S = 60.0
 
 
 class Superseded(Exception):
@@ -50,6 +53,16 @@ class SearchBounds:
         self.seq, self.longest_s, self._yields = seq, MAX_SEARCH_S, yields
         self._begun, self.last_sign = self._clock(), time.monotonic()
         self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
+        self.go_on()
+
+    def go_on(self, step_s: float = MAX_STEP_S) -> None:
+        """The work is not stuck: a step begins, which may take so much processor time."""
+        self._step_ends = time.process_time() + step_s
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether a step takes too long; on a busy machine or without a processor it takes no time."""
+        return time.process_time() > self._step_ends
 
     def end(self, is_superseded: bool) -> None:
         """End the work, in favour of a newer message or with an answer."""
@@ -68,6 +81,7 @@ class SearchBounds:
         Superseded, Cancelled, SearchLimitError
             The work ends.
         """
+        self.go_on()
         if self._inbox.is_closed or (not self._yields and self._inbox.is_cancelled(self.seq)):
             raise Cancelled
         if self._inbox.has_waiting and self._yields:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +63,11 @@ def with_drawings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         shift = middles.get(moved, np.zeros(2)) if moved else np.zeros(2)
         if stored == "lines":
             layers = table.get("layers")
-            _check_strokes(place, table, drawing.lines_of(layers if isinstance(layers, dict) else drawing.layers))
+            lines = drawing.lines_of(layers if isinstance(layers, dict) else drawing.layers)
+            uneven = next((line for line in lines if line.unevenness > 1.0), None)
+            if uneven is not None and table.get("width") == "stroke":
+                stretched = f"{uneven.name} is drawn with a stroke stretched {uneven.unevenness:.2g} to 1"
+                raise DesignError(f"{place}.file", f"{stretched}: remove the transform", table["file"])
             table[stored] = [stored_line(line, shift) for line in drawing.lines]
             continue
         shifted = [np.round(ring - shift, 6).tolist() for ring in rings]
@@ -113,10 +117,8 @@ def _holes(rings: list[Any], file: str) -> list[dict[str, Any]]:
     for ring in inner:
         if not shapely.intersects(shapely.polygons(outline), shapely.polygons(ring)):
             x, y = (float(part) for part in np.mean(ring, axis=0))
-            problem = (
-                f"must have one outline: a closed line lies beside it, about ({x:.1f}, {y:.1f}) mm; choose a layer"
-            )
-            raise DesignError("border.file", problem, file, place_mm=(x, y))
+            beside = f"a closed line lies beside it, about ({x:.1f}, {y:.1f}) mm"
+            raise DesignError("border.file", f"must have one outline: {beside}; choose a layer", file, place_mm=(x, y))
     return [{"polygon_mm": ring} for ring in inner]
 
 
@@ -124,11 +126,3 @@ def stored_line(line: FileLine, shift: Floats, has_width: bool = True) -> dict[s
     """Points, layer, and the width of the stroke, if there is one."""
     width = {"width_mm": round(line.width_mm, 6)} if has_width and line.width_mm is not None else {}
     return {"points_mm": np.round(line.points - shift, 6).tolist(), "layer": line.layer, **width}
-
-
-def _check_strokes(place: str, table: Mapping[str, Any], lines: Iterable[FileLine]) -> None:
-    """Refuse widths of strokes that a transform has stretched."""
-    uneven = (line for line in lines if line.unevenness > 1.0)
-    if table.get("width") == "stroke" and (line := next(uneven, None)):
-        problem = f"{line.name} is drawn with a stroke stretched {line.unevenness:.2g} to 1: remove the transform"
-        raise DesignError(f"{place}.file", problem, table["file"])

@@ -81,8 +81,9 @@ def _lines(drawing: Any, deleted: int, curve: float, left_out: Counter[str]) -> 
         kind = entity.dxftype()
         name = f"{kind} {entity.dxf.get('handle') or 'in a block'}"
         try:
-            if kind in ("SPLINE", "HELIX") and not _is_bezier(tool := entity.construction_tool()):
-                points = _spline_points(tool, matrix, curve, layer, name)
+            spline = entity.construction_tool() if kind in ("SPLINE", "HELIX") else None
+            if spline and (spline.degree != 3 or spline.is_rational or not spline.is_clamped):  # no Bezier curves
+                points = _spline_points(spline, matrix, curve, layer, name)
             else:
                 outline = make_path(entity, segments=_CIRCLE_CURVES).transform(matrix)
                 checked(np.array([point.xyz for point in outline.control_vertices()]), layer, name)
@@ -124,31 +125,20 @@ def _entities(
             # names differ by more than case
             layer, is_off = str(entry.dxf.name), entry.is_off()
             is_frozen = is_frozen or entry.is_frozen()
-        if kind == "INSERT":
-            for one in entity.multi_insert():
-                _count(count)
-                around = (layer, is_frozen or is_hidden)
-                placed = one.matrix44() @ matrix
+        for one in entity.multi_insert() if kind == "INSERT" else (entity,):
+            if next(count) > MAX_ELEMENTS:
+                raise DrawingError(f"holds more than {MAX_ELEMENTS} entities, counted in all copies of its blocks")
+            if kind == "INSERT":
+                around, placed = (layer, is_frozen or is_hidden), one.matrix44() @ matrix
                 yield from _entities(one.block() or (), layers, around, placed, depth + 1, count, left_out)
-            continue
-        _count(count)
-        if kind not in _LINES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
-            left_out[_NAMES.get(kind, f"{kind}|s" if kind not in _LINES else "mesh|es")] += 1
-        elif is_frozen or is_off:
-            left_out["line|s in hidden layers"] += 1
-        elif is_hidden:
-            left_out["hidden line|s"] += 1
-        else:
-            yield entity, layer, matrix
-
-
-def _count(count: Iterator[int]) -> None:
-    if next(count) > MAX_ELEMENTS:
-        raise DrawingError(f"holds more than {MAX_ELEMENTS} entities, counted in all copies of its blocks")
-
-
-def _is_bezier(spline: Any) -> bool:
-    return spline.degree == 3 and not spline.is_rational and spline.is_clamped
+            elif kind not in _LINES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
+                left_out[_NAMES.get(kind, f"{kind}|s" if kind not in _LINES else "mesh|es")] += 1
+            elif is_frozen or is_off:
+                left_out["line|s in hidden layers"] += 1
+            elif is_hidden:
+                left_out["hidden line|s"] += 1
+            else:
+                yield entity, layer, matrix
 
 
 def _spline_points(spline: Any, matrix: Any, curve: float, layer: str, name: str) -> Floats:

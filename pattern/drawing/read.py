@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import one_line
 from asterism.pattern.drawing.dxf import open_dxf
 from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, DrawingWarning, FileLine, NoUnitError
 from asterism.pattern.drawing.rhino import RHINO_FORMAT, open_rhino_drawing
@@ -106,7 +107,7 @@ def read_drawing(
             if len(lines) > _MAX_LINES:
                 raise DrawingError(f"holds more than {_MAX_LINES} lines")
     parts = (f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items())
-    rest = _one_line(", ".join(parts))
+    rest = one_line(", ".join(parts))
     if not lines:
         raise DrawingError("holds no line with a stroke" + (f"; left out: {rest}" if rest else ""))
     size = _size(lines)
@@ -119,7 +120,7 @@ def read_drawing(
     if rest:
         layers = len({line.layer for line in lines})
         read = f"read {len(lines)} line{'s'[: len(lines) > 1]} in {layers} layer{'s'[: layers > 1]}, {_in_words(size)}"
-        warnings.warn(_one_line(f"{path.name}: {read}; left out: {rest}"), DrawingWarning, stacklevel=2)
+        warnings.warn(one_line(f"{path.name}: {read}; left out: {rest}"), DrawingWarning, stacklevel=2)
     return Drawing(path.name, tuple(lines), source.mm is not None, rest)
 
 
@@ -158,10 +159,6 @@ def box_middle(lines: Iterable[FileLine]) -> Floats:
 
 def _size(lines: Iterable[FileLine]) -> Floats:
     return np.asarray(np.ptp(np.concatenate([line.points for line in lines]), axis=0))
-
-
-def _one_line(text: str) -> str:
-    return "".join(c if c.isprintable() else " " for c in text)
 
 
 def _in_words(size: Floats) -> str:

@@ -50,46 +50,13 @@ class RhinoModel:
     file: Any
     mm: float
 
-    def visible(self) -> Iterator[tuple[Any, str]]:
-        """The geometry of each visible object outside blocks, and the full name of its layer, as `sheet::outline`."""
-        return ((geometry, layer) for geometry, layer, hidden in self._shown(self._outside) if not hidden)
+    def shown(self, objects: Iterable[Any] | None = None) -> Iterator[tuple[Any, str, str]]:
+        """The geometry of some objects, or of all outside blocks.
 
-    @property
-    def _outside(self) -> list[Any]:
-        """The objects that are no part of a block."""
-        return [thing for thing in self.file.Objects if not thing.Attributes.IsInstanceDefinitionObject]
-
-    def unfolded(
-        self, objects: Iterable[Any] | None = None, depth: int = 0, number: Iterator[int] | None = None
-    ) -> Iterator[tuple[Any, str, str]]:
-        """The geometry of each object, also of those in blocks, its layer, and the reason why it is hidden.
-
-        Raises
-        ------
-        DrawingError
-            A block holds itself, or copies are too many.
+        Each with the full name of its layer, as `sheet::outline`, and the reason why it is hidden.
         """
-        import rhino3dm
-
-        number = number or count()
-        if depth > MAX_DEPTH:
-            raise DrawingError(f"has blocks more than {MAX_DEPTH} deep, or one that holds itself")
-        for geometry, layer, hidden in self._shown(self._outside if objects is None else objects):
-            if next(number) > MAX_ELEMENTS:
-                raise DrawingError(f"holds more than {MAX_ELEMENTS} objects, counted in all copies of its blocks")
-            if not isinstance(geometry, rhino3dm.InstanceReference):
-                yield geometry, layer, hidden
-                continue
-            insert: Any = geometry
-            block = self.file.InstanceDefinitions.FindId(insert.ParentIdefId)
-            parts = [] if block is None else filter(None, map(self.file.Objects.FindId, block.GetObjectIds()))
-            for part, own, is_hidden in self.unfolded(parts, depth + 1, number):
-                # circles cannot be stretched
-                copy = part.ToNurbsCurve() if isinstance(part, rhino3dm.Curve) else part.Duplicate()
-                copy.Transform(insert.Xform)
-                yield copy, own, hidden or is_hidden
-
-    def _shown(self, objects: Iterable[Any]) -> Iterator[tuple[Any, str, str]]:
+        if objects is None:
+            objects = [thing for thing in self.file.Objects if not thing.Attributes.IsInstanceDefinitionObject]
         for thing in objects:
             number, hidden = thing.Attributes.LayerIndex, ""
             layer = self.file.Layers.FindIndex(number) if 0 <= number < len(self.file.Layers) else None
@@ -98,6 +65,35 @@ class RhinoModel:
                 hidden = hidden or ("" if above.Visible else "line|s in hidden layers")
                 above = self.file.Layers.FindId(above.ParentLayerId) if "::" in above.FullPath else None
             yield thing.Geometry, name, hidden or ("" if thing.Attributes.Visible else "hidden line|s")
+
+    def unfolded(
+        self, number: Iterator[int], objects: Iterable[Any] | None = None, depth: int = 0
+    ) -> Iterator[tuple[Any, str, str]]:
+        """What `shown` gives, with the parts of blocks in place of the blocks; `number` counts the objects.
+
+        Raises
+        ------
+        DrawingError
+            A block holds itself, or copies are too many.
+        """
+        import rhino3dm
+
+        if depth > MAX_DEPTH:
+            raise DrawingError(f"has blocks more than {MAX_DEPTH} deep, or one that holds itself")
+        for geometry, layer, hidden in self.shown(objects):
+            if next(number) > MAX_ELEMENTS:
+                raise DrawingError(f"holds more than {MAX_ELEMENTS} objects, counted in all copies of its blocks")
+            if not isinstance(geometry, rhino3dm.InstanceReference):
+                yield geometry, layer, hidden
+                continue
+            insert: Any = geometry
+            block = self.file.InstanceDefinitions.FindId(insert.ParentIdefId)
+            parts = [] if block is None else filter(None, map(self.file.Objects.FindId, block.GetObjectIds()))
+            for part, own, is_hidden in self.unfolded(number, parts, depth + 1):
+                # circles cannot be stretched
+                copy = part.ToNurbsCurve() if isinstance(part, rhino3dm.Curve) else part.Duplicate()
+                copy.Transform(insert.Xform)
+                yield copy, own, hidden or is_hidden
 
 
 def open_rhino_model(path: Path, mm: float | None, error: Callable[[str], Exception]) -> RhinoModel:
@@ -138,7 +134,7 @@ def open_rhino_drawing(path: Path, unit_mm: float | None) -> Source:
 def _lines(model: RhinoModel, curve: float, left_out: Counter[str]) -> Iterator[FileLine]:
     import rhino3dm
 
-    for geometry, layer, hidden in model.unfolded():
+    for geometry, layer, hidden in model.unfolded(count()):
         name = type(geometry).__name__
         if hidden or not isinstance(geometry, rhino3dm.Curve):
             left_out[hidden or f"{name}|s"] += 1

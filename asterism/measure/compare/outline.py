@@ -68,8 +68,8 @@ def read_outline(path: str | Path, unit: str | None = None) -> Outline:
 def _from_csv(path: Path, unit: str | None) -> Outline:
     """The outline in a table with the columns x_mm and y_mm."""
     unit = unit or "mm"
-    rows = read_rows(path, ("x_mm", "y_mm"), ("x_mm", "y_mm"))
     names = ("x_mm", "y_mm")
+    rows = read_rows(path, names, names)
     corners = [[row.number_in(name, -_MAX_COORDINATE, _MAX_COORDINATE, needed=True) for name in names] for row in rows]
     points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
     closed = len(points) > 1 and np.array_equal(points[0], points[-1])

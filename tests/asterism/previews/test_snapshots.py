@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
@@ -59,7 +60,7 @@ def test_a_snapshot_does_not_change() -> None:
 def test_snapshots_of_other_meshes_are_refused() -> None:
     fine, coarse = Preview(edited("dome"), triangles=150), Preview(edited("dome"), triangles=60)
     before = coarse.state
-    with pytest.raises(ValueError, match="another mesh"):
+    with pytest.raises(Error, match="another mesh"):
         coarse.restore(fine.snapshot())
     assert coarse.state is before
     with pytest.raises(TypeError):

@@ -22,6 +22,7 @@ from asterism.studio.messages import (
     Settled,
     ShapeSummary,
     ShownMesh,
+    Sign,
     StudioProblem,
     Surface,
     Written,
@@ -33,7 +34,7 @@ GATE = "ASTERISM_TEST_GATE"
 
 
 def serve(connection: Connection) -> None:
-    """Answer each edit with a flat square; `die`, `die_once` and `hang_once` in its table are done first.
+    """Answer each edit with a flat square; `die`, `die_once`, `hang_once` and `loop_once` in its table are done first.
 
     The snapshot is that of the edit and its number.
     """
@@ -46,12 +47,14 @@ def serve(connection: Connection) -> None:
         table = message.design or {}
         if table.get("die"):
             os._exit(3)
-        for failure in ("die_once", "hang_once"):
+        for failure in ("die_once", "hang_once", "loop_once"):
             mark = Path(table.get(failure, "/"))
             if mark.is_file():
                 mark.unlink()
                 if failure == "die_once":
                     os._exit(3)
+                if failure == "loop_once":
+                    connection.send(Sign(is_stuck=True))
                 time.sleep(60)
         none = np.zeros((0, 2, 3, 3))
         connection.send(ShownMesh(1, square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), none[:, 0, 0, 0]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,9 @@ import pytest
 import asterism
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.layout.build import layout
+from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Busy, Edit, Frame, Limits, ShownMesh
+from asterism.studio.search_bounds import SearchBounds
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 
@@ -155,6 +159,16 @@ def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.M
     engine.send(Edit(1, table()))
     engine.frame(1)
     assert any(isinstance(answer, Busy) and answer.seq == 1 for answer in engine.answers)
+
+
+def test_a_step_without_end_is_one_that_takes_too_much_processor_time() -> None:
+    bounds = SearchBounds(Inbox(threading.Event().wait), lambda message: None, time.perf_counter)
+    assert not bounds.is_stuck
+    bounds.go_on(0.0)
+    time.sleep(0.01)  # takes processor time too, but less than the next step may
+    assert bounds.is_stuck
+    bounds.check()
+    assert not bounds.is_stuck
 
 
 def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:

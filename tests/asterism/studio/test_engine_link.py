@@ -121,19 +121,6 @@ def test_a_search_is_named_until_something_else_is_asked_for():
     run(test, keeps_spare=False)
 
 
-def test_an_engine_that_hangs_is_replaced(tmp_path: Path):
-    mark = tmp_path / "mark"
-    mark.touch()
-
-    async def test(links: Links) -> None:
-        links.link.edit(Edit(1, {"name": "a"}))
-        await links.until(lambda: bool(links.frames(1)))
-        links.link.edit(Edit(2, {"hang_once": str(mark)}))
-        await links.until(lambda: bool(links.frames(2)))
-
-    run(test, max_silence_s=1.0, keeps_spare=False)
-
-
 def test_a_design_that_ends_every_engine_waits_for_another_edit():
     async def test(links: Links) -> None:
         links.link.edit(Edit(1, {"die": True}))
@@ -173,7 +160,16 @@ def test_closing_ends_all_processes(spare: bool):
     run(test, keeps_spare=spare)
 
 
-def test_an_engine_that_hangs_is_replaced_after_five_seconds_and_that_is_said(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("failure", "why"),
+    [
+        ("hang_once", "the preview gave no sign for 5 s and was started again"),
+        ("loop_once", "the preview was stuck and was started again"),
+    ],
+)
+def test_an_engine_that_hangs_is_replaced_after_five_seconds_and_that_is_said(
+    tmp_path: Path, failure: str, why: str
+) -> None:
     mark = tmp_path / "mark"
     mark.touch()
 
@@ -181,10 +177,10 @@ def test_an_engine_that_hangs_is_replaced_after_five_seconds_and_that_is_said(tm
         links.link.edit(Edit(1, {"name": "a"}))
         await links.until(lambda: bool(links.frames(1)))
         begun = time.monotonic()
-        links.link.edit(Edit(2, {"hang_once": str(mark)}))
+        links.link.edit(Edit(2, {failure: str(mark)}))
         await links.until(lambda: bool(links.frames(2)))
         assert time.monotonic() - begun < 15.0
         said = [message.what for message in links.messages if isinstance(message, Busy)]
-        assert "the preview gave no sign for 5 s and was started again" in said
+        assert why in said
 
     run(test)
