@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from shlex import quote
 from typing import Annotated
 
 import typer
@@ -17,6 +16,7 @@ from asterism.cli.common.options import (
     output_option,
 )
 from asterism.cli.common.run import Run, command
+from asterism.process.environment import quoted
 
 
 @command
@@ -60,5 +60,5 @@ def calibrate(
         raise error.within(material or file or "") from None
     run.lines([*law_lines(law), f"{path}: the law; its cells stay in {cells_folder()}"])
     if is_design(file):
-        other = f" --material {quote(str(material))}" if material else ""
-        run.lines([f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}"])
+        other = f" --material {quoted(material)}" if material else ""
+        run.lines([f"now run  asterism preview {quoted(file)}{other} --law {quoted(path)}"])

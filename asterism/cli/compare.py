@@ -33,7 +33,7 @@ def compare(
     """
     from asterism.measure.compare.compare import check_comparison_directory, write_comparison
     from asterism.measure.compare.compare import compare as measure
-    from asterism.measure.compare.errors import check_file
+    from asterism.measure.compare.scan import check_file
 
     check_file(scan)
     directory = output or scan.with_name(f"{scan.stem}-compared")

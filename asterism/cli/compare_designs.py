@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import LawFile, MaterialFile, PlasticName, PrinterName, output_option
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import Mistake, Run, command
 
 # characters of the widest label and of a number in the table on the terminal
 LABEL_WIDTH = 50

@@ -7,9 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import FileUnit, LawFile, output_option
-from asterism.cli.common.run import DONE, INTERRUPTED, NO_ANSWER, Run, command
+from asterism.cli.common.run import DONE, INTERRUPTED, NO_ANSWER, Mistake, Run, command
 from asterism.fitting.errors import FitInterrupted
 from asterism.fitting.settings import FitSettings
 

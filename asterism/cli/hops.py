@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.errors import Mistake
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import Mistake, Run, command
 
 
 @command

@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import output_option
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import Mistake, Run, command
 
 app = typer.Typer(
     help="Show a law, or forget the kept cells.",

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from shlex import quote
 from typing import Annotated
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import output_option
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import Mistake, Run, command
+from asterism.process.environment import quoted
 
 
 @command
@@ -45,7 +44,7 @@ def new(
     if path.exists() and not (path.is_file() and path.read_bytes() == content):
         raise Mistake(f"--output: {str(path)!r} exists and is kept; choose another name")
     write_file(path, content)
-    where = quote(str(path))
+    where = quoted(path)
     if name in gallery.pattern_names() and "motif" not in tomllib.loads(content.decode())["rods"]:
         run.lines(
             [f"{path}: run  asterism simulate {where}  for its shape, or  asterism export {where}  for the print"]

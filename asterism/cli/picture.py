@@ -7,9 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import output_option, two_sizes
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import Mistake, Run, command
 
 
 @command
@@ -34,7 +33,7 @@ def picture(
     """Draw results as FOLDER-VIEW.png beside their folders, all at one scale."""
     from io import BytesIO
 
-    from asterism.draw.view_picture import check_picture, fitting_scale, view_image
+    from asterism.draw.picture import check_picture, fitting_scale, view_image
     from asterism.results.files import check_writable, write_file
     from asterism.shape.read_shape import read_shape
     from asterism.shape.release_picture import release_gif

@@ -30,7 +30,6 @@ def simulate(
         float | None, typer.Option(help="Edge length of the mesh in mm, instead of the value in the design.")
     ] = None,
     tolerance: ToleranceOption = None,
-    start: Annotated[str | None, typer.Option(help="bump or flat, instead of the value in the design.")] = None,
     seed: Annotated[
         int | None, typer.Option(help="Seed of the initial guess's noise, instead of the value in the design.")
     ] = None,
@@ -44,9 +43,6 @@ def simulate(
         ),
     ] = None,
     law: LawFile = None,
-    fabric_bending: Annotated[
-        str | None, typer.Option(help="paper, plate, consistent or none, instead of the value in the design.")
-    ] = None,
     contact: Contact = None,
     material: MaterialFile = None,
     backend: BackendOption = "auto",
@@ -75,9 +71,7 @@ def simulate(
         {
             "--edge": ("mesh.edge_mm", edge),
             "--tolerance": ("mesh.tolerance_percent", tolerance),
-            "--start": ("solver.start", start),
             "--seed": ("solver.seed", seed),
-            "--fabric-bending": ("fabric.bending", fabric_bending),
             "--contact": ("solver.contact", contact),
         },
     )

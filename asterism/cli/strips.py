@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from shlex import quote
 from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import PrinterName, nonempty_path, output_option
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import Mistake, Run, command
+from asterism.process.environment import quoted
 
 app = typer.Typer(help="Measure plastic and fabric with printed strips.", invoke_without_command=True)
 
@@ -67,7 +66,7 @@ def new(
     first, others = written.layers_mm
     thick = ", ".join(f"{h:g}" for h in written.specimen.thicknesses_mm)
     kind = "released" if fabric is None else "stretched"
-    table = quote(str(output / "strips.csv"))
+    table = quoted(output / "strips.csv")
     other_layers = []
     if written.star_layers_mm != written.layers_mm:
         stars = "first {:g} mm, then {:g} mm".format(*written.star_layers_mm)
@@ -111,7 +110,6 @@ def fit(
     flat_height: Annotated[
         float, typer.Option(min=0.01, max=10, help="Height in mm below which an arc counts as flat.")
     ] = 0.5,
-    confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Confidence level of the intervals.")] = 0.95,
     save: Annotated[
         str | None, typer.Option(help="Also keep the material under this name in your list (see asterism materials).")
     ] = None,
@@ -136,7 +134,6 @@ def fit(
         fabric_thickness_mm=fabric_thickness,
         outside=outside,
         flat_height_mm=flat_height,
-        confidence=confidence,
     )
     name, picture, numbers = write_material(material, path)
     run.table(material.rows)
@@ -183,7 +180,6 @@ def overhang(
         typer.Argument(metavar="[MM...|TABLE]", help="Overhangs at the slope of 41.5 degrees, or their table (.csv)."),
     ] = None,
     mass: Annotated[float | None, typer.Option(help="Mass in grams of a square metre of the released fabric.")] = None,
-    confidence: Annotated[float, typer.Option(help="Confidence level of the interval, 0.5 to 0.999.")] = 0.95,
     form: Annotated[
         Path | None,
         typer.Option(
@@ -199,7 +195,7 @@ def overhang(
         if lengths or mass is not None:
             raise Mistake("--form: writes an empty table; give no overhangs and no --mass")
         table, page = write_overhang_form(form)
-        filled = quote(str(form / table))
+        filled = quoted(form / table)
         run.lines([f"{form}: {table}, {page}; measure, fill in the table, then  asterism strips overhang {filled}"])
         return
     if not lengths:
@@ -209,13 +205,12 @@ def overhang(
     is_table = len(lengths) == 1 and lengths[0].lower().endswith(".csv")
     values = read_overhangs(Path(lengths[0])) if is_table else [_overhang(text) for text in lengths]
     try:
-        stiffness = bending_stiffness(values, mass, confidence)
+        stiffness = bending_stiffness(values, mass)
     except DesignError as error:
-        typed = {"mass_g_m2": "--mass", "confidence": "--confidence"}.get(error.field)
-        raise error if typed is None else DesignError(typed, error.allowed, error.value) from None
+        raise DesignError(error.field.replace("mass_g_m2", "--mass"), error.allowed, error.value) from None
     interval = f", one {'strip' if is_table else 'reading'} only"
     if len(values) > 1:
-        interval = f" ({stiffness.low_n_mm:.3g} to {stiffness.high_n_mm:.3g} at {100.0 * confidence:g} %)"
+        interval = f" ({stiffness.low_n_mm:.3g} to {stiffness.high_n_mm:.3g} at 95 %)"
     run.table(
         {
             "bending length": f"{stiffness.bending_length_mm:.1f} mm",

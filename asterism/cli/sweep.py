@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.errors import Mistake
 from asterism.cli.common.options import (
     DaskAddress,
     DesignFile,
@@ -18,7 +17,7 @@ from asterism.cli.common.options import (
     output_option,
     results_folder,
 )
-from asterism.cli.common.run import NO_ANSWER, Run, command
+from asterism.cli.common.run import NO_ANSWER, Mistake, Run, command
 
 
 @command

@@ -1,8 +1,8 @@
-"""Picture of a shape: one perspective view, and two drawings to scale, from above and from the front."""
+"""Pictures of a shape: of three views together, and of one view at a size and a scale that can be chosen."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import IO, Any
@@ -12,7 +12,7 @@ from PIL import Image
 
 from asterism.draw.canvas import PICTURE_DPI, Canvas
 from asterism.draw.drawable import Drawable
-from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, VIEWS, Camera, Scene, camera, render, scene
+from asterism.draw.render import VIEWS, Scene, View, drawn_size, render, scene, sheet_camera
 from asterism.draw.style import INK, PALE
 from asterism.equilibrium.arrays import Floats
 from asterism.results.words import distance_error
@@ -47,9 +47,8 @@ def draw_shape(shape: Drawable, title: str, path_or_file: str | Path | IO[bytes]
     shape = shape if shape.held else shape.aligned()
     canvas = Canvas(PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX)
     thing = scene(shape)
-    low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
-    _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
-    _to_scale(canvas, thing, (low + high) / 2)
+    _perspective(canvas, thing, shape.positions)
+    _to_scale(canvas, thing, shape.positions)
     write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
     canvas.image.save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI), compress_level=PNG_LEVEL)
 
@@ -59,13 +58,6 @@ def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None
     room = (canvas.width - 2 * margin) / LETTER_WIDTH
     canvas.text(margin, canvas.height - 72, title, size=min(15.0, room / max(len(title), 1)), bold=True, color=INK)
     canvas.text(margin, canvas.height - 112, line, size=min(8.5, room / max(len(line), 1)), color=PALE)
-
-
-def shape_image(shape: Drawable, title: str) -> Image.Image:
-    """The picture of `draw_shape` as an image, for notebooks."""
-    stream = BytesIO()
-    draw_shape(shape, title, stream)
-    return Image.open(stream)
 
 
 def small_png(image: Image.Image) -> bytes:
@@ -109,9 +101,9 @@ def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
     return f"preview, estimated error {distance_error(expected, summary.get('diameter_mm'))}"
 
 
-def _perspective(canvas: Canvas, thing: Scene, centre: Floats, diameter: float) -> None:
+def _perspective(canvas: Canvas, thing: Scene, sheet: Floats) -> None:
     """The large view on the left."""
-    view = camera(*OBLIQUE, centre, distance_mm=VIEWER_DISTANCE * diameter)
+    view = sheet_camera("oblique", sheet)
     room = np.array(
         [PERSPECTIVE_WIDTH_PX - 2 * PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX]
     )
@@ -119,9 +111,9 @@ def _perspective(canvas: Canvas, thing: Scene, centre: Floats, diameter: float) 
     canvas.paste(render(thing, view, scale), PERSPECTIVE_WIDTH_PX / 2, PICTURE_MARGIN_PX + room[1] / 2)
 
 
-def _to_scale(canvas: Canvas, thing: Scene, centre: Floats) -> None:
+def _to_scale(canvas: Canvas, thing: Scene, sheet: Floats) -> None:
     """Two drawings to the same scale, the sheet from above and below it from the front, with a scale bar."""
-    above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
+    above, front = sheet_camera("above", sheet), sheet_camera("front", sheet)
     (x, y), (_, z) = drawn_size(thing, above), drawn_size(thing, front)
     column, bar_room, label_room = PICTURE_WIDTH_PX - PICTURE_MARGIN_PX - PERSPECTIVE_WIDTH_PX, 70, 64
     room = PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX - bar_room - 2 * label_room
@@ -143,6 +135,78 @@ def _to_scale(canvas: Canvas, thing: Scene, centre: Floats) -> None:
     canvas.text(middle, bottom - 36, "from above", size=8, color=PALE, centred=True)
 
 
-def drawn_size(thing: Scene, view: Camera) -> Floats:
-    """(2,) mm, width and height of the view; at least 0.001 mm, so that a flat sheet has a side view."""
-    return np.asarray(np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3))
+# smallest and largest number of pixels of each side
+SIDE_RANGE_PX = (100, 8000)
+# room below a drawing for its scale bar
+_BAR_HEIGHT_PX = 100
+
+
+def view_image(
+    shape: Drawable,
+    view: View = "oblique",
+    size_px: tuple[int, int] = (1600, 1000),
+    pixels_per_mm: float | None = None,
+    plain: bool = False,
+    title: str = "",
+) -> Image.Image:
+    """Draw one view of a shape, in the middle of a white picture.
+
+    Parameters
+    ----------
+    view : in perspective (`oblique`), or a drawing to scale `above`, from the `front` or from the `side`.
+    size_px : width and height of the picture.
+    pixels_per_mm : scale, in perspective that at the middle of the sheet; by default the largest at which the sheet
+        fits. At a larger one the sheet is cut off.
+    plain : without title, numbers and scale bar.
+    title : first line of a picture that is not plain.
+
+    Raises
+    ------
+    ValueError
+        A size, the scale or the name of the view is not allowed.
+    """
+    check_picture(view, size_px, pixels_per_mm)
+    shape = shape if shape.held else shape.aligned()
+    canvas = Canvas(*size_px)
+    scale = fitting_scale([shape], view, size_px, plain) if pixels_per_mm is None else pixels_per_mm
+    thing, looking = scene(shape), sheet_camera(view, shape.positions)
+    (left, low), (right, high) = _room(view, size_px, plain)
+    canvas.paste(render(thing, looking, scale), (left + right) / 2, (low + high) / 2)
+    if not plain:
+        if view != "oblique":
+            canvas.bar(size_px[0] / 2, PICTURE_MARGIN_PX / 2, scale, float(drawn_size(thing, looking)[0]))
+        write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
+    return canvas.image
+
+
+def fitting_scale(
+    shapes: Sequence[Drawable], view: View, size_px: tuple[int, int] = (1600, 1000), plain: bool = False
+) -> float:
+    """The largest scale, in pixels per mm, at which each of several shapes fits a picture of `view_image`."""
+    room = np.subtract(*_room(view, size_px, plain)[::-1])
+    scales = []
+    for shape in shapes:
+        placed = shape if shape.held else shape.aligned()
+        scales.append(float((room / drawn_size(scene(placed), sheet_camera(view, placed.positions))).min()))
+    return min(scales)
+
+
+def check_picture(view: str, size_px: tuple[int, int], pixels_per_mm: float | None) -> None:
+    """Raise ValueError, with the allowed values, if these do not describe a picture."""
+    if view not in ("oblique", *VIEWS):
+        raise ValueError(f"view must be oblique, {', '.join(VIEWS)}, not {view!r}")
+    low, high = SIDE_RANGE_PX
+    if len(size_px) != 2 or not all(low <= side <= high and side == round(side) for side in size_px):
+        raise ValueError(f"size must be two whole numbers of pixels from {low} to {high}, not {size_px}")
+    if pixels_per_mm is not None and not 0.01 <= pixels_per_mm <= 1000.0:
+        raise ValueError(f"scale must be from 0.01 to 1000 pixels per mm, not {pixels_per_mm:g}")
+
+
+def _room(view: View, size_px: tuple[int, int], plain: bool) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner of the room for the drawing, in pixels."""
+    width, height = size_px
+    margin = min(PICTURE_MARGIN_PX, 0.05 * min(size_px))
+    top = 0.0 if plain else CAPTION_HEIGHT_PX
+    bottom = 0.0 if plain or view == "oblique" else _BAR_HEIGHT_PX
+    low, high = np.array([margin, margin + bottom]), np.array([width - margin, height - margin - top])
+    return low, np.maximum(high, low + 1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -16,6 +17,7 @@ from asterism.draw.shading import GLOSS_TABLE, HALFWAY, KEY_LIGHT, KEY_TABLE, sh
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import vertex_normals
 
+View = Literal["oblique", "above", "front", "side"]
 # (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
 OBLIQUE = (-62.0, 30.0)
 # distance of the viewer in the perspective view, in diagonals of the box around the sheet
@@ -54,6 +56,14 @@ def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm
     return Camera(np.array([right, np.cross(towards, right), towards]), centre, distance_mm)
 
 
+def sheet_camera(view: View, points: Floats) -> Camera:
+    """The camera around a sheet with points (n, 3) mm: in perspective (`oblique`), or for a drawing to scale."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    if view == "oblique":
+        return camera(*OBLIQUE, (low + high) / 2, VIEWER_DISTANCE * float(np.linalg.norm(high - low)))
+    return camera(*VIEWS[view], (low + high) / 2)
+
+
 @dataclass(frozen=True)
 class Scene:
     """Sheet, ribbons of the arms and marks of the supports as triangles.
@@ -75,6 +85,11 @@ class Scene:
     lift_mm: float = 0.8
     colours: Floats | None = None
     mark_triangles: int = 0
+
+
+def drawn_size(thing: Scene, view: Camera) -> Floats:
+    """(2,) mm, width and height of the view; at least 0.001 mm, so that a flat sheet has a side view."""
+    return np.asarray(np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3))
 
 
 def scene(shape: Drawable) -> Scene:

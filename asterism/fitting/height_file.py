@@ -10,7 +10,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError
-from asterism.measure.compare.errors import why_no_file
+from asterism.measure.compare.scan import why_no_file
 from asterism.pattern.design.sizing.grey_image import ImageError, check_pixel_format, opened_picture
 
 PICTURE_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")

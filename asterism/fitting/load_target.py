@@ -11,8 +11,7 @@ from asterism.fitting.errors import TargetError
 from asterism.fitting.height_file import ARRAY_FORMATS, PICTURE_FORMATS, read_heights
 from asterism.fitting.rhino_file import read_rhino
 from asterism.fitting.target import PlasticSide, TargetSurface
-from asterism.measure.compare.scan import SCAN_FORMATS, read_surface
-from asterism.measure.compare.units import MM
+from asterism.measure.compare.scan import MM, SCAN_FORMATS, read_surface
 from asterism.pattern.drawing.rhino import RHINO_FORMAT
 
 # larger files take more than a minute on a busy machine: one of 64 MB, with 1.3 million triangles, took 58 s

@@ -17,7 +17,7 @@ from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import LawPlan, without_law
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.process.count_line import CountLine
+from asterism.process.progress_line import CountLine
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_writable, write_file
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 from asterism.homogenize.campaign.design_plan import plan_for_design
@@ -17,6 +16,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table
 from asterism.pattern.layout.load_design import load_design
+from asterism.process.environment import quoted
 
 
 def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
@@ -90,7 +90,7 @@ def law_from_file(design: Design, law: Path | None, file: Path, other: Path | No
     except LawError as error:
         refused = f"{file}: {error}"
         if isinstance(error, ForeignLaw):
-            material = f" --material {quote(str(other))}" if other else ""
+            material = f" --material {quoted(other)}" if other else ""
             refused += f" ({path}); without it the preview makes its own law{material and ' of' + material}"
         raise type(error)(refused, error.stars, error.place_mm, error.field) from None
     return own

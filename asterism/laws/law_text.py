@@ -18,7 +18,7 @@ from asterism.homogenize.law.plan import stretch_text
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw, StarTable
 from asterism.laws.directional_values import stretch_axes, values_along
 from asterism.laws.law_warnings import directions_warning, held_out_warning, pleat_warning, symmetry_warning
-from asterism.process.count_line import without_numbers
+from asterism.process.progress_line import without_numbers
 from asterism.results.records.law import LawRecord
 from asterism.results.words import table_lines
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asterism.measure.strips.form import HELP_PEN, TEXT_PEN
+from asterism.measure.strips.form import HELP_PEN, TEXT_PEN, page_head, wrapped
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
 from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
@@ -35,7 +34,7 @@ class BendingStiffness(NamedTuple):
     Attributes
     ----------
     n_mm : the geometric mean of the readings.
-    low_n_mm, high_n_mm : confidence interval of the mean; nan for a single reading.
+    low_n_mm, high_n_mm : 95 % confidence interval of the mean; nan for a single reading.
     bending_length_mm : cube root of stiffness over weight.
     """
 
@@ -45,14 +44,13 @@ class BendingStiffness(NamedTuple):
     bending_length_mm: float
 
 
-def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float, confidence: float = 0.95) -> BendingStiffness:
+def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float) -> BendingStiffness:
     """Bending stiffness from the overhangs at which a strip touches a slope of 41.5 degrees.
 
     Parameters
     ----------
     overhangs_mm : readings, each the length that hangs over the edge; 10 to 500 mm.
     mass_g_m2 : mass of a square metre of the released fabric, 10 to 5000 g.
-    confidence : level of the interval.
 
     Raises
     ------
@@ -75,8 +73,6 @@ def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float, confidenc
 
     if not 10.0 <= mass_g_m2 <= 5000.0:
         raise DesignError("mass_g_m2", "must be from 10 to 5000 g for a square metre", mass_g_m2)
-    if not 0.5 <= confidence <= 0.999:
-        raise DesignError("confidence", "must be from 0.5 to 0.999", confidence)
     lengths = np.asarray(overhangs_mm, dtype=float)
     if len(lengths) == 0:
         raise DesignError("overhangs_mm", "must hold at least one overhang")
@@ -88,7 +84,7 @@ def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float, confidenc
     logs = np.log(lengths / LENGTH_AT_SLOPE)
     mean, half = float(logs.mean()), np.nan
     if len(logs) > 1:
-        half = float(student.ppf(0.5 + confidence / 2, len(logs) - 1) * logs.std(ddof=1) / np.sqrt(len(logs)))
+        half = float(student.ppf(0.975, len(logs) - 1) * logs.std(ddof=1) / np.sqrt(len(logs)))
     low, middle, high = (float(weight * np.exp(3.0 * (mean + shift))) for shift in (-half, 0.0, half))
     return BendingStiffness(middle, low, high, float(np.exp(mean)))
 
@@ -128,9 +124,6 @@ STRIP_MM = (25.0, 200.0)
 SLOPE_PEN = DrawingLayer("slope", "#c8553d", 0.3)
 # horizontal side of the printed slope
 _SLOPE_MM = 100.0
-# characters of a line of the instructions
-_LETTERS = 108
-_LEFT_MM = 15.0
 
 
 def write_overhang_form(directory: str | Path) -> tuple[str, ...]:
@@ -175,7 +168,7 @@ def _steps() -> list[str]:
         "5. Weigh a piece of fabric of known size: grams over square metres is the mass.",
         "6. Type the overhangs into overhangs.csv, then  asterism strips overhang overhangs.csv --mass G",
     ]
-    return [line for step in steps for line in textwrap.wrap(step, _LETTERS, subsequent_indent="    ")]
+    return [line for step in steps for line in wrapped(step)]
 
 
 def _csv_text() -> str:
@@ -185,13 +178,7 @@ def _csv_text() -> str:
 
 
 def _page() -> Drawing:
-    items: list[Polyline | Label] = [
-        Label(TEXT_PEN, np.array([_LEFT_MM, 278.0]), "Overhangs to measure how stiff a fabric bends", 6.0, bold=True)
-    ]
-    y = 268.0
-    for line in _steps():
-        items.append(Label(TEXT_PEN, np.array([_LEFT_MM, y]), line, 3.0))
-        y -= 5.0
+    items, y = page_head("Overhangs to measure how stiff a fabric bends", _steps())
     items += _slope(y - 3.0)
     items += _table(104.0)
     return Drawing("Overhangs", np.zeros(2), np.array(A4_MM), tuple(items))
@@ -216,7 +203,7 @@ def _table(top: float) -> list[Polyline | Label]:
     width, height = 36.0, 9.0
     items: list[Polyline | Label] = []
     for column, row in product(range(len(heads)), range(STRIPS + 1)):
-        centre = (_LEFT_MM + width * (column + 0.5), top - height * (row + 0.5))
+        centre = (15.0 + width * (column + 0.5), top - height * (row + 0.5))
         items.append(rectangle(HELP_PEN, (width, height), centre))
         text = heads[column] if row == 0 else str(row) if column == 0 else ""
         if text:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,19 +72,18 @@ def place_on_bed(
     plastic, sheet = turned.points(corners), turned.points(plan.outline)
     least, most = _shifts(plastic, sheet, room, frame)
     size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
-    problem = ""
+    field, problem, given = "stars" if plan.has_stars else "rods", "", f"{_times(size)} mm of plastic"
     # corners are rounded to the grid
     if (size > bed + 1e-6).any():
         problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
     elif (size > opening + 1e-6).any():
         problem = f"must be within the {_times(opening)} mm between the bars of the frame"
-    if problem:
-        advice = _advice(corners, plan.outline, printer) if may_turn else ""
-        raise DesignError("stars" if plan.has_stars else "rods", problem + advice, f"{_times(size)} mm of plastic")
-    if (least > most + 1e-6).any():
+    elif (least > most + 1e-6).any():
+        field, given = "border", f"{_times(fabric)} mm of fabric"
         problem = f"must be within the frame of {_times(frame)} mm, with the plastic where it can be printed"
-        advice = _advice(corners, plan.outline, printer) if may_turn else ""
-        raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
+    if problem:
+        turn = fitting_turn(corners, plan.outline, printer) if may_turn else None
+        raise DesignError(field, problem + ("" if turn is None else f"; --turn {turn} makes it fit"), given)
     stays = (least <= 0.0) & (most >= 0.0)
     middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
     return BedPlacement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
@@ -111,12 +111,6 @@ def fitting_turn(plastic: Floats, sheet: Floats, printer: Printer, turns: Iterab
     return None
 
 
-def _advice(plastic: Floats, sheet: Floats, printer: Printer) -> str:
-    """The smallest turn at which plastic and sheet fit, in words; empty if there is none."""
-    turn = fitting_turn(plastic, sheet, printer)
-    return "" if turn is None else f"; --turn {turn} makes it fit"
-
-
 def _times(size: Floats) -> str:
     return f"{size[0]:.1f} x {size[1]:.1f}"
 
@@ -136,7 +130,10 @@ def size_warning(design: Design) -> Iterator[str]:
     plan = print_layout(design)
     x, y = design.fabric.stretch_xy
     turns = TURNS_DEG if x == y else (0,)
-    plastic, printers = _plastic_corners(plan), _readable_printers()
+    plastic, printers = _plastic_corners(plan), []
+    for name in profile_names("printers"):
+        with suppress(DesignError):  # `asterism printers` reports files with mistakes
+            printers.append(load_printer(name))
     if not printers or any(fitting_turn(plastic, plan.outline, printer, turns) is not None for printer in printers):
         return
     low, high = plan.outline.min(axis=0), plan.outline.max(axis=0)
@@ -165,17 +162,6 @@ def frame_warning(printer: Printer, is_known_to_fit: bool = False) -> Iterator[s
             f"the frame of {_sides(frame)} mm is larger than the bed of {_sides(bed)} mm: see that it meets nothing "
             "wherever bed and head go, or give the size of yours with --frame"
         )
-
-
-def _readable_printers() -> list[Printer]:
-    """The printers that have a profile; `asterism printers` reports files with mistakes."""
-    printers = []
-    for name in profile_names("printers"):
-        try:
-            printers.append(load_printer(name))
-        except DesignError:
-            continue
-    return printers
 
 
 def _plastic_corners(plan: Layout) -> Floats:

@@ -103,12 +103,6 @@ def cross_mark(layer: DrawingLayer, centre: Floats, arm_mm: float) -> list[Polyl
     ]
 
 
-def offset_points(at: Floats, *offsets: tuple[float, float]) -> Floats:
-    """Points (n, 2) at offsets in mm from a point, or (2,) for a single one."""
-    points = np.asarray(at) + np.array(offsets)
-    return np.asarray(points if len(offsets) > 1 else points[0])
-
-
 def font_size_within(text: str, largest_mm: float, room_mm: float) -> float:
     """Size (mm) at which a bold text is at most `room_mm` wide in common fonts."""
     # largest widths of characters in common fonts, over the size of the font

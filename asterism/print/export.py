@@ -121,10 +121,10 @@ def export(
     """
     check_shape_request(directory, shape, preview, simulate)
     demanded = demanded_formats(formats)
-    machine = load_printer(printer) if isinstance(printer, str) else printer
+    machine = load_printer(printer)
     frame_is_known = frame_mm is None and "frame" in machine.model_fields_set
     machine = adjusted_printer(machine, first_layer_mm, layer_mm, plate_mm, frame_mm)
-    profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
+    profile = load_plastic(plastic)
     given = read_shape(shape) if isinstance(shape, str | Path) else shape
 
     def job_with(known: Shape | None) -> Job:

@@ -39,10 +39,8 @@ class ArmPiece:
 
     def corners(self, centre: Floats) -> Floats:
         """(4, 2) mm, corners, counterclockwise."""
-        side = np.array([-self.direction[1], self.direction[0]])
         begin, end = centre + self.begin_mm * self.direction, centre + self.end_mm * self.direction
-        a, b = self.begin_width_mm / 2 * side, self.end_width_mm / 2 * side
-        return np.array([begin - a, end - b, end + b, begin + a])
+        return _strip(begin, end, self.direction, self.begin_width_mm, self.end_width_mm)
 
 
 def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
@@ -105,16 +103,12 @@ class RodPiece:
         >>> piece.region.area
         15.0
         """
-        corners = [
-            _strip(*ends) for ends in zip(self.points, self.points[1:], self.width, self.width[1:], strict=False)
-        ]
+        along = np.diff(self.points, axis=0)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        corners = [*map(_strip, self.points, self.points[1:], along, self.width, self.width[1:])]
         is_round = np.ones(len(self.points), dtype=bool)
         is_round[[0, -1]] = self.round_ends
-        discs = shapely.buffer(
-            shapely.points(self.points[is_round]),
-            self.width[is_round] / 2,
-            quad_segs=8,
-        )
+        discs = shapely.buffer(shapely.points(self.points[is_round]), self.width[is_round] / 2, quad_segs=8)
         return shapely.union_all([*shapely.polygons(np.array(corners)), *discs])
 
 
@@ -157,9 +151,8 @@ def _pieces(number: int, rod: Rod, rounding: Rounding, round_ends: tuple[bool, b
     ]
 
 
-def _strip(begin: Floats, end: Floats, begin_width: float, end_width: float) -> Floats:
-    """(4, 2) mm, corners of a straight strip, counterclockwise."""
-    along = (end - begin) / np.linalg.norm(end - begin)
+def _strip(begin: Floats, end: Floats, along: Floats, begin_width: float, end_width: float) -> Floats:
+    """(4, 2) mm, corners of a straight strip in a unit direction, counterclockwise."""
     side = np.array([-along[1], along[0]])
     a, b = begin_width / 2 * side, end_width / 2 * side
     return np.array([begin - a, end - b, end + b, begin + a])

@@ -28,27 +28,29 @@ def profile_names(kind: str) -> list[str]:
     return sorted({path.stem for path in _files(kind)})
 
 
-def load_printer(name_or_file: str) -> Printer:
+def load_printer(printer: str | Printer) -> Printer:
     """The profile of a printer.
 
     Parameters
     ----------
-    name_or_file : name of a profile, or path of a `.toml` or `.json` file.
+    printer : name of a profile, path of a `.toml` or `.json` file, or the profile itself.
 
     Raises
     ------
     DesignError
         No profile has the name, or the file is wrong; the message names the field, its value and the range.
     """
-    return _load("printers", name_or_file, Printer)
+    return _load("printers", printer, Printer)
 
 
-def load_plastic(name_or_file: str) -> PlasticProfile:
+def load_plastic(plastic: str | PlasticProfile) -> PlasticProfile:
     """The profile of a plastic; parameter and errors as of `load_printer`."""
-    return _load("plastics", name_or_file, PlasticProfile)
+    return _load("plastics", plastic, PlasticProfile)
 
 
-def _load(kind: str, name_or_file: str, section: type[_Kind]) -> _Kind:
+def _load(kind: str, name_or_file: str | _Kind, section: type[_Kind]) -> _Kind:
+    if not isinstance(name_or_file, str):
+        return name_or_file
     path = Path(name_or_file)
     if path.suffix.lower() not in (".toml", ".json"):
         files = [file for file in _files(kind) if file.stem == name_or_file]

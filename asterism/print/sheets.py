@@ -34,7 +34,6 @@ from asterism.print.drawing import (
     Polyline,
     cross_mark,
     font_size_within,
-    offset_points,
     rectangle,
 )
 from asterism.print.formats.needle_table import fixed_point
@@ -204,7 +203,7 @@ def _needle(at: Floats, label: str) -> DrawingItems:
     return [
         Circle(NEEDLES, at, HOLE_DIAMETER_MM / 2),
         *cross_mark(NEEDLES, at, 2.5),
-        Label(NEEDLES, offset_points(at, (1.6, 1.6)), label, 3.2),
+        Label(NEEDLES, at + 1.6, label, 3.2),
     ]
 
 
@@ -266,10 +265,10 @@ def _column(
 
 
 def _ruler(at: Floats) -> DrawingItems:
-    ends = offset_points(at, (0.0, 0.0), (_RULER_MM, 0.0))
+    ends = at + np.array([[0.0, 0.0], [_RULER_MM, 0.0]])
     pen = DrawingLayer("ruler", TEXT.colour, 0.3)
-    ticks = [Polyline(pen, offset_points(end, (0.0, -2.0), (0.0, 2.0))) for end in ends]
-    words = Label(TEXT, offset_points(at, (0.0, -6.5)), "100 mm: measure it. Print at 100 %.", 3.6)
+    ticks = [Polyline(pen, end + np.array([[0.0, -2.0], [0.0, 2.0]])) for end in ends]
+    words = Label(TEXT, at - [0.0, 6.5], "100 mm: measure it. Print at 100 %.", 3.6)
     return [Polyline(pen, ends), *ticks, words]
 
 
@@ -277,8 +276,8 @@ def _legend(meant: DrawingLayer, at: Floats) -> DrawingItems:
     # on a layer of its own: a laser that cuts the layer "cut" must not cut the legend
     layer = replace(meant, name=f"legend-{meant.name}", meaning="")
     if layer.filled:
-        box = offset_points(at, (0.0, 0.0), (12.0, 0.0), (12.0, 2.4), (0.0, 2.4))
+        box = at + np.array([[0.0, 0.0], [12.0, 0.0], [12.0, 2.4], [0.0, 2.4]])
         sample = Polyline(layer, box, closed=True)
     else:
-        sample = Polyline(layer, offset_points(at, (0.0, 1.2), (12.0, 1.2)))
-    return [sample, Label(TEXT, offset_points(at, (15.0, 0.0)), meant.meaning, 3.6)]
+        sample = Polyline(layer, at + np.array([[0.0, 1.2], [12.0, 1.2]]))
+    return [sample, Label(TEXT, at + np.array([15.0, 0.0]), meant.meaning, 3.6)]

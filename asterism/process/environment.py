@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import subprocess
 import sys
 
 # addresses that the libraries need; with less, OpenBLAS may ask for memory for ever
@@ -41,3 +43,12 @@ def mend_environment() -> None:
     for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
         if name in os.environ and not (os.environ[name].isdecimal() and int(os.environ[name])):
             del os.environ[name]
+
+
+def quoted(word: object) -> str:
+    """A word of a command line as the shell of this system takes it.
+
+    >>> quoted("dome.toml")
+    'dome.toml'
+    """
+    return subprocess.list2cmdline([str(word)]) if os.name == "nt" else shlex.quote(str(word))

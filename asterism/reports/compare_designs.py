@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from asterism.draw.picture import small_png
-from asterism.draw.view_picture import View, fitting_scale, view_image
+from asterism.draw.picture import fitting_scale, small_png, view_image
+from asterism.draw.render import View
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.arguments import check_type
@@ -147,8 +147,8 @@ def compare_designs(
     if path.suffix.lower() != ".html":
         raise OutputError(f"--output: {str(path)!r} must end with .html")
     check_writable(path.parent, path.name)
-    machine = load_printer(printer) if isinstance(printer, str) else printer
-    profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
+    machine = load_printer(printer)
+    profile = load_plastic(plastic)
     headings = _headings(names or [design.name for design in designs])
     announce = say or ignore_line
     compared: list[ComparedDesign] = []

@@ -139,8 +139,8 @@ def report(
     if path.suffix.lower() != ".pdf":
         raise OutputError(f"--output: {str(path)!r} must end with .pdf")
     check_writable(path.parent, path.name)
-    machine = load_printer(printer) if isinstance(printer, str) else printer
-    profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
+    machine = load_printer(printer)
+    profile = load_plastic(plastic)
     # before the preview: this finds most mistakes
     prepare(design, machine, profile, any_size=True)
     shape, source = shape_for_report(

@@ -8,7 +8,7 @@ import numpy as np
 
 from asterism.draw.chart import RIGHT, Chart
 from asterism.draw.raster import rasterise
-from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, bare, camera, render, scene
+from asterism.draw.render import Camera, Scene, bare, render, scene, sheet_camera
 from asterism.draw.shading import FABRIC_SIDE
 from asterism.draw.style import INK
 from asterism.equilibrium.arrays import Floats
@@ -51,9 +51,7 @@ def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[
 
     The scene `overlaid` is also seen from the front and from the side.
     """
-    low, high = frame.min(axis=0), frame.max(axis=0)
-    middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
-    cameras = [camera(*OBLIQUE, middle, 2.6 * size), *(camera(*VIEWS[name], middle) for name in ("front", "side"))]
+    cameras = [sheet_camera("oblique", frame), sheet_camera("front", frame), sheet_camera("side", frame)]
     return {
         name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
         for name, thing in things.items()

@@ -12,7 +12,8 @@ from PIL import Image
 from scipy.sparse.linalg import factorized
 from scipy.spatial.transform import Rotation
 
-from asterism.draw.view_picture import View, fitting_scale, view_image
+from asterism.draw.picture import fitting_scale, view_image
+from asterism.draw.render import View
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.shape.shape import Shape

@@ -25,7 +25,7 @@ from asterism.shape.surface_fields import surface_triangle_areas
 if TYPE_CHECKING:
     from PIL import Image
 
-    from asterism.draw.view_picture import View
+    from asterism.draw.render import View
 from typing import Any
 
 from asterism.results.records.exact import ExactRecord
@@ -188,8 +188,8 @@ class Shape:
         pixels_per_mm: float | None = None,
         plain: bool = False,
     ) -> Image.Image:
-        """One view of the sheet as an image; parameters and errors as of `asterism.draw.view_picture.view_image`."""
-        from asterism.draw.view_picture import view_image  # takes time, which most shapes do without
+        """One view of the sheet as an image; parameters and errors as of `asterism.draw.picture.view_image`."""
+        from asterism.draw.picture import view_image  # takes time, which most shapes do without
 
         return view_image(self, view, size_px, pixels_per_mm, plain, self._name)
 

@@ -104,7 +104,8 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
         except ValueError:
             return PlainTextResponse("not found", 404)
         size = 0
-        with tempfile.TemporaryDirectory() as room:
+        # a reader that has just been ended may still hold its file, which Windows then keeps
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as room:
             name = _plain_name(unquote(request.headers.get("x-name", "")))
             suffix = Path(name).suffix.lower()
             path = Path(room) / f"upload{suffix if suffix[1:].isalnum() and len(suffix) <= 6 else ''}"

@@ -10,8 +10,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.rhino_file import read_rhino
-from asterism.measure.compare.scan import read_surface
-from asterism.measure.compare.units import MM
+from asterism.measure.compare.scan import MM, read_surface
 from asterism.pattern.drawing.rhino import RHINO_FORMAT
 from asterism.studio import frames
 from asterism.studio.messages import Surface, TargetPose

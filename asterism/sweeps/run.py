@@ -18,7 +18,7 @@ from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
-from asterism.process.count_line import CountLine
+from asterism.process.progress_line import CountLine
 from asterism.results.files import OutputError
 from asterism.sweeps.parameters import (
     SweepError,

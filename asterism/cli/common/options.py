@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from asterism.cli.common.errors import Mistake
+from asterism.cli.common.run import Mistake
 
 if TYPE_CHECKING:
     from asterism.pattern.design.design import Design
 
 
-# units of the numbers in a file, as `asterism.measure.compare.units.MM`
+# units of the numbers in a file, as `asterism.measure.compare.scan.MM`
 FileUnit = Literal["mm", "cm", "m", "in", "um"]
 DesignFile = Annotated[Path, typer.Argument(help="Design file (.toml or .json).")]
 MaterialFile = Annotated[

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO, get_args, get
 
 import typer
 
-from asterism.cli.common.errors import Interrupted, Mistake
 from asterism.cli.common.progress import Progress
 from asterism.equilibrium.errors import Error, one_line
 
 if TYPE_CHECKING:
     from asterism.equilibrium.newton.minimise import Iteration
     from asterism.exact.cost import Cost
+
 
 DONE = 0
 NO_ANSWER = 1
@@ -39,6 +39,16 @@ COMMON_OPTIONS: dict[str, tuple[Any, Any]] = {
     "yes": (Annotated[bool, typer.Option("--yes", help="Compute also what takes long or needs much memory.")], False),
     "quiet": (Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress.")], False),
 }
+
+
+class Mistake(Error):
+    """An option or argument is wrong; the message names it and the allowed values."""
+
+
+class Interrupted(Error):
+    """Ctrl-C has ended a command; the message says where it can be continued."""
+
+    exit_status = 130
 
 
 class Run:

@@ -9,12 +9,10 @@ from typing import IO
 import numpy as np
 
 from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
-from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
-from asterism.measure.compare.scan import extent, read_scan
+from asterism.measure.compare.scan import ScanError, check_file, check_size, extent, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
-from asterism.measure.compare.units import check_size
 from asterism.pattern.design.errors import one_line
 from asterism.pattern.geometry.diameter import diameter
 from asterism.process.version import __version__

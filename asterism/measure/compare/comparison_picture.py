@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from asterism.draw.fonts import write_title
-from asterism.draw.render import OBLIQUE, bare, camera, render
+from asterism.draw.render import bare, drawn_size, render, sheet_camera
 from asterism.draw.style import INK, PALE, style_axes
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.scan_comparison import ScanComparison
@@ -44,10 +44,9 @@ def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path |
     distance = comparison.vertex_distance
     colours = np.where(np.isnan(distance)[:, None], (0.86, 0.86, 0.88), scale.to_rgba(distance)[:, :3])
     sheet = bare(comparison.shape, colours)
-    view = camera(*OBLIQUE, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
+    view = sheet_camera("oblique", positions)
     room = np.array([0.46 * _WIDTH_IN, 0.68 * _HEIGHT_IN]) * _DPI
-    seen = np.maximum(np.ptp(view.project(sheet.points)[:, :2], axis=0), 1e-3)
-    image = render(sheet, view, float((room / seen).min()))
+    image = render(sheet, view, float((room / drawn_size(sheet, view)).min()))
     height, width = image.shape[:2]
     canvas = image[..., 3:] * image[..., :3] + 1 - image[..., 3:]
     left, bottom = 0.27 * _WIDTH_IN * _DPI - width / 2, 0.5 * _HEIGHT_IN * _DPI - height / 2

@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
-from asterism.measure.compare.errors import ScanError, check_file
-from asterism.measure.compare.units import MM
+from asterism.measure.compare.scan import MM, ScanError, check_file
 from asterism.pattern.drawing.read import MEET_MM, closed_curves, read_drawing
 from asterism.pattern.drawing.records import DrawingError, NoUnitError
 from asterism.pattern.geometry.planar import polygon_area

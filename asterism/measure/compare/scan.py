@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict
 from collections.abc import Iterator
@@ -12,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.compare.errors import ScanError, check_file
-from asterism.measure.compare.units import MM
+from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import one_line
 
 SCAN_FORMATS = (".obj", ".stl", ".ply")
 MAX_SCAN_POINTS = 20_000
@@ -23,6 +24,29 @@ MAX_SCAN_COORDINATE = 1e9
 _TYPES = ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
 _PLY_TYPES = dict(zip(("char", "uchar", "short", "ushort", "int", "uint", "float", "double"), _TYPES, strict=True))
 _PLY_TYPES |= zip(("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"), _TYPES, strict=True)
+# length of a unit
+MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "um": 0.001}
+_NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches", "um": "micrometres"}
+
+
+class ScanError(Error, ValueError):
+    """A scan or an outline cannot be read or compared; the message is one line that begins with the file."""
+
+    def __init__(self, file: str | Path, problem: str):
+        super().__init__(one_line(f"{file}: {problem}"))
+
+
+def check_file(path: Path) -> None:
+    """Raise ScanError unless there is a file."""
+    if not path.is_file():
+        raise ScanError(path, why_no_file(path))
+
+
+def why_no_file(path: Path) -> str:
+    """The reason why a path is no file."""
+    if path.is_dir():
+        return "is a folder, not a file"
+    return "is a pipe or a device, not a file" if path.exists() else "is not there"
 
 
 @dataclass(frozen=True)
@@ -56,6 +80,31 @@ def _extents(points: Floats) -> Floats:
     centred = points - points.mean(axis=0)
     axes = np.linalg.svd(centred.T @ centred)[0]
     return np.asarray(np.sort(np.ptp(centred @ axes, axis=0))[::-1])
+
+
+def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None) -> None:
+    """Raise ScanError if the size of a scan cannot be that of the shape; the message names units that fit.
+
+    Parameters
+    ----------
+    size_mm : largest extent of the scan, converted from `unit` to mm.
+    expected_mm : largest extent of the shape.
+    unit : unit of the scan's numbers; None for a drawing that gives its size.
+    """
+    own, unit = unit is None, unit or "mm"
+    ratios = {other: size_mm / expected_mm * MM[other] / MM[unit] for other in MM}
+    # a scan may show a part, or the table too
+    likely = [other for other in sorted(MM, key=lambda o: abs(math.log(ratios[o]))) if 0.25 <= ratios[other] <= 2.0]
+    if unit in likely:
+        return
+    problem = f"is {size_mm / MM[unit]:.4g} {unit} large, the shape {expected_mm:.4g} mm"
+    if likely:
+        names = " or ".join(_NAMES[other] for other in likely)
+        options = "use " + " or ".join(f"--units {other}" for other in likely)
+        problem += f": it seems to be in {names}; {'correct its width and height' if own else options}"
+    else:
+        problem += ", and no known unit fits; is it the right scan, without other objects around the sheet?"
+    raise ScanError(file, problem)
 
 
 def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:

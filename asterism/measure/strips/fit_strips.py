@@ -132,7 +132,6 @@ def fit_strips(
     fabric_thickness_mm: float | None = None,
     outside: bool = False,
     flat_height_mm: float = FLAT_HEIGHT_MM,
-    confidence: float = 0.95,
 ) -> FittedMaterial:
     """Fit E1/E2 and kappa_bar to a table of measured strips.
 
@@ -144,7 +143,6 @@ def fit_strips(
     stretch, fabric_thickness_mm : values for all strips, if the table gives none.
     outside : the boxes enclose the thickness of the strips.
     flat_height_mm : strips whose arc is lower count as flat.
-    confidence : probability with which the intervals contain the true values.
 
     Raises
     ------
@@ -168,7 +166,7 @@ def fit_strips(
     """
     table = Path(table)
     readings = read_strips(table, stretch, fabric_thickness_mm, outside=outside)
-    fit = fit_readings(readings, rest_curvature, kappa_bar, confidence=confidence, flat_height_mm=flat_height_mm)
+    fit = fit_readings(readings, rest_curvature, kappa_bar, flat_height_mm=flat_height_mm)
     options = StripOptionsRecord(
         outside=outside,
         flat_height_mm=flat_height_mm,

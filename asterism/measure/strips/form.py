@@ -29,8 +29,6 @@ BOX_PEN = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
 ARC_PEN = DrawingLayer("arcs", "#2a6f97", 0.8)
 
 Pair = tuple[float, float]
-# characters of a line of the instructions
-_FORM_LETTERS = 108
 
 
 def strip_form(
@@ -44,17 +42,19 @@ def strip_form(
     layers_mm : heights of the first layer and of the other layers.
     stretch, fabric_mm : stretch of the fabric, and its thickness when released.
     """
-    items: list[Polyline | Label] = [
-        Label(TEXT_PEN, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
-    ]
-    y = 268.0
-    for line in _instructions(specimen, printer, under_nozzle_mm, layers_mm, stretch, fabric_mm):
-        items.append(Label(TEXT_PEN, np.array([15.0, y]), line, 3.0))
-        y -= 5.0
+    lines = _instructions(specimen, printer, under_nozzle_mm, layers_mm, stretch, fabric_mm)
+    items, y = page_head("Strips to measure a plastic and a fabric", lines)
     items += _boxes(np.array([15.0, y - 34.0]))
     items += _map(specimen, printer.bed_mm)
     tables = [_table_page(specimen, specimen.strips[i : i + 40]) for i in range(0, len(specimen.strips), 40)]
     return (Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items)), *tables)
+
+
+def page_head(title: str, lines: list[str]) -> tuple[list[Polyline | Label], float]:
+    """The title and the instructions of a page of A4, and the height below them (mm)."""
+    items: list[Polyline | Label] = [Label(TEXT_PEN, np.array([15.0, 278.0]), title, 6.0, bold=True)]
+    items += [Label(TEXT_PEN, np.array([15.0, 268.0 - 5.0 * k]), line, 3.0) for k, line in enumerate(lines)]
+    return items, 268.0 - 5.0 * len(lines)
 
 
 def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
@@ -99,8 +99,8 @@ def _instructions(
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
         "    write your own stretch into the table. Measure the fabric's thickness before it is stretched:",
         f"    the table says {fabric_mm:g} mm.",
-        *_indented(f"2. Put the frame with its plate on the bed. {homing_advice(printer)}"),
-        *_indented(
+        *wrapped(f"2. Put the frame with its plate on the bed. {homing_advice(printer)}"),
+        *wrapped(
             "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the "
             f"nozzle starts {plate_mm + under_nozzle_mm:.2f} mm above the bed, plate {plate_mm:.2f} mm and "
             f"fabric {under_nozzle_mm:.2f} mm. Measure both on the bed; if they differ, --plate and --fabric."
@@ -118,9 +118,9 @@ def _instructions(
     ]
 
 
-def _indented(step: str) -> list[str]:
+def wrapped(step: str) -> list[str]:
     """One step, wrapped into lines of the page."""
-    return textwrap.wrap(step, _FORM_LETTERS, subsequent_indent="    ")
+    return textwrap.wrap(step, 108, subsequent_indent="    ")
 
 
 def _boxes(corner: Floats) -> list[Polyline | Label]:

@@ -84,7 +84,7 @@ def new_strips(
     (8, (0.3, 0.05), 4.8)
     """
     directory = Path(directory)
-    machine = load_printer(printer) if isinstance(printer, str) else printer
+    machine = load_printer(printer)
     for h in thicknesses_mm:
         if not THICKNESS_RANGE_MM[0] <= h <= THICKNESS_RANGE_MM[1]:
             raise DesignError(

@@ -5,13 +5,11 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from asterism.pattern.design.errors import DesignError
 from asterism.pattern.drawing.dxf import DXF_NEEDED
 from asterism.print.drawing import Circle, Drawing, Polyline
 from asterism.print.formats.registry import export_format
@@ -20,21 +18,7 @@ from asterism.print.formats.registry import export_format
 _DATES_LOCK = threading.Lock()
 
 
-def ezdxf_module() -> Any:
-    """The package `ezdxf`.
-
-    Raises
-    ------
-    DesignError
-        It is not installed.
-    """
-    try:
-        return import_module("ezdxf")
-    except ImportError:
-        raise DesignError("DXF", DXF_NEEDED, "dxf") from None
-
-
-@export_format("DXF", ".dxf", "drawing", check=ezdxf_module)
+@export_format("DXF", ".dxf", "drawing", package="ezdxf", hint=DXF_NEEDED)
 def write_dxf(path: Path, drawing: Drawing) -> None:
     """Write a drawing in the format of AutoCAD 2010; the same drawing is the same file, byte for byte."""
     with _without_dates():

@@ -27,21 +27,32 @@ class ExportFormat:
         `table`, stars and rods as a `script`, the sheet in space as a `shape`, or both as a `model`, which is
         written on demand.
     write : function that writes one file.
-    check : raises an error if the format cannot be written, because a package is missing.
+    package : optional package that writes it; empty if it needs none.
+    hint : how to install that package.
     """
 
     name: str
     suffix: str
     kind: FormatKind
     write: Callable[..., None]
-    check: Callable[[], Any] = lambda: None
+    package: str = ""
+    hint: str = ""
+
+    @property
+    def problem(self) -> str:
+        """Why the format cannot be written here; empty if it can."""
+        try:
+            import_module(self.package or "asterism")
+        except ImportError:
+            return self.hint
+        return ""
 
 
 _FORMATS: list[ExportFormat] = []
 
 
 def export_format(
-    name: str, suffix: str, *kinds: FormatKind, check: Callable[[], Any] = lambda: None
+    name: str, suffix: str, *kinds: FormatKind, package: str = "", hint: str = ""
 ) -> Callable[[Writer], Writer]:
     """Register the decorated function as the writer of a format.
 
@@ -50,7 +61,7 @@ def export_format(
     """
 
     def register(write: Writer) -> Writer:
-        _FORMATS.extend(ExportFormat(name, suffix, kind, write, check) for kind in kinds)
+        _FORMATS.extend(ExportFormat(name, suffix, kind, write, package, hint) for kind in kinds)
         return write
 
     return register
@@ -70,13 +81,13 @@ def export_formats(kind: FormatKind, with_missing: bool = False) -> list[ExportF
     ['.glb', '.obj', '.stl']
     """
     known = sorted((each for each in _all_formats() if each.kind == kind), key=lambda each: each.suffix)
-    return [each for each in known if with_missing or _problem(each) is None]
+    return [each for each in known if with_missing or not each.problem]
 
 
 def formats_left_out() -> list[str]:
     """What is missing for a format that every export writes, one line for each."""
-    problems = ((each, _problem(each)) for each in _all_formats() if each.kind != "model")
-    return [f"no {each.name} is written: {problem}" for each, problem in problems if problem]
+    missing = (each for each in _all_formats() if each.kind != "model" and each.problem)
+    return [f"no {each.name} is written: {each.problem}" for each in missing]
 
 
 def _all_formats() -> list[ExportFormat]:
@@ -85,15 +96,6 @@ def _all_formats() -> list[ExportFormat]:
     for module in pkgutil.iter_modules(package.__path__):
         import_module(f"{package.__name__}.{module.name}")
     return _FORMATS
-
-
-def _problem(each: ExportFormat) -> str | None:
-    """Why a format cannot be written here; None if it can."""
-    try:
-        each.check()
-    except DesignError as error:
-        return error.allowed
-    return None
 
 
 def write_all(kind: FormatKind, folder: Path, stem: str, *content: Any) -> None:
@@ -114,5 +116,6 @@ def demanded_formats(names: Sequence[str]) -> list[ExportFormat]:
     for name in names:
         if name.lower() not in known:
             raise DesignError("--format", f"must be {' or '.join(known)}; all other formats are always written", name)
-        known[name.lower()].check()
+        if problem := known[name.lower()].problem:
+            raise DesignError("--format", problem, name.lower())
     return [known[name] for name in dict.fromkeys(map(str.lower, names))]

@@ -11,7 +11,6 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.errors import DesignError
 from asterism.pattern.drawing.rhino import RHINO_NEEDED
 from asterism.pattern.geometry.planar import dense_outline
 from asterism.pattern.layout.off_sheet import off_sheet_mm
@@ -24,21 +23,7 @@ from asterism.shape.shape import Shape
 DRILLING_COLOUR = "#0a7d32"
 
 
-def rhino3dm_module() -> Any:
-    """The package `rhino3dm`.
-
-    Raises
-    ------
-    DesignError
-        It is not installed.
-    """
-    try:
-        return importlib.import_module("rhino3dm")
-    except ImportError:
-        raise DesignError("--format", RHINO_NEEDED, "3dm") from None
-
-
-@export_format("3DM", ".3dm", "model", check=rhino3dm_module)
+@export_format("3DM", ".3dm", "model", package="rhino3dm", hint=RHINO_NEEDED)
 def write_rhino(path: Path, job: Job) -> None:
     """Write a job for Rhino; layers without content are left out.
 
@@ -47,7 +32,7 @@ def write_rhino(path: Path, job: Job) -> None:
     as a mesh, `arms` as middle lines of stars and rods, `outline`, `needles` from the base to the sheet. `base` holds
     `drilling`: a circle and a point for each needle. Needles carry their numbers as names.
     """
-    model = _Model(rhino3dm_module())
+    model = _Model(importlib.import_module("rhino3dm"))
     _print(model, job)
     if job.seen is not None:
         _space(model, job, job.seen)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from asterism.cli.common import progress
 from asterism.cli.common.progress import Progress
+from asterism.process import progress_line
 from tests.asterism.commands import command
 
 SMALL = "[stars]\nlength_mm = 10.0\nthickness_mm = 0.4\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
@@ -45,7 +45,7 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
 
 def test_silence_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
     """While a step takes long, a line says that the computation goes on."""
-    monkeypatch.setattr(progress, "MAX_QUIET_S", 0.02)
+    monkeypatch.setattr(progress_line, "MAX_QUIET_S", 0.02)
     stream = io.StringIO()
     with Progress(stream) as shown:
         shown.say("minimising")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from asterism.draw.picture import shape_image
 from asterism.draw.pin_marks import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks
 from asterism.draw.shading import PINS
 from asterism.pattern.design.design import Design
@@ -66,7 +67,7 @@ def test_sheets_without_known_pins_have_no_marks(shape: Shape) -> None:
 
 def test_pictures_show_them() -> None:
     def red(shape: Shape) -> float:
-        colours = np.asarray(shape_image(shape, "dome").convert("RGB")).astype(float)
+        colours = np.asarray(Image.open(BytesIO(shape._repr_png_())).convert("RGB")).astype(float)
         return float((np.ptp(colours, axis=2) > 255.0 * 0.6 * np.ptp(PINS)).mean())
 
     assert red(held()) < 1e-5 and red(held({"where": "border"})) > 1e-3

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.draw.view_picture import View, fitting_scale, view_image
+from asterism.draw.picture import fitting_scale, view_image
+from asterism.draw.render import View
 from asterism.reports.write_results import write_results
 from asterism.shape.release_picture import FRAMES, released
 from asterism.shape.shape import Shape

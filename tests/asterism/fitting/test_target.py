@@ -18,7 +18,7 @@ from asterism.equilibrium.errors import Error
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
-from asterism.measure.compare.errors import ScanError
+from asterism.measure.compare.scan import ScanError
 from tests.asterism.fitting.surfaces import spherical_cap
 from tests.asterism.fitting.wrong_surfaces import (
     Mesh,

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from asterism.cli.common import progress
 from asterism.cli.common.run import Run, command, with_design_file
 from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.design.errors import DesignError
+from asterism.process import progress_line
 from tests.asterism.commands import command as run_asterism
 
 SIGN = "still computing"
@@ -22,7 +22,7 @@ SIGN = "still computing"
 
 @pytest.fixture(autouse=True)
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "MAX_QUIET_S", 0.02)
+    monkeypatch.setattr(progress_line, "MAX_QUIET_S", 0.02)
 
 
 def until(holds: Callable[[], bool]) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from asterism.measure.compare.errors import ScanError
 from asterism.measure.compare.outline import read_outline
+from asterism.measure.compare.scan import ScanError
 from asterism.measure.compare.silhouette import fit_outline, silhouette
 from asterism.results.csv_cells import TableError
 from tests.asterism.sheets import dome, flat, sheet, tube

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from asterism.measure.compare.errors import ScanError
-from asterism.measure.compare.scan import extent, read_scan, read_surface, surface_samples
-from asterism.measure.compare.units import check_size
+from asterism.measure.compare.scan import ScanError, check_size, extent, read_scan, read_surface, surface_samples
 from tests.asterism.measure.compare.scans import bent_sheet
 
 SHAPE = bent_sheet(5.0)

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asterism.measure.compare.errors import ScanError
-from asterism.measure.compare.scan import read_scan, read_surface
+from asterism.measure.compare.scan import ScanError, read_scan, read_surface
 
 PLY = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
 
