@@ -15,9 +15,10 @@ STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
 MAX_DRAGGED_SEARCH_S = 2.5
 MAX_SEARCH_S = 20.0
 SIGN_EVERY_S = 2.0  # of life, in long searches
-# processor time of a step between two checks, after which it counts as a loop without end; and of an announced step
+# processor time of a step between two checks, after which it counts as a loop without end
 MAX_STEP_S = 5.0
-MAX_SAID_STEP_S = 60.0
+# of a step that is announced, or at rest
+MAX_LONG_STEP_S = 30.0
 
 
 class Superseded(Exception):
@@ -55,9 +56,10 @@ class SearchBounds:
         self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
         self.go_on()
 
-    def go_on(self, step_s: float = MAX_STEP_S) -> None:
-        """The work is not stuck: a step begins, which may take so much processor time."""
-        self._step_ends = time.process_time() + step_s
+    def go_on(self, step_s: float | None = None) -> None:
+        """The work is not stuck: a step begins, which may take so much processor time; at rest, steps are longer."""
+        usual = MAX_LONG_STEP_S if self._yields else MAX_STEP_S
+        self._step_ends = time.process_time() + (usual if step_s is None else step_s)
 
     @property
     def is_stuck(self) -> bool:
