@@ -96,7 +96,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
     Its sample holds `values`, see `table_values`, and `picture`, the attributes of a `SmallPicture`.
     """
 
-    def solve() -> tuple[dict[str, Any], None]:
+    def solve() -> dict[str, Any]:
         if code != sweep_code_version():
             raise RuntimeError("the worker has another version of asterism")
         design = Design.from_dict(table)
@@ -108,7 +108,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
             from asterism.previews.run import preview
 
             found = preview(design, None if law is None else _law(law))
-        return {"values": table_values(found.summary, is_exact), "picture": asdict(small_picture(found))}, None
+        return {"values": table_values(found.summary, is_exact), "picture": asdict(small_picture(found))}
 
     return attempt(solve, Error, ValueError, surroundings=(UnreadableLaw,))
 

@@ -28,12 +28,9 @@ FEW_CELLS = 3
 
 
 class CellAnswer(Protocol):
-    """What the solution of a cell gives: plain data, and why they are no answer, in one line."""
+    """What the solution of a cell gives; a cell without an answer raises ArithmeticError."""
 
     def to_dict(self) -> dict[str, Any]: ...
-
-    @property
-    def failed(self) -> str | None: ...
 
 
 SolveCell = Callable[[Design, float], CellAnswer]
@@ -166,11 +163,10 @@ def _workers(cells: int, jobs: int, dask: str | None) -> AbstractContextManager[
 def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) -> Outcome:
     """Solve one cell in a worker."""
 
-    def solve() -> tuple[dict[str, Any] | None, str | None]:
+    def solve() -> dict[str, Any]:
         if code != code_version():
             raise RuntimeError("the worker has another version of asterism")
-        answer = respond(design, edge_mm)
-        return answer.to_dict(), answer.failed
+        return respond(design, edge_mm).to_dict()
 
     # patterns that cannot be printed, meshed or relaxed
     return attempt(solve, DesignError, MeshError, ArithmeticError, np.linalg.LinAlgError)

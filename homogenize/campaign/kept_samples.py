@@ -175,7 +175,7 @@ class KeptSamples:
 
 
 def attempt(
-    solve: Callable[[], tuple[dict[str, Any] | None, str | None]],
+    solve: Callable[[], dict[str, Any]],
     *foreseen: type[Exception],
     surroundings: tuple[type[Exception], ...] = (),
 ) -> Outcome:
@@ -183,18 +183,20 @@ def attempt(
 
     Parameters
     ----------
-    solve : gives the sample, and the reason if it is no answer.
+    solve : gives the sample.
     foreseen : errors that the inputs cause, so that another attempt would raise them too.
     surroundings : those among them that the worker's machine causes, such as a missing file.
     """
     start, crashed = time.perf_counter(), False
+    sample: dict[str, Any] | None = None
+    failed: str | None = None
     try:
-        sample, failed = solve()
+        sample = solve()
     except surroundings as error:
-        sample, crashed, failed = None, True, str(error)
+        crashed, failed = True, str(error)
     except foreseen as error:
-        sample, failed = None, str(error)
+        failed = str(error)
     except Exception as error:
-        sample, crashed, failed = None, True, f"{type(error).__name__}: {error}"
+        crashed, failed = True, f"{type(error).__name__}: {error}"
     reason = None if failed is None else " ".join(failed.split())
-    return Outcome(sample if reason is None else None, reason, crashed, time.perf_counter() - start)
+    return Outcome(sample, reason, crashed, time.perf_counter() - start)

@@ -9,7 +9,7 @@ similar energy, and no law of one cell describes it.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.cell.rod_bending import rod_bending
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.files import plain
 
 # of the energy of one cell, by which four cells may be lower: meshes and starts differ by less
 MAX_ENERGY_EXCESS = 0.01
@@ -149,12 +150,7 @@ class MotifResponses:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON, with the `doubts`."""
-        return {**{name: _plain(value) for name, value in asdict(self).items()}, "doubts": self.doubts}
-
-    @property
-    def failed(self) -> str | None:
-        """Why there is no answer at all: `doubts` have the reasons of an answer that does not stand for a sheet."""
-        return None
+        return cast("dict[str, Any]", plain({**asdict(self), "doubts": self.doubts}))
 
     @property
     def doubts(self) -> list[str]:
@@ -164,14 +160,6 @@ class MotifResponses:
         if curl > MAX_SEARCHED_CURL:
             doubts.append(f"the sheet curls by {curl:.2g} rad within one cell: it is not separated in scale")
         return doubts + [f"direction {np.degrees(angle):.0f} deg: {reason}" for angle, reason in self.failed_directions]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    return [_plain(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = ALL_ANGLES_RAD) -> MotifResponses:

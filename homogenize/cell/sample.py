@@ -9,8 +9,8 @@ the one with the lowest natural energy, and tensors of the flat cell are means o
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import Any, cast
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_m
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell, star_size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.files import plain
 
 # rad, and of the stretches
 DIRECTION_TOLERANCE = 1e-6
@@ -61,7 +62,6 @@ class Sample:
     edge_mm : mm, edges of the mesh.
     spacing_mm : mm, distance of the star centres.
     vertices : of the mesh.
-    failed : why some or all responses are missing, in one line; None for a complete sample.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates.
     lam : sqrt(det F), its contraction.
     angles_rad : (D,) rad, directions of the tubes on the print.
@@ -94,33 +94,31 @@ class Sample:
     edge_mm: float
     spacing_mm: float
     vertices: int
-    failed: str | None = None
-    rest_metric: Array | None = None
-    lam: float | None = None
-    angles_rad: Array | None = None
-    natural_curvature: Array | None = None
-    natural_energy: Array | None = None
-    natural_hoop: Array | None = None
-    natural_axial: Array | None = None
-    natural_membrane: Array | None = None
-    relief: Array | None = None
-    bending: Array | None = None
-    sixfold: float | None = None
-    centre_offset_mm: float | None = None
-    natural_centre_offset_mm: Array | None = None
-    bump_mm: float | None = None
-    natural_bump_mm: Array | None = None
-    eigenvalue: float | None = None
-    supercell_eigenvalue: float | None = None
-    natural_eigenvalue: Array | None = None
-    natural_supercell_eigenvalue: Array | None = None
-    asymmetry: float | None = None
-    iterations: int = 0
+    rest_metric: Array
+    lam: float
+    angles_rad: Array
+    natural_curvature: Array
+    natural_energy: Array
+    natural_hoop: Array
+    natural_axial: Array
+    natural_membrane: Array
+    relief: Array
+    bending: Array
+    sixfold: float
+    centre_offset_mm: float
+    natural_centre_offset_mm: Array
+    bump_mm: float
+    natural_bump_mm: Array
+    eigenvalue: float
+    supercell_eigenvalue: float
+    natural_eigenvalue: Array
+    natural_supercell_eigenvalue: Array
+    asymmetry: float
+    iterations: int
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        values = ((entry.name, getattr(self, entry.name)) for entry in fields(self))
-        return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values}
+        return cast("dict[str, Any]", plain(asdict(self)))
 
 
 def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
@@ -134,12 +132,10 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     y.
         `Sample.sixfold` compares the first with the last.
 
-    Returns
-    -------
-    The sample. `failed` gives the reason if a part has no equilibrium.
-
     Raises
     ------
+    ArithmeticError
+        A part has no equilibrium.
     ValueError
         The stars differ, gravity is on, or `edge_mm` or `angles` are out of range.
     DesignError, MeshError
@@ -157,12 +153,9 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     responses: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
     try:
         _measure(cell, angles, responses)
-    except (ArithmeticError, np.linalg.LinAlgError) as error:
-        responses = {"failed": str(error), "iterations": responses["iterations"]}
     finally:
         cell.close()
-    if "failed" not in responses:
-        responses = symmetric_responses(responses, point_group(design.lattice), (sx, sy))
+    responses = symmetric_responses(responses, point_group(design.lattice), (sx, sy))
     return Sample(
         length_mm=star_size(design, "length_mm"),
         thickness_mm=star_size(design, "thickness_mm"),

@@ -134,7 +134,9 @@ def write_table(table: dict[str, Any], path: Path) -> None:
 
 
 def plain(value: Any) -> Any:
-    """JSON has no infinity and no not-a-number: both become null."""
+    """Plain data for JSON, which has no arrays, and no infinity and no not-a-number: these become null."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

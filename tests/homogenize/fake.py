@@ -20,10 +20,9 @@ from asterism.pattern.design.design import Design
 @dataclass
 class Answer:
     data: dict[str, Any]
-    failed: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        return {**self.data, "failed": self.failed}
+        return self.data
 
 
 def solve_cell(design: Design, edge_mm: float) -> Answer:
@@ -66,12 +65,16 @@ def curls_more(design: Design, edge_mm: float) -> Answer:
 def fails_when_thin(design: Design, edge_mm: float) -> Answer:
     """No equilibrium for long thin arms."""
     if float(design.stars.length_mm) >= 10.0 and design.stars.thickness_mm == 0.2:  # type: ignore[arg-type]
-        return Answer({}, "tube: still curling at 0.13/mm, the tightest tried")
+        raise ArithmeticError("tube: still curling at 0.13/mm, the tightest tried")
     return solve_cell(design, edge_mm)
 
 
+def no() -> Answer:
+    raise ArithmeticError("no")
+
+
 def fails(design: Design, edge_mm: float) -> Answer:
-    return Answer({}, "no equilibrium\nat all")
+    raise ArithmeticError("no equilibrium\nat all")
 
 
 def mended() -> bool:

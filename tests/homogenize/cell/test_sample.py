@@ -26,7 +26,6 @@ MODULUS, POISSON, THICK, STRETCH = 7.1875, 0.3, 0.8, 1.35
 def test_bare_fabric(edge):
     """lambda = 1/s, no curvature, the neo-Hookean tangent at rest, and the paper's hinges: three times the plate."""
     bare = sample(0.0, 0.4, edge)
-    assert bare.failed is None
     assert bare.lam == pytest.approx(1.0 / STRETCH, abs=1e-8)
     np.testing.assert_allclose(bare.rest_metric, np.eye(2) / STRETCH**2, atol=1e-8)
     np.testing.assert_array_equal(bare.natural_curvature, 0.0)
@@ -185,7 +184,6 @@ def test_offsets():
 @pytest.mark.slow
 def test_a_bistable_star_is_followed_up():
     found = sample(10.0, 0.2)
-    assert found.failed is None
     assert found.bump_mm > 1.0
     assert (found.natural_bump_mm > 1.0).all()
 
@@ -193,7 +191,6 @@ def test_a_bistable_star_is_followed_up():
 @pytest.mark.slow
 def test_hardly_buckled_stars_find_the_up_branch_at_finite_curvature():
     found = sample(13.0, 0.3)
-    assert found.failed is None
     assert (found.natural_bump_mm > 1.0).all()
 
 
@@ -235,14 +232,3 @@ def test_sample_goes_through_json():
     again = json.loads(json.dumps(found.to_dict()))
     assert again == found.to_dict()
     np.testing.assert_array_equal(again["natural_membrane"], found.natural_membrane)
-
-
-def test_failed_samples_have_a_reason_and_no_numbers(monkeypatch):
-    def fails(*args):
-        raise ArithmeticError("flat cell: no equilibrium at 50 % release")
-
-    monkeypatch.setattr("asterism.homogenize.cell.sample.trace_tubes", fails)
-    found = solve_cell(design(), EDGE)
-    assert found.failed == "flat cell: no equilibrium at 50 % release"
-    assert found.lam is None
-    assert found.natural_curvature is None

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, held_out_errors, sample_quantities
+from asterism.homogenize.campaign.kept_samples import attempt
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
@@ -40,9 +41,9 @@ def law(respond: Any = fake.solve_cell, **plan: Any) -> StarLaw:
 def fitted(plan: LawPlan, respond: Any, tasks: list[CellTask] | None = None) -> StarLaw:
     records = []
     for task in tasks or plan.tasks():
-        answer = respond(plan.cell_design(task), 2.0)
-        sample = None if answer.failed else answer.to_dict()
-        records.append(SampleRecord(task, plan.label(task), sample, answer.failed, False, 0.1))
+        cell = plan.cell_design(task)
+        answer = attempt(lambda cell=cell: respond(cell, 2.0).to_dict(), ArithmeticError)
+        records.append(SampleRecord(task, plan.label(task), answer.sample, answer.failed, False, 0.1))
     law = fit_law(plan, records, {"command": "none"})
     assert isinstance(law, StarLaw)
     return law
@@ -185,7 +186,7 @@ def test_the_contraction_of_a_tube_is_that_of_its_area() -> None:
 def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> None:
     def beside(design: Design, edge_mm: float) -> fake.Answer:
         lost = fails(design.stars.thickness_mm - 1e-9) and fails(design.stars.thickness_mm + 1e-9)
-        return fake.Answer({}, "no") if lost and design.stars.length_mm >= 8.0 else fake.solve_cell(design, edge_mm)
+        return fake.no() if lost and design.stars.length_mm >= 8.0 else fake.solve_cell(design, edge_mm)
 
     table = law(beside, thicknesses_mm=[0.2, 0.3, 0.4]).at(1.35)
     assert table(10.0, 0.3, 1.0).inside.all()
@@ -195,7 +196,7 @@ def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> 
 def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     def one_gap(design: Design, edge_mm: float) -> fake.Answer:
         gap = design.stars.length_mm == 6.0 and design.stars.thickness_mm == 0.3
-        return fake.Answer({}, "no") if gap else fake.solve_cell(design, edge_mm)
+        return fake.no() if gap else fake.solve_cell(design, edge_mm)
 
     table = law(one_gap).at(1.35)
     assert (~table.solved).sum() == 3
@@ -458,7 +459,7 @@ def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
     def below(longest: float) -> Any:
         def some(design: Design, edge_mm: float) -> fake.Answer:
             short = float(design.stars.length_mm) <= longest  # type: ignore[arg-type]
-            return fake.solve_cell(design, edge_mm) if short else fake.Answer({}, "no")
+            return fake.solve_cell(design, edge_mm) if short else fake.no()
 
         return some
 
@@ -471,7 +472,7 @@ def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
 def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
     def fails_when_short(design: Design, edge_mm: float) -> fake.Answer:
         short = 0.0 < float(design.stars.length_mm) < 3.0  # type: ignore[arg-type]
-        return fake.Answer({}, "no") if short else fake.solve_cell(design, edge_mm)
+        return fake.no() if short else fake.solve_cell(design, edge_mm)
 
     table = law(fails_when_short).at(1.35)
     assert table([0.0, 0.5, 5.0], 0.3, 1.2).inside.tolist() == [True, False, True]
