@@ -18,7 +18,7 @@ import numpy as np
 from asterism.discrete.release.continuation import Report
 from asterism.equilibrium.arrays import Floats
 from asterism.exact.simulation import exact_shape
-from asterism.fitting.distance import FitDistance
+from asterism.fitting.residual import FitDistance
 from asterism.fitting.search import FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.pattern.design.design import Design

@@ -9,10 +9,9 @@ import numpy as np
 
 from asterism.discrete.release.continuation import Report
 from asterism.fitting.correction import ExactCorrection
-from asterism.fitting.distance import FitDistance, target_distance
 from asterism.fitting.errors import FitInterrupted, place_text
 from asterism.fitting.first_guess import FirstGuess, guess_design
-from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.residual import FitDistance, FitPlaces, Residual, target_distance
 from asterism.fitting.search import FitSearch
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.star_unknowns import StarUnknowns

@@ -16,8 +16,6 @@ from asterism.pattern.layout.painted_stars import with_painted_stars
 
 # an unknown of 1 is this change: of a length in mm, and of the logarithm of a thickness
 LENGTH_UNIT_MM, THICKNESS_UNIT = 1.0, 0.15
-# degrees of the polynomials in the printed coordinates that a smooth change consists of
-SMOOTH_LENGTH_DEGREE, SMOOTH_THICKNESS_DEGREE = 2, 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,16 +43,15 @@ class StarUnknowns:
     @property
     def bounds(self) -> tuple[Floats, Floats]:
         """(2 S,) smallest and largest change of the unknowns."""
-        menu, ones = self.menu, np.ones(len(self.lengths_mm))
-        low_h = menu.least_thickness(self.lengths_mm)
-        low = [
-            (menu.lengths_mm[0] - self.lengths_mm) / LENGTH_UNIT_MM,
-            np.log(low_h / self.thicknesses_mm) / THICKNESS_UNIT,
-        ]
-        high = [
-            (menu.lengths_mm[-1] - self.lengths_mm) / LENGTH_UNIT_MM,
-            np.log(menu.thicknesses_mm[-1] * ones / self.thicknesses_mm) / THICKNESS_UNIT,
-        ]
+        menu, lengths, thicknesses = self.menu, self.lengths_mm, self.thicknesses_mm
+        ends = (
+            (menu.lengths_mm[0], menu.least_thickness(lengths)),
+            (menu.lengths_mm[-1], menu.thicknesses_mm[-1]),
+        )
+        low, high = (
+            [(length - lengths) / LENGTH_UNIT_MM, np.log(thickness / thicknesses) / THICKNESS_UNIT]
+            for length, thickness in ends
+        )
         return np.minimum(np.concatenate(low), 0.0), np.maximum(np.concatenate(high), 0.0)
 
     @property
@@ -102,13 +99,8 @@ class StarUnknowns:
         return sp.csr_array(sp.block_diag([of_one_size, of_one_size]))
 
     def smooth_basis(self) -> Floats:
-        """(2 S, m) orthonormal smooth changes: polynomials of the printed coordinates."""
+        """(2 S, m) orthonormal smooth changes: polynomials of the printed coordinates, of degree 2 and 1."""
         centres = self.plan.centres - self.plan.centres.mean(axis=0)
         x, y = (centres / np.abs(centres).max()).T
-        powers = [np.ones_like(x), x, y, x * x, x * y, y * y]
-        count = {0: 1, 1: 3, 2: 6}
-        blocks = [
-            np.linalg.qr(np.column_stack(powers[: count[degree]]))[0]
-            for degree in (SMOOTH_LENGTH_DEGREE, SMOOTH_THICKNESS_DEGREE)
-        ]
-        return np.asarray(sp.block_diag(blocks).toarray())
+        powers = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+        return np.asarray(sp.block_diag([np.linalg.qr(powers[:, :count])[0] for count in (6, 3)]).toarray())

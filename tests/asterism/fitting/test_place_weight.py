@@ -10,11 +10,10 @@ import pytest
 from PIL import Image
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.distance import FitDistance
 from asterism.fitting.errors import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.fit import fit
-from asterism.fitting.residual import FitPlaces, Residual, SheetState
+from asterism.fitting.residual import FitDistance, FitPlaces, Residual, SheetState
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.design import Design

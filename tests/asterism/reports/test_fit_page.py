@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.fitting.distance import target_distance
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit
-from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.residual import FitPlaces, Residual, target_distance
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
