@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.prolongation import prolong
-from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import IterativeFactor
 from asterism.equilibrium.linear.rigid_support import stiffen

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.release.forms import ExactForm, Minima
 from asterism.results.records.exact import MinimumRecord
 

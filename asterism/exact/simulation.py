@@ -10,15 +10,13 @@ import numpy as np
 
 from asterism.discrete.energies.contact import ipc_toolkit
 from asterism.discrete.energies.rods.network import rod_curvatures
-from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.contact_model import ContactModel
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report
+from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.release.forms import find_minima, stars_off_branch
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.mesh_error import error_of_levels
-from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
+from asterism.discrete.release.levels import MeshLevel, SharedSearch, error_of_levels, solve_on_meshes
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.exact.minima import many_minima, one_minimum
@@ -97,23 +95,15 @@ def exact_shape(
     stars, rods = f"{len(plan.centres)} stars", f"{len(plan.drawn_rods)} rods"
     printed = " and ".join([*([stars] if plan.has_stars else []), *([rods] if plan.drawn_rods else [])])
     announce(f"{printed} on {_meshes(ladder)}")
-    solver = design.solver
     before = {"mesh and model": time.perf_counter() - start}
     if starts == 1:
-        equilibrium, levels = solve_on_meshes(
-            search,
-            solver.start,
-            seed=solver.seed,
-            backend=backend,
-            report=report,
-            near=near.at if near else None,
-        )
+        equilibrium, levels = solve_on_meshes(search, backend, report, near.at if near else None)
         minima = one_minimum(ladder.models[len(levels) - 1], equilibrium, near is not None)
         if search.joined_at:
             minima["joined_at_vertices"] = search.joined_at
         spent = time.perf_counter() - start
         return _shape(ladder, equilibrium, levels, before | equilibrium.seconds, spent, minima)
-    all_minima = find_minima(ladder, starts, seed=solver.seed, backend=backend, report=report)
+    all_minima = find_minima(ladder, starts, backend, report)
     minima = many_minima(all_minima, starts)
     spent = time.perf_counter() - start
     best, *others = (

@@ -41,7 +41,6 @@ def verify(
     say: Say | None = None,
     released: Shape | None = None,
     near: Shape | None = None,
-    shown: Callable[[Design], Shape] | None = None,
     command: str | None = None,
     ready: Shape | None = None,
     progress: StageReport | None = None,
@@ -53,9 +52,8 @@ def verify(
     law : law of the preview, as of `asterism.preview`.
     backend, report, say : as in `simulate`.
     released, near : exact shapes from the flat print and from the preview, if they are available already.
-    shown : function that computes the shape to compare, instead of `preview`.
     command : command line, for the report.
-    ready : a preview of this design, if it is available already. It is not computed again.
+    ready : a preview of this design, or another shape to compare instead, if it is available already.
     progress : called with the name of a stage, the number of completed steps, and the number of all steps. The stages
         are those of `STAGES`, in this order.
 
@@ -74,10 +72,8 @@ def verify(
         kind = kind_of(design)
         plan = kind.layout(design)
         layout_s = clock() - begun
-        if law is None and not (shown or ready):
+        if law is None and ready is None:
             law = kind.default_law(design, plan, None, tell)
-        make = partial(shown or partial(preview, law=law, plan=plan), design)
-
         shared = shared_search(design, plan)
 
         def solve(stage: str, near: Shape | None = None) -> Shape:
@@ -92,7 +88,7 @@ def verify(
             counted.finish()
             return shape
 
-        quick, preview_s = _timed(clock, make, layout_s, ready)
+        quick, preview_s = _timed(clock, partial(preview, design, law, plan=plan), layout_s, ready)
         tell(f"preview done in {preview_s:.2f} s")
         step(STAGES[0], 1, 1)
         if released is None:

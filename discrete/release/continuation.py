@@ -1,4 +1,4 @@
-"""Continuation from the print to a certified equilibrium.
+"""Continuation from the print to a certified equilibrium, on one mesh.
 
 Stages: release of the fabric in steps; pins that take hold later; a perturbation along the negative mode wherever the
 path becomes unstable; final minimisation and certificate.
@@ -14,14 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from asterism.discrete.evidence.equilibrium import Effort, Equilibrium, PathStep
+from asterism.discrete.model.contact_model import is_intersection_free
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import bump_heights
 from asterism.discrete.model.state import State
-from asterism.discrete.release.release_start import ReleaseStart, spacing_ratio
+from asterism.discrete.release.equilibrium import Equilibrium, PathStep
+from asterism.discrete.release.release_start import ReleaseStart, spacing_ratio, start_of_design
+from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
 from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
-from asterism.equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from asterism.equilibrium.newton.minimise import Iteration, Minimum, minimise
 from asterism.equilibrium.newton.saddle import leave_saddle
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
@@ -34,6 +36,8 @@ PATH_TOLERANCE = 1e-4
 WEIGHT_TOLERANCE = 1e-3
 # 1: decrease of the energy by a Newton step over the elastic energy, after which a coarse mesh is accurate enough
 COARSE_DECREASE = 1e-7
+# 1: the same at the steps before the equilibrium
+PATH_DECREASE = 1e-4
 # 1: negative eigenvalue over modulus times thickness, beyond which a loosely converged state counts as unstable
 INSTABILITY_THRESHOLD = 1e-7
 # 1: first blend of the Hessian at a state from another mesh; the factorisation would refuse smaller ones
@@ -70,12 +74,73 @@ def gradient_tolerance(model: DiscreteModel) -> float:
     return min(elastic, weight) if weight else elastic
 
 
-class ReleaseContinuation:
-    """Minimises step by step and counts the effort; parameters as in `discrete.release.single_mesh.solve_on_mesh`."""
+def solve_on_mesh(
+    model: DiscreteModel,
+    start: ReleaseStart | State | Equilibrium | None = None,
+    backend: str = "auto",
+    report: Report | None = None,
+    coarse: bool = False,
+) -> Equilibrium:
+    """Find an equilibrium of a model and certify it.
 
-    def __init__(self, backend: str, report: Report | None, seed: int, coarse: bool) -> None:
-        self.backend, self.report, self.seed, self.coarse = backend, report, seed, coarse
-        self.effort = Effort()
+    Parameters
+    ----------
+    model : the model; it is fully released at the end, also after an exception.
+    start : a `ReleaseStart`, by default that of the design. A state, such as one from another mesh, is minimised at
+        full release with all pins in place; so is an equilibrium of a search with `coarse`, which is near its end.
+    backend : linear solver, see `equilibrium.linear.backends`.
+    report : called after every iteration with the name of the stage.
+    coarse : a finer mesh follows. The result is only as accurate as it needs, and usually has no certificate.
+
+    Returns
+    -------
+    The equilibrium; `is_minimum` is its certificate.
+
+    Raises
+    ------
+    ValueError
+        A given state intersects itself, and the model has contact.
+
+    Examples
+    --------
+    A single star without rest curvature of its arms, as coarse as it can be meshed:
+
+    >>> from asterism.pattern import gallery
+    >>> from asterism.pattern.layout.build import layout
+    >>> from asterism.pattern.mesh.meshing import mesh_layout
+    >>> design = gallery.load("star")
+    >>> plan = layout(design)
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
+    >>> equilibrium = solve_on_mesh(model, ReleaseStart(releases=(0.3, 1.0)), backend="superlu")
+    >>> equilibrium.is_minimum, equilibrium.stars_up, [step.release for step in equilibrium.path]
+    (True, 1, [0.3, 1.0, 1.0])
+    """
+    continuation = _Continuation(backend, report, coarse)
+    if isinstance(start, Equilibrium):
+        return continuation.minimise_from(model, start.state, 0.0)
+    if isinstance(start, State):
+        model.set_release(1.0)
+        state = model.apply_supports(start)
+        if not is_intersection_free(model, state):
+            raise ValueError("start: the state passes through itself; contact cannot separate intersecting parts")
+        return continuation.minimise_from(model, state, PROLONGED_BLEND)
+    try:
+        return continuation.follow(model, start or start_of_design(model.design))
+    except BaseException:
+        model.set_release(1.0)  # also after an interruption
+        raise
+
+
+class _Continuation:
+    """Minimises step by step and counts the effort; parameters as in `solve_on_mesh`."""
+
+    def __init__(self, backend: str, report: Report | None, coarse: bool) -> None:
+        self.backend, self.report, self.coarse = backend, report, coarse
+        self.iterations = self.factorisations = 0
+        self.clock = Clock()
+        self.path: list[PathStep] = []
+        # of the Hessian at the beginning of the next step of the path, as the step before needed it
+        self.blend = 0.0
 
     def follow(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
         """Release the fabric from a start, then attach the later pins step by step, and certify the result."""
@@ -90,10 +155,10 @@ class ReleaseContinuation:
         with self._factor(present) as factor:
             return self._certify(present, self._advance(present, start, before, last, factor), factor)
 
-    def minimise_from(self, model: DiscreteModel, state: State) -> Equilibrium:
+    def minimise_from(self, model: DiscreteModel, state: State, blend: float) -> Equilibrium:
         """Minimise from a state at the present release of the model, and certify the result."""
         with self._factor(model) as factor:
-            return self._certify(model, state, factor, PROLONGED_BLEND)
+            return self._certify(model, state, factor, blend)
 
     def _advance(
         self, model: DiscreteModel, start: ReleaseStart, before: tuple[State, bool] | None, step: int, factor: Factor
@@ -126,7 +191,8 @@ class ReleaseContinuation:
         fabric = model.design.fabric
         threshold = INSTABILITY_THRESHOLD * fabric.modulus_mpa * fabric.thickness_mm
         tolerance = PATH_TOLERANCE * force_scale(model)
-        result = self._minimise(model, state, tolerance, factor, "release", name)
+        result = self._minimise(model, state, tolerance, factor, "release", name, self.blend)
+        self.blend = result.blend
         iterations, kicks = result.iterations, 0
         # `definite` may also be False because of rigid motions, which have zero energy only if all forces vanish
         while kicks < MAX_PERTURBATIONS and not result.definite and np.isfinite(result.energy):
@@ -138,7 +204,7 @@ class ReleaseContinuation:
             result = self._minimise(model, perturbed, tolerance, factor, "release", f"{name}, off a saddle")
             iterations += result.iterations
         place = (step, model.release, model.pin_progress, model.n_vertices)
-        self.effort.path.append(PathStep(*place, result.energy, iterations, kicks))
+        self.path.append(PathStep(*place, result.energy, iterations, kicks))
         end: State = result.state
         return end
 
@@ -161,7 +227,7 @@ class ReleaseContinuation:
             result = self._minimise(model, perturbed, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
         place = (model.layout.pin_steps[-1], model.release, model.pin_progress, model.n_vertices)
-        self.effort.path.append(PathStep(*place, result.energy, iterations, saddles))
+        self.path.append(PathStep(*place, result.energy, iterations, saddles))
         return Equilibrium(
             result.state,
             model.energies(result.state),
@@ -170,30 +236,29 @@ class ReleaseContinuation:
             lowest,
             error,
             bump_heights(model, result.state),
-            self.effort.iterations,
-            self.effort.factorisations,
+            self.iterations,
+            self.factorisations,
             saddles,
             factor.name,
-            self.effort.clock.seconds,
-            tuple(self.effort.path),
+            self.clock.seconds,
+            tuple(self.path),
         )
 
     def _factor(self, model: DiscreteModel) -> closing[Factor]:
-        with self.effort.clock("analysis"):
+        with self.clock("analysis"):
             return closing(model.factor(self.backend))
 
     def _lowest_mode(self, model: DiscreteModel, state: State, factor: Factor, stage: str) -> Eigenpair:
-        with self.effort.clock(stage):
-            pair = lowest_mode(model, state, factor, self.seed)
-        self.effort.factorisations += pair.factorisations
+        with self.clock(stage):
+            pair = _smallest_eigenvalue(model, state, factor)
+        self.factorisations += pair.factorisations
         return pair
 
-    def _small_decrease(self, model: DiscreteModel, state: State) -> float:
-        """N mm, decrease of the energy by a Newton step that ends the search on a coarse mesh."""
-        if not self.coarse:
-            return 0.0
+    def _small_decrease(self, model: DiscreteModel, state: State, stage: str) -> float:
+        """N mm, decrease of the energy by a Newton step that ends a step of the path or the search on a coarse mesh."""
+        fraction = PATH_DECREASE if stage == "release" else COARSE_DECREASE if self.coarse else 0.0
         energies = model.energies(state)
-        return COARSE_DECREASE * (sum(energies.values()) - energies.get("gravity", 0.0))
+        return fraction * (sum(energies.values()) - energies.get("gravity", 0.0))
 
     def _minimise(
         self,
@@ -204,13 +269,13 @@ class ReleaseContinuation:
         stage: str,
         name: str,
         blend: float = 0.0,
-    ) -> NewtonResult:
+    ) -> Minimum:
         """Newton's method to a gradient norm of `tolerance` N, timed as `stage` and reported as `name`."""
         report = self.report
         # without iterations, a minimisation returns its state, and the certificate says that it is no equilibrium
-        left = max(MAX_RELEASE_ITERATIONS - self.effort.iterations, 0)
+        left = max(MAX_RELEASE_ITERATIONS - self.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
-        with self.effort.clock(stage):
+        with self.clock(stage):
             result = minimise(
                 model,
                 state,
@@ -220,9 +285,10 @@ class ReleaseContinuation:
                 report=stage_report,
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides
-                small_decrease=self._small_decrease(model, state) if stage != "release" else 0.0,
+                small_decrease=self._small_decrease(model, state, stage),
             )
-        self.effort.add(result)
+        self.iterations += result.iterations
+        self.factorisations += result.factorisations
         return result
 
 
@@ -264,9 +330,9 @@ def _fitted_to_pins(model: DiscreteModel, state: State) -> State:
     return state.rotated(rotation, shift)
 
 
-def lowest_mode(model: DiscreteModel, state: State, factor: Factor, seed: int) -> Eigenpair:
-    """Smallest eigenvalue of the exact Hessian and its mode, without the rigid motions; `seed` starts Lanczos."""
-    data = model.hessian(state, 0.0)
+def _smallest_eigenvalue(model: DiscreteModel, state: State, factor: Factor) -> Eigenpair:
+    """Smallest eigenvalue of the exact Hessian and its mode, without the rigid motions."""
+    data, seed = model.hessian(state, 0.0), model.design.solver.seed
     if isinstance(factor, IterativeFactor):
         factor.set_near_nullspace(*model.near_nullspace(state))
     return smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(state), seed=seed)

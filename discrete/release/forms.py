@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asterism.discrete.evidence.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.release.continuation import Report, prefixed_report
+from asterism.discrete.release.continuation import Report, prefixed_report, solve_on_mesh
+from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import solve_through_levels
+from asterism.discrete.release.levels import MeshLevel, SharedSearch, solve_through_levels
 from asterism.discrete.release.mesh_error import motions_left_free, places
-from asterism.discrete.release.release_start import release_starts
-from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.release_start import release_starts, start_of_design
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.free_motions import FreeMotions
@@ -94,13 +92,7 @@ class Minima:
         return _form_distance(first, second, self.symmetries)[0]
 
 
-def find_minima(
-    ladder: Ladder,
-    starts: int,
-    seed: int = 0,
-    backend: str = "auto",
-    report: Report | None = None,
-) -> Minima:
+def find_minima(ladder: Ladder, starts: int, backend: str = "auto", report: Report | None = None) -> Minima:
     """Find the forms of a design from a fixed sequence of starts, the start of the design first.
 
     The result is the lowest minimum whose stars are all on the side of their branch, if there is one: a print starts on
@@ -110,7 +102,7 @@ def find_minima(
     ----------
     ladder : the models of the sheet.
     starts : number of starts, see `release_starts`.
-    seed, backend, report : as in `solve_on_mesh`.
+    backend, report : as in `solve_on_mesh`.
 
     Raises
     ------
@@ -120,14 +112,15 @@ def find_minima(
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")
     model = ladder.models[0]
-    search, start = SharedSearch(ladder), model.design.solver.start
+    search = SharedSearch(ladder)
     design_symmetries = symmetries(model.design, model.layout)
     forms: list[ExactForm] = []
     lost = 0
-    for number, release_start in enumerate(release_starts(len(model.layout.centres), starts, start == "bump", seed)):
+    first = start_of_design(model.design)
+    for number, release_start in enumerate(release_starts(len(model.layout.centres), starts, first)):
         start_report = prefixed_report(report, f"start {number + 1} of {starts}")
         try:
-            end = solve_on_mesh(model, release_start, seed, backend, start_report)
+            end = solve_on_mesh(model, release_start, backend, start_report)
         except (DesignError, FloatingPointError):
             # an error of the design's start is an error of the design; other starts may fail
             if number == 0:
@@ -144,7 +137,7 @@ def find_minima(
     fine = []
     for number, form in enumerate(form for form, chosen in zip(coarse, refined, strict=True) if chosen):
         form_report = prefixed_report(report, f"minimum {number + 1}")
-        end, levels = solve_through_levels(search, form.equilibrium, start, seed, backend, form_report)
+        end, levels = solve_through_levels(search, form.equilibrium, backend, form_report)
         fine.append(replace(form, equilibrium=end, model=ladder.models[len(levels) - 1], levels=tuple(levels)))
     certified = [form for form in fine if form.equilibrium.is_minimum] or fine
     return Minima(_best_first(distinct_forms(certified, design_symmetries)), coarse, refined, lost, design_symmetries)

@@ -6,37 +6,93 @@ the mesh of the edge that the design gives.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import reduce
 
 import numpy as np
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.contact_model import ContactModel, is_intersection_free
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.discrete.release.continuation import Report, prefixed_report
-from asterism.discrete.release.extrapolation import extrapolate
+from asterism.discrete.release.continuation import Report, prefixed_report, solve_on_mesh
+from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.mesh_error import change_percent, error_of_levels
-from asterism.discrete.release.prolongation import fit_to_surface, prolong, prolong_linearly
-from asterism.discrete.release.shared_search import MeshLevel, SharedSearch
-from asterism.discrete.release.single_mesh import StartKind, solve_on_mesh
+from asterism.discrete.release.mesh_error import MeshErrorEstimate, change_percent, mesh_error
+from asterism.discrete.release.prolongation import extrapolate, fit_to_surface, prolong, prolong_linearly
 from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.clock import Clock
+from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) mm to points in space (n, 3) mm
 # to a tolerance: the softest modes of a sheet without supports hardly change between the two coarsest ones
 LEAST_MESHES_OF_FREE_SHEETS = 3
+# 1: difference of two energies over the elastic energy, below which two states of one mesh may be one
+SAME_STATE_ENERGY = 1e-8
+# 1: rms distance of these states after the best rigid motion over the rms radius of the sheet
+SAME_STATE_DISTANCE = 1e-4
+
+
+@dataclass(frozen=True)
+class MeshLevel:
+    """The shape on one mesh, and its effort.
+
+    Attributes
+    ----------
+    vertices, iterations, factorisations : their numbers.
+    seconds : wall time by stage.
+    change_percent : rms distance to the shape on the level before, in % of the diameter; None for the first level.
+    """
+
+    vertices: int
+    iterations: int
+    factorisations: int
+    seconds: dict[str, float]
+    change_percent: float | None = None
+
+
+@dataclass
+class SharedSearch:
+    """The states that a first search has reached on the models of a sheet.
+
+    Two searches that reach one state on a mesh would repeat each other on all finer meshes. A second search with the
+    same object therefore ends there, and its result is that of the first, if the first has found a minimum.
+
+    Attributes
+    ----------
+    ladder : the models.
+    ends : the equilibria of the first search; empty before its end.
+    levels : their efforts.
+    joined_at : number of vertices of the mesh on which the second search reached a state of the first; None before.
+    """
+
+    ladder: Ladder
+    ends: list[Equilibrium] = field(default_factory=list)
+    levels: list[MeshLevel] = field(default_factory=list)
+    joined_at: int | None = None
+
+    def reaches(self, number: int, end: Equilibrium) -> bool:
+        """Whether a second search need not go on from its end on the model of this number, counted from 0."""
+        return self.ends[-1].is_minimum and is_same_state(self.ends[number], end)
+
+
+def is_same_state(first: Equilibrium, second: Equilibrium) -> bool:
+    """Whether two ends on one mesh are one state: equal energy and stars, and one shape up to a rigid motion.
+
+    An image of a state under a symmetry of the design is another state, even if it counts as the same form.
+    """
+    elastic = first.energy - first.energies.get("gravity", 0.0)
+    if abs(first.energy - second.energy) > SAME_STATE_ENERGY * elastic:
+        return False
+    one, other = first.state.positions, second.state.positions
+    rotation, shift = rigid_fit(other, one)
+    distance = np.linalg.norm(other @ rotation.T + shift - one)
+    radius = np.linalg.norm(one - one.mean(axis=0))
+    return bool(distance < SAME_STATE_DISTANCE * radius and np.array_equal(first.sides, second.sides))
 
 
 def solve_on_meshes(
-    search: SharedSearch,
-    start: StartKind = "bump",
-    seed: int = 0,
-    backend: str = "auto",
-    report: Report | None = None,
-    near: SurfaceMap | None = None,
+    search: SharedSearch, backend: str = "auto", report: Report | None = None, near: SurfaceMap | None = None
 ) -> tuple[Equilibrium, list[MeshLevel]]:
     """Find an equilibrium of a sheet, from a coarse mesh to finer ones.
 
@@ -44,7 +100,7 @@ def solve_on_meshes(
     ----------
     search : the models, and the states of an earlier search, which this one may join; if there are none, it keeps those
         of this search.
-    start, seed, backend, report : as in `solve_on_mesh`.
+    backend, report : as in `solve_on_mesh`.
     near : surface, bumps included, from which the coarsest mesh starts at full release, with all supports in place. If
         the model has contact and the surface intersects itself, the search starts from the print.
 
@@ -54,53 +110,52 @@ def solve_on_meshes(
     of the equilibrium are totals over all levels.
     """
     model = search.ladder.models[0]
-    first: StartKind | State = start
+    start: State | None = None
     if near is not None:
         model.set_release(1.0)
         on_surface = fit_to_surface(model, near(model.mesh.points))
-        first = on_surface if is_intersection_free(model, on_surface) else start
-    coarse = search.ladder.finer_than(0)
-    coarsest = solve_on_mesh(model, first, seed, backend, _named(report, model) if coarse else report, coarse)
-    return solve_through_levels(search, coarsest, start, seed, backend, report)
+        start = on_surface if is_intersection_free(model, on_surface) else None
+    coarsest = _solve(model, start, backend, report, search.ladder.finer_than(0))
+    return solve_through_levels(search, coarsest, backend, report)
 
 
 def solve_through_levels(
-    search: SharedSearch, coarsest: Equilibrium, start: StartKind, seed: int, backend: str, report: Report | None
+    search: SharedSearch, coarsest: Equilibrium, backend: str, report: Report | None
 ) -> tuple[Equilibrium, list[MeshLevel]]:
     """Refine an equilibrium of the first model; arguments and result as in `solve_on_meshes`."""
     ladder, is_second = search.ladder, bool(search.ends)
-    ends = [coarsest]
-    levels = [_level(ladder.models[0], coarsest, coarsest.seconds)]
-    path = coarsest.path
+    ends, levels = [coarsest], [_level(ladder.models[0], coarsest)]
     while _goes_on(search, levels):
         if is_second and search.reaches(len(ends) - 1, ends[-1]):
             break
-        model, fine = ladder.models[len(ends) - 1 : len(ends) + 1]
-        begun = time.perf_counter()
-        before = (ladder.models[len(ends) - 2], ends[-2].state) if len(ends) > 1 else None
-        state = _prolonged(model, ends[-1].state, fine, start, before)
-        prepared = time.perf_counter() - begun
-        last = ladder.tolerance_percent is None and not ladder.finer_than(len(ends))
-        equilibrium = solve_on_mesh(fine, state, seed, backend, _named(report, fine), not last)
-        path += equilibrium.path
-        change = change_percent(model, ends[-1], fine, equilibrium)
-        ends.append(equilibrium)
-        levels.append(_level(fine, equilibrium, {"prolongation": prepared, **equilibrium.seconds}, change))
-        if not last and not _goes_on(search, levels):
-            ends[-1], levels[-1] = _certified(ladder, ends, levels, seed, backend, report)
-            path += ends[-1].path
+        coarse, fine = ladder.models[len(ends) - 1 : len(ends) + 1]
+        clock = Clock()
+        with clock("prolongation"):
+            before = (ladder.models[len(ends) - 2], ends[-2].state) if len(ends) > 1 else None
+            state = _prolonged(coarse, ends[-1].state, fine, before)
+        is_last = ladder.tolerance_percent is None and not ladder.finer_than(len(ends))
+        end = _solve(fine, state, backend, report, not is_last)
+        change = change_percent(coarse, ends[-1], fine, end)
+        if not is_last and not _goes_on(search, [*levels, _level(fine, end, change)]):
+            # the loose end becomes an equilibrium with its certificate
+            end = end.followed_by(_solve(fine, end, backend, report, False))
+            change = change_percent(coarse, ends[-1], fine, end)
+        ends.append(replace(end, seconds=clock.seconds | end.seconds))
+        levels.append(_level(fine, ends[-1], change))
     if not is_second:
-        search.ends, search.levels = ends, levels
+        search.ends, search.levels = list(ends), list(levels)
     elif len(ends) < len(search.ends):
-        ends[-1], levels, path = search.joined(levels, path)
-    total = replace(
-        ends[-1],
-        iterations=sum(level.iterations for level in levels),
-        factorisations=sum(level.factorisations for level in levels),
-        seconds=_added(*(level.seconds for level in levels)),
-        path=path,
-    )
-    return total, levels
+        search.joined_at = levels[-1].vertices
+        # finer meshes cost the second search nothing
+        levels += [replace(each, iterations=0, factorisations=0, seconds={}) for each in search.levels[len(ends) :]]
+        ends += [end.without_effort for end in search.ends[len(ends) :]]
+    return reduce(Equilibrium.followed_by, ends), levels
+
+
+def _solve(
+    model: DiscreteModel, start: State | Equilibrium | None, backend: str, report: Report | None, coarse: bool
+) -> Equilibrium:
+    return solve_on_mesh(model, start, backend, prefixed_report(report, f"{model.n_vertices} vertices"), coarse)
 
 
 def _goes_on(search: SharedSearch, levels: list[MeshLevel]) -> bool:
@@ -116,52 +171,24 @@ def _goes_on(search: SharedSearch, levels: list[MeshLevel]) -> bool:
     return ladder.finer_than(number)
 
 
-def _certified(
-    ladder: Ladder, ends: list[Equilibrium], levels: list[MeshLevel], seed: int, backend: str, report: Report | None
-) -> tuple[Equilibrium, MeshLevel]:
-    """The last end minimised to the tolerance of an equilibrium, with its certificate, and its level."""
-    number, loose, level = len(ends) - 1, ends[-1], levels[-1]
-    model = ladder.models[number]
-    end = solve_on_mesh(model, loose.state, seed, backend, _named(report, model))
-    return end, replace(
-        level,
-        iterations=level.iterations + end.iterations,
-        factorisations=level.factorisations + end.factorisations,
-        seconds=_added(level.seconds, end.seconds),
-        change_percent=change_percent(ladder.models[number - 1], ends[-2], model, end),
-    )
+def _level(model: DiscreteModel, end: Equilibrium, change: float | None = None) -> MeshLevel:
+    return MeshLevel(model.n_vertices, end.iterations, end.factorisations, end.seconds, change)
 
 
-def _added(*each: dict[str, float]) -> dict[str, float]:
-    """The sums of seconds by stage."""
-    total: dict[str, float] = {}
-    for seconds in each:
-        for stage, spent in seconds.items():
-            total[stage] = total.get(stage, 0.0) + spent
-    return total
-
-
-def _named(report: Report | None, model: DiscreteModel) -> Report | None:
-    return prefixed_report(report, f"{model.n_vertices} vertices")
-
-
-def _level(model: DiscreteModel, end: Equilibrium, seconds: dict[str, float], change: float | None = None) -> MeshLevel:
-    return MeshLevel(model.n_vertices, end.iterations, end.factorisations, seconds, change)
+def error_of_levels(levels: Sequence[MeshLevel]) -> MeshErrorEstimate:
+    """`mesh_error` of the last level."""
+    return mesh_error([level.vertices for level in levels], [level.change_percent for level in levels])
 
 
 def _prolonged(
-    coarse: DiscreteModel,
-    state: State,
-    fine: DiscreteModel,
-    start: StartKind,
-    before: tuple[DiscreteModel, State] | None,
-) -> State | StartKind:
+    coarse: DiscreteModel, state: State, fine: DiscreteModel, before: tuple[DiscreteModel, State] | None
+) -> State | None:
     """The state on the fine mesh; with the paper's hinges extrapolated from the meshes `before` and `coarse`.
 
-    With contact, a state that would intersect itself there is replaced by the start.
+    With contact, a state that would intersect itself there is None: the search starts anew.
     """
     if isinstance(fine, ContactModel):
-        return _prolong_without_intersection(coarse, state, fine) or start
+        return _prolong_without_intersection(coarse, state, fine)
     state_on_fine = prolong(coarse, state, fine)
     if before is None or not fine.design.fabric.bending_follows_mesh:
         return state_on_fine

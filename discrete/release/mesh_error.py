@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.release.shared_search import MeshLevel
+from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.point_location import locate
@@ -73,11 +72,6 @@ def mesh_error(vertices: Sequence[int], changes: Sequence[float | None]) -> Mesh
         finest = np.sqrt(vertices[number] / vertices[-1])
         errors.append(change / (ratio**ORDER - 1.0) * finest**ORDER)
     return MeshErrorEstimate(float(max(errors)) if errors else None, changes[-1])
-
-
-def error_of_levels(levels: Sequence[MeshLevel]) -> MeshErrorEstimate:
-    """`mesh_error` of the last level."""
-    return mesh_error([level.vertices for level in levels], [level.change_percent for level in levels])
 
 
 def change_percent(coarse: DiscreteModel, before: Equilibrium, fine: DiscreteModel, after: Equilibrium) -> float:

@@ -12,6 +12,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import add_bumps, bump_heights
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
 SheetBend = Literal["none", "roll", "dome", "saddle"]
@@ -97,10 +98,10 @@ class ReleaseStart:
         else:
             # bend the print first, then move its pins, which may be far away
             bent = _bent_sheet(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
-            state = model.apply_supports(_with_positions(model, model.printed_state(), bent))
+            state = model.apply_supports(model.moved_to(model.printed_state(), bent))
         state = add_bumps(model, state, mm * START_BUMP_MM * self.branches(model))
         noise = mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
-        return _with_positions(model, state, state.positions + np.where(held, 0.0, noise))
+        return model.moved_to(state, state.positions + np.where(held, 0.0, noise))
 
     def restore_branches(self, model: DiscreteModel, state: State) -> State:
         """The state with all stars on the side of their branch.
@@ -122,8 +123,13 @@ def spacing_ratio(model: DiscreteModel) -> float:
     return model.spacing / float(DEFAULT_SPACING_MM)
 
 
-def release_starts(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[ReleaseStart]:
-    """The first `count` starts of a fixed sequence, the default start first.
+def start_of_design(design: Design) -> ReleaseStart:
+    """The start that a design asks for."""
+    return ReleaseStart(bumps=design.solver.start == "bump", seed=design.solver.seed)
+
+
+def release_starts(n_stars: int, count: int, first: ReleaseStart | None = None) -> list[ReleaseStart]:
+    """The first `count` starts of a fixed sequence.
 
     A gradual release ends in the same minimum from almost any start. Most other starts therefore release a bent sheet
     at once or in two steps.
@@ -132,16 +138,16 @@ def release_starts(n_stars: int, count: int, bumps: bool = True, seed: int = 0) 
     ----------
     n_stars : number of stars.
     count : number of starts.
-    bumps : the default start has bumps.
-    seed : seed of the sequence.
+    first : the first start; its seed is that of the sequence.
 
     Examples
     --------
     >>> [start.name for start in release_starts(7, 4)]
     ['default', 'roll at 0 deg', 'roll at 90 deg', 'dome']
     """
+    out = [first or ReleaseStart()]
+    seed = out[0].seed
     rng = np.random.default_rng([seed, n_stars])
-    out = [ReleaseStart(bumps=bumps, seed=seed)]
     for k in range(count - 1):
         cycle, kind = divmod(k, 9)
         start = _start_of_cycle(kind, cycle, n_stars, rng)
@@ -200,10 +206,6 @@ def _bent_sheet(points: Array, bend: SheetBend, axis: float, sag: float) -> Arra
         return np.column_stack([middle[0] + x, middle[1] + y, z])
     z = across**2 + along**2 if bend == "dome" else across**2 - along**2
     return np.column_stack([middle + points, -sag / size**2 * z])
-
-
-def _with_positions(model: DiscreteModel, state: State, positions: Array) -> State:
-    return model.moved_to(state, positions)
 
 
 def _van_der_corput(n: int) -> float:

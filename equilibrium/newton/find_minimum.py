@@ -7,7 +7,6 @@ minimum only if the exact Hessian is positive definite.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -16,8 +15,8 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
 from asterism.equilibrium.linear.rigid_support import stiffen
-from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
-from asterism.equilibrium.newton.minimise import NewtonResult, minimise
+from asterism.equilibrium.newton.certificate import smallest_eigenvalue
+from asterism.equilibrium.newton.minimise import Minimum, minimise
 from asterism.equilibrium.newton.problem import AnyState, Problem
 from asterism.equilibrium.newton.saddle import leave_saddle
 
@@ -29,67 +28,7 @@ class HasRigidModes(Problem, Protocol):
         """Orthonormal motions (size, k) that cost no energy."""
 
 
-class IterationResult(Protocol):
-    """Where an iteration stopped; `equilibrium.newton.minimise.NewtonResult` is one."""
-
-    @property
-    def state(self) -> AnyState:
-        """The last state."""
-
-    @property
-    def converged(self) -> bool:
-        """The gradient norm is at most the tolerance."""
-
-    @property
-    def iterations(self) -> int:
-        """Number of iterations."""
-
-    @property
-    def factorisations(self) -> int:
-        """Number of factorisations."""
-
-
-Iterate = Callable[[AnyState], IterationResult]
-
-
-@dataclass
-class StationaryPoint:
-    """A state, and the evidence whether it is a minimum.
-
-    Attributes
-    ----------
-    state : the last state.
-    energy : its energy.
-    gradient_norm, tolerance : 2-norm over the free unknowns, and its limit.
-    definite : all pivots of the exact Hessian on an isostatic support are positive.
-    lowest : smallest eigenvalue and its mode; None where the Hessian is definite, or if it was not computed.
-    iterations, factorisations : their total numbers.
-    fallbacks : how often the given iteration failed and `minimise` continued.
-    saddles_left : number of saddle points left on the way.
-    seconds : wall time by part.
-    """
-
-    state: AnyState
-    energy: float
-    gradient_norm: float
-    tolerance: float
-    definite: bool
-    lowest: Eigenpair | None = None
-    iterations: int = 0
-    factorisations: int = 0
-    fallbacks: int = 0
-    saddles_left: int = 0
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def converged(self) -> bool:
-        """The gradient norm is at most the tolerance."""
-        return self.gradient_norm <= self.tolerance
-
-    @property
-    def is_minimum(self) -> bool:
-        """Converged, and the exact Hessian is positive definite."""
-        return self.converged and self.definite
+Iterate = Callable[[AnyState], Minimum]
 
 
 def find_minimum(
@@ -101,7 +40,7 @@ def find_minimum(
     max_change: float,
     max_saddles: int = 6,
     max_iterations: int = 200,
-) -> StationaryPoint:
+) -> Minimum:
     """Follow an initial guess to a minimum and certify it.
 
     Parameters
@@ -121,7 +60,7 @@ def find_minimum(
         The Hessian is not finite.
     """
     clock = Clock()
-    point = StationaryPoint(start, np.inf, np.inf, tolerance, False, seconds=clock.seconds)
+    point = Minimum(start, np.inf, np.inf, tolerance, seconds=clock.seconds)
 
     def follow(state: AnyState) -> None:
         with clock("iterate"):
@@ -165,12 +104,12 @@ def find_minimum(
     return point
 
 
-def _count(point: StationaryPoint, result: IterationResult) -> None:
+def _count(point: Minimum, result: Minimum) -> None:
     point.iterations += result.iterations
     point.factorisations += result.factorisations
 
 
-def _descend(problem: Problem, state: AnyState, factor: Factor, tolerance: float, max_iterations: int) -> NewtonResult:
+def _descend(problem: Problem, state: AnyState, factor: Factor, tolerance: float, max_iterations: int) -> Minimum:
     return minimise(problem, state, factor, tolerance, max_iterations, shift=0.0, check_definite=False)
 
 

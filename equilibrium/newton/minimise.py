@@ -13,6 +13,7 @@ import numpy as np
 
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
+from asterism.equilibrium.newton.certificate import Eigenpair
 from asterism.equilibrium.newton.problem import AnyState, Problem
 from asterism.equilibrium.newton.regularisation import Regularisation
 
@@ -47,34 +48,52 @@ class Iteration:
 
 
 @dataclass
-class NewtonResult:
-    """The last state of Newton's method, with its evidence.
+class Minimum:
+    """Where a search for a minimum has ended, with the evidence whether this state is one.
 
     Attributes
     ----------
     state, energy, gradient_norm : at the end.
-    converged : the gradient norm is at most the tolerance.
-    definite : the exact Hessian (plus `shift`) at the last state, on its support, is positive definite; False as well
-        if the check was not requested.
-    iterations, factorisations : their numbers.
+    tolerance : limit of the gradient norm.
+    definite : the exact Hessian (plus a shift) at the end, on an isostatic support, is positive definite; False as well
+        if it was not checked.
+    iterations, factorisations : their total numbers.
+    lowest : smallest eigenvalue and its mode; None where the Hessian is definite, or if it was not computed.
+    fallbacks : how often `minimise` continued after another iteration had failed.
+    saddles_left : number of saddle points left on the way.
     seconds : wall time by part.
-    history : one entry for each iteration, the initial state first.
+    history : of `minimise`, one entry for each iteration, the initial state first.
     stagnated : not converged, but rounding errors allow no further progress.
     settled : the last step was a full one with the exact Hessian, which was positive definite there, and its model
         lowered the energy by at most `small_decrease`.
+    blend : regularisation with which the minimisation of a similar problem may begin.
     """
 
     state: AnyState
     energy: float
     gradient_norm: float
-    converged: bool
-    definite: bool
-    iterations: int
-    factorisations: int
+    tolerance: float
+    definite: bool = False
+    iterations: int = 0
+    factorisations: int = 0
+    lowest: Eigenpair | None = None
+    fallbacks: int = 0
+    saddles_left: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
     history: list[Iteration] = field(default_factory=list)
     stagnated: bool = False
     settled: bool = False
+    blend: float = 0.0
+
+    @property
+    def converged(self) -> bool:
+        """The gradient norm is at most the tolerance."""
+        return self.gradient_norm <= self.tolerance
+
+    @property
+    def is_minimum(self) -> bool:
+        """Converged, and the exact Hessian is positive definite."""
+        return self.converged and self.definite
 
 
 def minimise(
@@ -88,7 +107,7 @@ def minimise(
     blend: float = 0.0,
     check_definite: bool = True,
     small_decrease: float = 0.0,
-) -> NewtonResult:
+) -> Minimum:
     """Minimise the energy of a problem by Newton's method with a line search.
 
     Parameters
@@ -101,7 +120,7 @@ def minimise(
     shift : added to the diagonal of every matrix.
     report : called after every iteration.
     blend : first regularisation. A good guess saves the factorisations of matrices that would be refused.
-    check_definite : factorise the exact Hessian at the last state, for `NewtonResult.definite`.
+    check_definite : factorise the exact Hessian at the last state, for `Minimum.definite`, unless it has settled.
     small_decrease : the iteration also ends after a full step that lowers the quadratic model of the energy by at most
         this, which soft modes cannot mislead as they do the gradient's norm.
 
@@ -149,18 +168,19 @@ def minimise(
         norm = float(np.linalg.norm(gradient))
         settled = regularisation.is_exact and step == 1.0 and -0.5 * slope <= small_decrease
         regularisation.decrease()
-    return NewtonResult(
+    return Minimum(
         state=state,
         energy=energy,
         gradient_norm=norm,
-        converged=norm <= tolerance,
-        definite=check_definite and regularisation.is_definite(state),
+        tolerance=tolerance,
+        definite=check_definite and (settled or regularisation.is_definite(state)),
         iterations=len(history) - 1,
         factorisations=regularisation.factorisations,
         seconds=clock.seconds,
         history=history,
         stagnated=tolerance < norm and stagnated,
         settled=settled,
+        blend=regularisation.proven or 0.0,
     )
 
 

@@ -16,6 +16,7 @@ from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Prob
 GROWTH = 30.0
 # Stiffness added to the convex model where it has none, over the median diagonal entry of the exact Hessian.
 CONVEX_STIFFNESS_FRACTION = 1e-3
+DECAY = 0.1  # factor on the amount after a step that needed no increase
 MIN_AMOUNT = 1e-3  # first amount after a refused matrix; amounts below become zero
 MIN_AFTER_LINE_SEARCH = 1e-2  # first amount after a failed line search
 MAX_FORCING_TERM = 1e-2  # largest relative residual of an iterative solution
@@ -35,6 +36,7 @@ class Regularisation:
     Attributes
     ----------
     amount : present b; 0 is the exact Hessian.
+    proven : b with which a similar problem may begin: that of the first direction, or less if it was accepted at once.
     factorisations : matrices given to the factor so far.
     """
 
@@ -42,6 +44,7 @@ class Regularisation:
         self._problem, self._factor, self._shift, self._clock = problem, factor, shift, clock
         self._iterative = factor if isinstance(factor, IterativeFactor) else None
         self.amount = amount
+        self.proven: float | None = None
         self.factorisations = 0
         self._was_refused = False  # a matrix of the last direction
         self._solved_norm = 0.0  # norm of the last gradient that was solved for
@@ -79,7 +82,10 @@ class Regularisation:
             if self._factorise(data):
                 try:
                     with self._clock("solve"):
-                        return -self._solve(gradient)
+                        step = -self._solve(gradient)
+                    if self.proven is None:
+                        self.proven = self.amount if self._was_refused else _lower(self.amount / GROWTH)
+                    return step
                 except NotPositiveDefiniteError:
                     pass
             if not np.isfinite(data).all():
@@ -102,7 +108,7 @@ class Regularisation:
     def decrease(self) -> None:
         """After a successful step: reduce the amount, unless the step needed an increase."""
         if not self._was_refused:
-            self.amount = 0.1 * self.amount if self.amount > MIN_AMOUNT else 0.0
+            self.amount = _lower(DECAY * self.amount)
 
     def increase(self) -> bool:
         """After a failed line search: increase the amount; False if it is at its limit."""
@@ -135,3 +141,7 @@ class Regularisation:
         self.factorisations += 1
         with self._clock("factorisation"):
             return bool(self._factor.factorise(data))
+
+
+def _lower(amount: float) -> float:
+    return amount if amount >= 0.99 * MIN_AMOUNT else 0.0

@@ -89,11 +89,6 @@ class Mixed:
     history: list[float] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
 
-    @property
-    def state(self) -> Floats:
-        """x, under the name of `equilibrium.newton.find_minimum.IterationResult`."""
-        return self.x
-
 
 def mixed_newton(
     shell: Shell,

@@ -15,12 +15,8 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.newton.find_minimum import (
-    IterationResult,
-    StationaryPoint,
-    find_minimum,
-    is_definite_on_support,
-)
+from asterism.equilibrium.newton.find_minimum import find_minimum, is_definite_on_support
+from asterism.equilibrium.newton.minimise import Minimum
 from asterism.equilibrium.newton.soft_modes import softest_modes as softest
 from asterism.fem.search.evidence import ShellEquilibrium, Trial
 from asterism.fem.search.guess_builder import InitialGuess
@@ -141,15 +137,11 @@ def follow(
     tolerance = GRADIENT_TOLERANCE * shell.force_scale
     given = [strains]  # for the first state only
 
-    def iterate(state: Any) -> IterationResult:
-        return mixed_newton(
-            shell,
-            state,
-            factor,
-            tolerance,
-            given.pop() if given else None,
-            MAX_ITERATIONS if patient else max_iterations,
-            known,
+    def iterate(state: Any) -> Minimum:
+        strains, most = given.pop() if given else None, MAX_ITERATIONS if patient else max_iterations
+        end = mixed_newton(shell, state, factor, tolerance, strains, most, known)
+        return Minimum(
+            end.x, np.nan, end.residual, tolerance, iterations=end.iterations, factorisations=end.factorisations
         )
 
     equilibrium = find_minimum(
@@ -216,7 +208,7 @@ def energies_by_part(shell: Shell, x: Floats) -> dict[str, float]:
     return energies | ({"sheet": energies["sheet"] - gaussian, "gaussian": gaussian} if gaussian else {})
 
 
-def _evidence(shell: Shell, point: StationaryPoint, name: str) -> ShellEquilibrium:
+def _evidence(shell: Shell, point: Minimum, name: str) -> ShellEquilibrium:
     x = point.state
     return ShellEquilibrium(
         x=x,

@@ -5,8 +5,8 @@ The total energy of a state x, over the printed domain, is
     Pi(x) = int W(E, K) dA  -  progress sum(loads * x)  +  progress sum_i P_i(x)  +  jumps(x),
 
 with the strains E and K of `fem.shell.koiter`, the density W of `fem.shell.density`, dead loads, further conservative
-potentials P_i, and a penalty on slope jumps if the space is not C1 (`fem.elements.lifted`). An equilibrium is a zero
-of the gradient over the free unknowns q; it is stable if the Hessian over q is positive definite.
+potentials P_i, and a penalty on slope jumps if the space is not C1. An equilibrium is a zero of the gradient over the
+free unknowns q; it is stable if the Hessian over q is positive definite.
 
 A state is `x` (N, 3), the coefficients of the position in the basis of the space. The supports write it as
 `x = T q + c(progress)` with n free unknowns q (`fem.supports.conditions.Reduction`). In a space with derivatives among

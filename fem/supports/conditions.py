@@ -10,9 +10,8 @@ Redundant equations are dropped; contradictory equations are an error.
 
 A C1 space with derivatives at its vertices (Argyris) gets equations for the value and its first and second derivative
 along the curve. A clamp adds the slope and its derivative along the curve, and the slope at the edge midpoint if this
-is a dof. On straight edges these equations determine the whole polynomial along the edge. A continuous space
-(`fem.elements.lifted`) gets equations at its nodes along the edge, and a clamp at as many Gauss points as its slope has
-degrees of freedom.
+is a dof. On straight edges these equations determine the whole polynomial along the edge. A space that is not C1 gets
+equations at its nodes along the edge, and a clamp at as many Gauss points as its slope has degrees of freedom.
 
 A clamp fixes the tangent plane and leaves the stretch across the edge free: `n . dx/dnu = 0`, with n the normal of the
 target and nu the normal of the edge in the printed plane.

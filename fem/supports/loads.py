@@ -29,8 +29,9 @@ def area_load(space: Space, force: Force) -> Floats:
     A plate of 1 mm^2 that weighs 2 N; the sum over the dofs that are positions is the weight:
 
     >>> from skfem import MeshTri
-    >>> from asterism.fem.elements.lifted import Lifted
-    >>> area_load(Lifted(MeshTri(), degree=2), (0.0, 0.0, -2.0)).sum(axis=0).round(6) + 0.0
+    >>> from asterism.fem.elements.argyris import Argyris
+    >>> space = Argyris(MeshTri())
+    >>> area_load(space, (0.0, 0.0, -2.0))[space.vertex_dofs[:, 0]].sum(axis=0).round(6) + 0.0
     array([ 0.,  0., -2.])
     """
     table = space.tabulate(2 * space.degree)

@@ -12,7 +12,7 @@ import numpy as np
 from asterism.discrete.model.star_bumps import bump_heights
 from asterism.discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
 from asterism.equilibrium.arrays import Array
-from asterism.equilibrium.newton.minimise import NewtonResult, minimise
+from asterism.equilibrium.newton.minimise import Minimum, minimise
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
@@ -152,7 +152,7 @@ def _mirrored(state: State) -> State:
     return State(state.positions * mirror, -state.directors * mirror, frames)
 
 
-def flat_cell_from_minimum(cell: UnitCell, minimum: NewtonResult, iterations: int) -> FlatCell:
+def flat_cell_from_minimum(cell: UnitCell, minimum: Minimum, iterations: int) -> FlatCell:
     """The flat cell of a minimum, without rotation, with the numbers that are kept."""
     state, deformation = without_rotation(cell, minimum.state)
     bump = bump_heights(cell.model, cell.unfolded(state))

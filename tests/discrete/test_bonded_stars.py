@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout

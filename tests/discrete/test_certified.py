@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release import continuation
-from asterism.discrete.release.continuation import force_scale
+from asterism.discrete.release.continuation import force_scale, solve_on_mesh
 from asterism.discrete.release.release_start import ReleaseStart
-from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.layout.build import layout

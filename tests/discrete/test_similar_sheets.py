@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.continuation import solve_on_mesh
+from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.release_start import ReleaseStart
-from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.layout.build import layout

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.continuation import solve_on_mesh
+from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout

@@ -6,7 +6,7 @@ from typing import Any
 from skfem import MeshTri
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.elements.lifted import Lifted
 from tests.fem.bell import Bell
+from tests.fem.lifted import Lifted
 
 SPACES: dict[str, Callable[[MeshTri], Any]] = {"argyris": Argyris, "bell": Bell, "lifted": Lifted}

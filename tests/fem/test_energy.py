@@ -10,11 +10,11 @@ from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.elements.lifted import Lifted
 from asterism.fem.elements.space import constant, flat_positions
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.density import Density, isotropic, on_metric
 from tests.fem.bell import Bell
+from tests.fem.lifted import Lifted
 from tests.fem.maps import arc
 from tests.fem.meshes import rectangle
 

@@ -25,7 +25,7 @@ from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue
-from asterism.equilibrium.newton.minimise import NewtonResult, minimise
+from asterism.equilibrium.newton.minimise import Minimum, minimise
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def cantilever(edges: int, length: float, material: Material, kappa: float = 0.0
     return Cantilever(rod_system(network, printed, material, held, kappa=kappa), printed, length, material)
 
 
-def solve(system: System, state: State, loads: Sequence[Array]) -> NewtonResult:
+def solve(system: System, state: State, loads: Sequence[Array]) -> Minimum:
     """The equilibrium under the last of some dead loads (V, 3), N, reached through the others."""
     factor = make_factor(system.pattern, "superlu")  # quickest to set up, for some hundred dofs
     stiffest = max(float(part.params[:, 0].max()) for part in system.parts.values())

@@ -16,8 +16,7 @@ import pytest
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
-from asterism.discrete.release.continuation import force_scale
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.continuation import force_scale, solve_on_mesh
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise

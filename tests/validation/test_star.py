@@ -7,7 +7,7 @@ import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

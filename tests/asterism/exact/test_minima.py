@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release import forms
+from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.release_start import ReleaseStart
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery

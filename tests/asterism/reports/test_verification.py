@@ -40,12 +40,12 @@ def stand_in(of: Design):
     """A shape of the same design in place of its preview: the exact one on a coarser mesh, somewhere else."""
     shape = exact_shape(Design.from_dict(of.to_dict() | {"mesh": {"edge_mm": 3.5}}))
     turned = shape.positions[:, [1, 2, 0]] + 10.0
-    return replace(shape, positions=turned, summary={"warnings": ["a star is beyond the law's range"]})
+    return replace(shape, positions=turned, summary={"warnings": ["a star is beyond the law's range"], "wall_s": 0.5})
 
 
 @pytest.fixture(scope="module")
 def found() -> Verification:
-    return verify(OF, shown=stand_in, command="asterism verify <stars>.toml --edge 2.5")
+    return verify(OF, ready=stand_in(OF), command="asterism verify <stars>.toml --edge 2.5")
 
 
 @pytest.fixture(scope="module")
@@ -61,19 +61,6 @@ def folder(found, tmp_path_factory) -> Path:
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages that a test makes itself have no pictures, which take seconds; that in `folder` is made before."""
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])
-
-
-@pytest.mark.slow
-def test_the_preview_is_computed_once(found):
-    count = []
-
-    def shown(of: Design):
-        count.append(of)
-        return found.preview
-
-    again = verify(OF, shown=shown, released=found.exact["release"], near=found.exact["preview"])
-    assert len(count) == 1
-    assert again.summary["rms_percent"] == found.summary["rms_percent"]
 
 
 def test_summary(found):
@@ -108,7 +95,7 @@ def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
         return found.exact["release"]
 
     monkeypatch.setattr(run, "exact_shape", compiled_first)
-    s = run.verify(OF, shown=lambda _: found.preview).summary
+    s = run.verify(OF, ready=found.preview).summary
     assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
 
 
@@ -203,7 +190,7 @@ def test_a_start_without_a_minimum_is_no_other_form(found):
     stopped = replace(result, summary=result.summary | {"is_minimum": False})
     moved = replace(result, positions=result.positions * [1.0, 1.0, 1.05])
     bold = replace(result, summary=found.preview.summary)
-    one = run.verify(OF, shown=lambda _: bold, released=moved, near=stopped)
+    one = run.verify(OF, ready=bold, released=moved, near=stopped)
     assert one.result == "release" and one.summary["starts"]["preview"]["rms_percent"] < one.summary["rms_percent"]
     assert one.summary["same_branch"] and not one.summary["starts_agree"]
     lines = "\n".join((one.summary | {"expected_height_percent": None}).table().values())
@@ -215,7 +202,7 @@ def test_the_distance_to_each_of_two_minima_is_stated(found):
     result = found.exact[found.result]
     higher = result.summary | {"energy_n_mm": 1.02 * result.summary["energy_n_mm"]}
     second = replace(result, positions=result.positions * [1.0, 1.0, 1.5], summary=higher)
-    two = run.verify(OF, shown=lambda _: found.preview, released=result, near=second).summary
+    two = run.verify(OF, ready=found.preview, released=result, near=second).summary
     first, other = (two["starts"][name]["rms_percent"] for name in ("release", "preview"))
     assert first == two["rms_percent"] < other
     row = two.table()["exact model"]
@@ -229,7 +216,7 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     failed = found.exact["release"]
     failed = replace(failed, positions=3.0 * failed.positions, summary=failed.summary | {"is_minimum": False})
     bold = replace(found.preview, summary=found.preview.summary | {"expected_rms_percent": 0.1})
-    lost = run.verify(OF, shown=lambda _: bold, released=failed, near=failed)
+    lost = run.verify(OF, ready=bold, released=failed, near=failed)
     assert lost.summary["same_branch"] is None
     assert lost.summary["warnings"] == [*bold.summary["warnings"], "the exact shape is not certified to be a minimum"]
     lines = "\n".join((lost.summary | {"expected_height_percent": None}).table().values())

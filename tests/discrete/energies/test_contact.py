@@ -12,10 +12,9 @@ from asterism.discrete.model.contact_model import ContactModel, ExtendedPattern
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
+from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.shared_search import SharedSearch
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.errors import BackendError
 from asterism.pattern.design.design import Design

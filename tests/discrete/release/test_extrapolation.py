@@ -7,11 +7,9 @@ import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, rotate_vectors
-from asterism.discrete.release.extrapolation import extrapolate, rotation_vectors
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.prolongation import plastic_normals
-from asterism.discrete.release.shared_search import SharedSearch
+from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
+from asterism.discrete.release.prolongation import extrapolate, plastic_normals, rotation_vectors
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

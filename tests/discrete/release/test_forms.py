@@ -9,13 +9,13 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from asterism.discrete.evidence.equilibrium import roll_axis_deg
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
+from asterism.discrete.release.continuation import solve_on_mesh
+from asterism.discrete.release.equilibrium import roll_axis_deg
 from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
 from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.release_start import ReleaseStart, release_starts
-from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import vertex_normals
@@ -117,11 +117,11 @@ def test_a_star_prescribed_down_stays_down() -> None:
 def test_all_stars_down() -> None:
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
     assert solve_on_mesh(m).stars_up == 0
-    assert solve_on_mesh(m, "flat").stars_up == 1  # a flat start ignores prescribed sides
+    assert solve_on_mesh(m, ReleaseStart(bumps=False)).stars_up == 1  # a flat start ignores prescribed sides
 
 
 def test_the_first_start_is_the_default_and_the_sequence_is_fixed() -> None:
-    once, again = release_starts(7, 30, seed=3), release_starts(7, 12, seed=3)
+    once, again = (release_starts(7, count, ReleaseStart(seed=3)) for count in (30, 12))
     assert once[:12] == again
     assert once[0] == ReleaseStart(seed=3)
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import solve_on_meshes
+from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
 from asterism.discrete.release.prolongation import prolong
-from asterism.discrete.release.shared_search import SharedSearch
-from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit

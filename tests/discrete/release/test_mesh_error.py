@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.discrete.evidence.equilibrium import Equilibrium
 from asterism.discrete.model.state import State
+from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.ladder import EDGE_RATIO, Ladder, model_on
 from asterism.discrete.release.mesh_error import ORDER, change_percent, mesh_error
 from asterism.exact.simulation import exact_shape

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from asterism.discrete.model.state import State
-from asterism.discrete.release.levels import solve_on_meshes
-from asterism.discrete.release.shared_search import is_same_state
-from asterism.discrete.release.single_mesh import solve_on_mesh
+from asterism.discrete.release.continuation import solve_on_mesh
+from asterism.discrete.release.levels import is_same_state, solve_on_meshes
 from tests.discrete.release.test_levels import model, search
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from asterism.discrete.model.contact_model import ReanalysingFactor
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release import continuation
+from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.release_start import ReleaseStart
-from asterism.discrete.release.single_mesh import solve_on_mesh
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
 from asterism.equilibrium.linear import backends, multigrid

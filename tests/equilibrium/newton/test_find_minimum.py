@@ -9,8 +9,8 @@ import pytest
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import make_factor
-from asterism.equilibrium.newton.find_minimum import StationaryPoint, find_minimum, is_definite_on_support
-from asterism.equilibrium.newton.minimise import NewtonResult
+from asterism.equilibrium.newton.find_minimum import find_minimum, is_definite_on_support
+from asterism.equilibrium.newton.minimise import Minimum
 from asterism.equilibrium.newton.saddle import leave_saddle
 from tests.equilibrium.newton.test_minimise import Analytic
 
@@ -34,17 +34,17 @@ def tilted(slope: float) -> Pinned:
     )
 
 
-def settled(problem: Pinned, start: list[float], iterate: Callable[[Floats], NewtonResult]) -> StationaryPoint:
+def settled(problem: Pinned, start: list[float], iterate: Callable[[Floats], Minimum]) -> Minimum:
     factor = make_factor(problem.pattern)
     found = find_minimum(problem, np.array(start), factor, TOLERANCE, iterate, max_change=0.5)
     factor.close()
     return found
 
 
-def stopped_at(problem: Pinned, place: list[float]) -> NewtonResult:
+def stopped_at(problem: Pinned, place: list[float]) -> Minimum:
     state = np.array(place)
     norm = float(np.linalg.norm(problem.gradient(state)))
-    return NewtonResult(state, problem.energy(state), norm, norm <= TOLERANCE, False, 1, 1)
+    return Minimum(state, problem.energy(state), norm, TOLERANCE, False, 1, 1)
 
 
 @pytest.mark.parametrize("mode", [[1.0, 0.0], [-1.0, 0.0]])
@@ -84,7 +84,7 @@ def test_an_eigenvalue_of_zero_is_no_saddle_to_leave():
     )
     starts = []
 
-    def stay(state: Floats) -> NewtonResult:
+    def stay(state: Floats) -> Minimum:
         starts.append(state)
         assert len(starts) == 1, "nothing was left"
         return stopped_at(problem, [0.0] * 5)

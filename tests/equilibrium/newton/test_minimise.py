@@ -13,7 +13,7 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from asterism.equilibrium.newton.minimise import Iteration, Minimum, minimise
 from asterism.equilibrium.newton.regularisation import MAX_FORCING_TERM
 
 
@@ -70,14 +70,14 @@ class Patient:
         self._factor.close()
 
 
-def run(problem: Analytic, start: list[float] | Floats, tolerance: float = 1e-10, **options: object) -> NewtonResult:
+def run(problem: Analytic, start: list[float] | Floats, tolerance: float = 1e-10, **options: object) -> Minimum:
     factor = Patient(make_factor(problem.pattern))
     found = minimise(problem, np.asarray(start, dtype=float), factor, tolerance, **options)  # type: ignore[arg-type]
     factor.close()
     return found
 
 
-def assert_downhill(found: NewtonResult) -> None:
+def assert_downhill(found: Minimum) -> None:
     energies = np.array([entry.energy for entry in found.history])
     assert (np.diff(energies) <= 1e-10 * np.abs(energies[:-1])).all()
 
@@ -313,7 +313,7 @@ def test_a_convex_model_that_is_not_quite_convex_is_stiffened_until_it_serves():
 
 
 def test_the_iteration_ends_after_a_step_of_small_decrease() -> None:
-    def bowl(decrease: float) -> NewtonResult:
+    def bowl(decrease: float) -> Minimum:
         energy = Analytic(
             lambda x: (x**4).sum() + x @ x, lambda x: 4 * x**3 + 2 * x, lambda x: np.diag(12 * x**2 + 2), 2
         )

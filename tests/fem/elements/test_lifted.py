@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from asterism.fem.elements.lifted import Lifted
 from asterism.fem.supports.conditions import EdgeSupport
+from tests.fem.lifted import Lifted
 from tests.fem.meshes import rectangle
 from tests.fem.plates import deflection, height, uniform_load
 

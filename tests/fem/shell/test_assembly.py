@@ -7,9 +7,9 @@ import pytest
 import scipy.sparse as sp
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.elements.lifted import Lifted
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.shell import MatrixReduction
+from tests.fem.lifted import Lifted
 from tests.fem.meshes import rectangle
 
 

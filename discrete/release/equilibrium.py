@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -11,8 +11,6 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.star_bumps import star_normals
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array, Ints
-from asterism.equilibrium.clock import Clock
-from asterism.equilibrium.newton.minimise import NewtonResult
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 
@@ -41,21 +39,6 @@ class PathStep:
     energy_n_mm: float
     iterations: int
     kicks: int
-
-
-@dataclass
-class Effort:
-    """Effort so far: numbers of iterations and factorisations, seconds by stage (`clock`), and the steps taken."""
-
-    iterations: int = 0
-    factorisations: int = 0
-    clock: Clock = field(default_factory=Clock)
-    path: list[PathStep] = field(default_factory=list)
-
-    def add(self, result: NewtonResult) -> None:
-        """Add the iterations and factorisations of a minimisation."""
-        self.iterations += result.iterations
-        self.factorisations += result.factorisations
 
 
 @dataclass(frozen=True)
@@ -121,6 +104,22 @@ class Equilibrium:
     def instabilities_passed(self) -> int:
         """Number of unstable states left on the way, saddles of the final minimisation included."""
         return sum(step.kicks for step in self.path)
+
+    def followed_by(self, end: Equilibrium) -> Equilibrium:
+        """The equilibrium `end` of a search that went on from this one, with the effort and the path of both."""
+        return replace(
+            end,
+            iterations=self.iterations + end.iterations,
+            factorisations=self.factorisations + end.factorisations,
+            seconds={key: self.seconds.get(key, 0.0) + end.seconds.get(key, 0.0) for key in self.seconds | end.seconds},
+            path=(*self.path, *end.path),
+        )
+
+    @property
+    def without_effort(self) -> Equilibrium:
+        """This equilibrium as one that has cost nothing."""
+        path = tuple(replace(step, iterations=0, kicks=0) for step in self.path)
+        return replace(self, iterations=0, factorisations=0, seconds={}, path=path)
 
 
 def roll_axis_deg(model: DiscreteModel, state: State) -> float | None:

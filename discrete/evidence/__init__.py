@@ -1,1 +1,0 @@
-"""The evidence of an equilibrium: certificate, effort, and measures of its shape."""
