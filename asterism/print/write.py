@@ -63,7 +63,7 @@ def write_export(
         The files cannot be written there.
     """
     tiny = tiny_pieces(job.plan, job.plastic.tiny_arm_mm)
-    with staged(directory, stale=stale_files(directory)) as folder:
+    with staged(directory, stale=_stale_files(directory)) as folder:
         for solid in job.solids:
             write_all("solid", folder, solid.name, solid)
         write_all("print", folder, "print", job.solids, job.design.name, job.rounding)
@@ -113,21 +113,8 @@ def _in_all_formats(stems: Mapping[str, Sequence[FormatKind]]) -> list[str]:
     ]
 
 
-def stale_files(directory: str | Path) -> str | None:
-    """Pattern of the files of an earlier export that this export replaces or removes; None without one.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> from asterism.print.write import stale_files
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> stale_files(folder) is None
-    True
-    >>> _ = (folder / "export.json").write_text("{}")
-    >>> "shape.obj" in (stale_files(folder) or "").replace(chr(92), "")
-    True
-    """
+def _stale_files(directory: str | Path) -> str | None:
+    """Pattern of the files of an earlier export that this export replaces or removes; None without one."""
     if not (Path(directory) / EXPORT_SUMMARY_FILE).is_file():
         return None
     # a drawing whose format cannot be written any more would show the sheet of the earlier export

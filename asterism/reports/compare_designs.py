@@ -161,9 +161,8 @@ def compare_designs(
         shape, problem = _shape_of(design, exact, law, announce)
         one = ComparedDesign(heading, job, shape, problem)
         compared.append(replace(one, distance_mm=_distance(compared[0], one) if compared else None))
-    numbers = tuple(compared_numbers(compared))
-    differences = tuple(differing_entries(compared))
-    write_file(path, designs_page(compared, numbers, differences))
+    numbers, differences = tuple(_numbers(compared)), tuple(_differing_entries(compared))
+    write_file(path, _page(compared, numbers, differences))
     return DesignsComparison(tuple(compared), numbers, differences)
 
 
@@ -208,7 +207,7 @@ def _headings(names: Sequence[str]) -> list[str]:
     ]
 
 
-def compared_numbers(designs: Sequence[ComparedDesign]) -> list[ComparedNumber]:
+def _numbers(designs: Sequence[ComparedDesign]) -> list[ComparedNumber]:
     """The rows: size, print, accuracy; a row without any number is left out."""
 
     def of(key: str) -> Callable[[ComparedDesign], float | None]:
@@ -235,7 +234,7 @@ def compared_numbers(designs: Sequence[ComparedDesign]) -> list[ComparedNumber]:
     return [row for row in rows if any(text != "-" for text in row.texts)]
 
 
-def differing_entries(designs: Sequence[ComparedDesign]) -> list[tuple[str, list[str]]]:
+def _differing_entries(designs: Sequence[ComparedDesign]) -> list[tuple[str, list[str]]]:
     """Paths of the entries in which the designs differ, names aside, and the entry of each design."""
     tables = [dict(_entries(each.job.drawn.to_dict())) for each in designs]
     paths = dict.fromkeys(path for table in tables for path in table if path != "name")
@@ -287,17 +286,10 @@ def _entries(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
 CARD_PX = (640, 420)
 
 
-def designs_page(
-    designs: Sequence[ComparedDesign],
-    numbers: Sequence[ComparedNumber],
-    differences: Sequence[tuple[str, list[str]]],
+def _page(
+    designs: Sequence[ComparedDesign], numbers: Sequence[ComparedNumber], differences: Sequence[tuple[str, list[str]]]
 ) -> str:
-    """The page as text.
-
-    Parameters
-    ----------
-    numbers, differences : from `asterism.reports.compare_designs`.
-    """
+    """The page as text."""
     names = [each.name for each in designs]
     title = " · ".join(names)
     first = designs[0]

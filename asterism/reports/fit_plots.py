@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -64,7 +63,6 @@ def contraction_map(fitted: Fit) -> bytes:
 def contraction_ranges(fitted: Fit) -> bytes:
     """PNG of the contraction that each star needs, over the range that stars have."""
     figure = Figure(figsize=(5.6, 3.6), dpi=PLOT_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots()
     here, low, high = star_contractions(fitted)
     order = np.argsort(here, kind="stable")
@@ -94,7 +92,6 @@ def sections(fitted: Fit) -> bytes:
     width, depth, rise = np.ptp(both, axis=0)
     flatness = rise / max(min(width, depth), 1e-9)
     figure = Figure(figsize=(10.0, float(np.clip(1.2 + 5.0 * flatness, 1.8, 4.6))), dpi=PLOT_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
     for along, axes in enumerate(figure.subplots(1, 2)):
         draw_section(axes, fitted, along)
     return png_of(figure)
@@ -129,7 +126,6 @@ def _print_figure(fitted: Fit) -> tuple[Figure, Axes]:
     width, height = np.ptp(plan.outline, axis=0)
     size = (5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6)))
     figure = Figure(figsize=size, dpi=PLOT_DPI, layout=ConstrainedLayoutEngine(w_pad=0.12))
-    FigureCanvasAgg(figure)
     axes = figure.subplots()
     axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
     return figure, axes
