@@ -145,7 +145,7 @@ class TargetComparison:
 def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
     """The flat, released sheet of a design without stars: its mesh under a number, and its frame."""
     shape = blank_sheet(design)
-    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64), is_fine=True)
+    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64))
     return mesh, _flat_frame(number, seq, "exact", shape.positions, None)
 
 
@@ -156,7 +156,7 @@ def printed_messages(design: Design, layout: Layout, number: int, seq: int) -> t
     mesh = mesh_layout(layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
     positions = np.pad(mesh.points, ((0, 0), (0, 1)))
     marks = SheetMarks(mesh.points, mesh.triangles)
-    shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(layout).site, is_fine=True)
+    shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(layout).site)
     normals = np.tile(np.array([0.0, 0.0, 1.0]), (len(positions), 1))
     return shown, _flat_frame(number, seq, "printed", positions, marks.ribbons(layout, positions, normals))
 

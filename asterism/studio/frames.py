@@ -78,7 +78,7 @@ def mesh_bytes(mesh: ShownMesh) -> bytes:
         "outline": mesh.outline,
         "arm_site": mesh.arm_site,
     }
-    return pack(MESH, {"mesh": mesh.mesh, "is_fine": mesh.is_fine}, arrays)
+    return pack(MESH, {"mesh": mesh.mesh}, arrays)
 
 
 def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:

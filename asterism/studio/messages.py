@@ -153,7 +153,6 @@ class ShownMesh:
     triangles: Array
     outline: Array
     arm_site: Array
-    is_fine: bool = False
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") ->
         is_minimum=bool(shape.summary.get("is_minimum", False)),
         height_mm=float(np.ptp(positions[:, 2])),
     )
-    return mesh_message(number, shape.printed, shape.triangles, arm_site, is_fine=True), frame
+    return mesh_message(number, shape.printed, shape.triangles, arm_site), frame
 
 
 def settled_messages(

@@ -146,7 +146,7 @@ def _between(ends: Floats, share: Floats) -> Floats:
     return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))
 
 
-def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, is_fine: bool) -> ShownMesh:
+def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints) -> ShownMesh:
     """The message with a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
     return ShownMesh(
         mesh=number,
@@ -154,7 +154,6 @@ def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, 
         triangles=triangles.astype(np.uint32),
         outline=outline_of(triangles).astype(np.uint32),
         arm_site=arm_site.astype(np.uint32),
-        is_fine=is_fine,
     )
 
 

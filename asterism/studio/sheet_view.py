@@ -30,7 +30,7 @@ class SheetView:
     """
 
     def __init__(self, preview: Preview, is_fine: bool) -> None:
-        self._number, self._is_fine = 0, is_fine
+        self._number = 0
         self._arm_site: Ints = np.empty(0, dtype=np.int64)
         layout, design = preview.sheet.layout, preview.design
         spacings = 1 / 12 if is_fine else 1 / 6  # edges of the triangles
@@ -66,7 +66,7 @@ class SheetView:
     def numbered(self, number: int, layout: Layout) -> ShownMesh:
         """The message with the mesh, under a new number."""
         self._number, self._arm_site = number, ribbon_stations(layout).site
-        return mesh_message(number, self.printed, self.triangles, self._arm_site, self._is_fine)
+        return mesh_message(number, self.printed, self.triangles, self._arm_site)
 
     def stand_up(self, preview: Preview, x: Floats | None = None) -> None:
         """Choose the pose of a free sheet anew: principal axes along x, y and z. Later stages keep it."""

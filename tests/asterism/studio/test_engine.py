@@ -23,7 +23,7 @@ def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) 
     frame = engine.frame(1)
     (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
     (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
-    assert frame.mesh == mesh.mesh and not mesh.is_fine and frame.is_minimum and frame.snapshot is not None
+    assert frame.mesh == mesh.mesh and frame.is_minimum and frame.snapshot is not None
     count, arms = len(mesh.printed), len(mesh.arm_site)
     assert frame.positions.shape == (count, 3)
     assert frame.curvature.shape == frame.strain.shape == (count,)

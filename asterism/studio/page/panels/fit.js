@@ -1,29 +1,20 @@
 // Part of the shape's panel: a fit of outline, stars and supports to the target, beside the work.
 
 import { button, choice, h, hint, refresh, section } from "../dom.js";
-import { capital, percent, plural, seconds } from "../format.js";
+import { capital, percent, plural } from "../format.js";
 
 const HOLDS = { auto: "By the target", border: "Whole border", nothing: "Nothing" };
 
 export function fitPart({ store, actions }, { on }) {
   const element = h("div", { testid: "fit" });
-  const said = h("span", { class: "grow", testid: "fit-progress", role: "status" });
-  const running = h(
-    "div",
-    { hidden: true },
-    section("Fit to the target"),
-    h("div", { class: "row" }, said, button({ text: "Cancel", testid: "fit-cancel", keys: "Escape", onclick: actions.cancel })),
-  );
   const ended = h("div", {});
-  element.append(running, ended);
+  element.append(ended);
   let hold = "auto";
 
   function update() {
     const { target } = store.get("state");
     const jobs = store.get("jobs");
-    running.hidden = !jobs.fit;
     ended.hidden = Boolean(jobs.fit) || !target;
-    if (jobs.fit) said.textContent = `${capital(jobs.fit.stage)} · ${seconds(jobs.fit.seconds)}`;
     const { fit: result } = store.get("results");
     const isOld = result?.summary && result.revision !== store.get("document")?.revision;
     const isBusy = Object.keys(jobs).length > 0; // one job runs at a time

@@ -64,47 +64,14 @@ export function shapePanel(studio, page) {
     ]);
   }
 
-  const fill = h("i", {});
-  const bar = h(
-    "div",
-    { class: "bar", role: "progressbar", "aria-label": "Verification", "aria-valuemin": "0", "aria-valuemax": "100" },
-    fill,
-  );
-  const progressText = h("span", { class: "grow", testid: "verify-progress" });
-  const running = h(
-    "div",
-    { hidden: true },
-    section("Exact model"),
-    bar,
-    h(
-      "div",
-      { class: "row" },
-      progressText,
-      button({ text: "Cancel", testid: "cancel", keys: "Escape", onclick: actions.cancel }),
-    ),
-  );
-  const ended = h("div", {});
-  replace(verified, running, ended);
-
   function verification() {
-    const { verify: progress } = store.get("jobs");
     const { verify: result } = store.get("results");
-    if (running.hidden === Boolean(progress))
-      requestAnimationFrame(() => verified.scrollIntoView({ block: progress ? "nearest" : "start" }));
-    running.hidden = !progress;
-    ended.hidden = Boolean(progress);
-    if (progress) {
-      const share = progress.of ? Math.min(1, progress.done / progress.of) : 0;
-      fill.style.width = `${100 * share}%`;
-      bar.setAttribute("aria-valuenow", String(Math.round(100 * share)));
-      progressText.textContent = `${progress.of ? `${Math.round(100 * share)} % · ${progress.stage}` : capital(progress.stage)} · ${seconds(progress.seconds)}`;
-      return;
-    }
+    const isRunning = Boolean(store.get("jobs").verify);
     const document = store.get("document");
     const isOld = result?.revision !== document?.revision;
-    refresh(ended, [result, isOld, Boolean(document), store.get("state").has_preview], () => [
+    refresh(verified, [result, isOld, isRunning, Boolean(document), store.get("state").has_preview], () => [
       section("Preview beside the exact model"),
-      ...verdict(result, isOld),
+      ...(isRunning ? [hint("Under way: see the line at the bottom.")] : verdict(result, isOld)),
     ]);
   }
 

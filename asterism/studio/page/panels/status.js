@@ -1,15 +1,17 @@
 // The line at the bottom: state of the shape, height, size, warnings, what is under the pointer.
 
-import { h, replace } from "../dom.js";
+import { button, h, replace } from "../dom.js";
 import { MEANINGS, activityOf, dotOf } from "../badge.js";
-import { mm, plural, size, times } from "../format.js";
+import { mm, plural, seconds, size, times } from "../format.js";
 
 export function buildStatus(element, { store, actions }) {
   const engine = h("span", { testid: "engine", role: "status" });
   const height = h("span", { testid: "height" });
   const extent = h("span", { testid: "extent" });
   const stars = h("span", { testid: "stars" });
-  const job = h("span", { testid: "job", role: "status", hidden: true });
+  const said = h("span", { testid: "job", role: "status" });
+  const cancel = button({ text: "Cancel", keys: "Escape", kind: "plain", testid: "cancel", onclick: actions.cancel });
+  const job = h("span", { class: "job", hidden: true }, said, cancel);
   const place = h("span", { testid: "under" });
   const warnings = h("button", {
     type: "button",
@@ -48,7 +50,7 @@ export function buildStatus(element, { store, actions }) {
     replace(stars, sheet ? counts.join(", ") : "No sheet");
     const running = jobText(store.get("jobs"));
     job.hidden = !running;
-    if (running) replace(job, h("i", { class: "dot busy", "aria-hidden": "true" }), running);
+    if (running) replace(said, h("i", { class: "dot busy", "aria-hidden": "true" }), running);
     warnings.hidden = !all.length;
     replace(warnings, h("b", {}, plural(all.length, "warning")));
   }
@@ -76,7 +78,7 @@ export function buildStatus(element, { store, actions }) {
 const JOBS = { verify: "Verifying", fit: "Fitting to the target", export: "Writing files", report: "Writing the report" };
 
 function jobText(jobs) {
-  const [name, progress] = Object.entries(jobs)[0] ?? [];
+  const [name, { done, of, stage, seconds: spent } = {}] = Object.entries(jobs)[0] ?? [];
   if (!name) return null;
-  return `${JOBS[name] ?? name}${progress.of ? `, ${Math.round((100 * progress.done) / progress.of)} %` : " …"}`;
+  return `${JOBS[name]}, ${of ? `${Math.round((100 * done) / of)} %` : `${stage} …`} ${seconds(spent)}`;
 }

@@ -20,8 +20,8 @@ def test_a_sheet_is_fitted_to_the_target_and_painted_further(page: StudioPage, t
     page.load_target(cap(tmp_path / "cap.stl"))
     before = page.get("studio.document.design")
     page.item("fit-go").click()
-    progress = "document.querySelector('[data-testid=fit-progress]').textContent"
-    page.click_when(f"/% of the diameter/.test({progress})", "fit-cancel", FIT_PATIENCE_S)
+    progress = "document.querySelector('[data-testid=job]').textContent"
+    page.click_when(f"/% of the diameter/.test({progress})", "cancel", FIT_PATIENCE_S)
     page.wait("document.querySelector('[data-testid=fit]').textContent.includes('Cancelled')")
     assert page.get("studio.document.design") == before
 

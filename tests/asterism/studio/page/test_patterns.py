@@ -13,9 +13,7 @@ from tests.asterism.studio.test_patterns import CROSS
 pytestmark = pytest.mark.slow
 
 
-def test_a_drawing_rises_by_the_exact_model_and_stays_grey_until_the_next(
-    shared: StudioPage, folder: Path
-) -> None:
+def test_a_drawing_rises_by_the_exact_model_and_stays_grey_until_the_next(shared: StudioPage, folder: Path) -> None:
     (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
     shared.open("file-cross.toml")
     assert not shared.item("tool-select").is_visible() and not shared.item("tool-weight").is_visible()  # for stars
