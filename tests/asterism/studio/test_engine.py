@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import threading
 import time
 from typing import Any
@@ -13,7 +14,7 @@ import asterism
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.layout.build import layout
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Busy, Edit, Frame, Limits, ShownMesh
+from asterism.studio.messages import Busy, Edit, Frame, Limits, Rested, ShownMesh
 from asterism.studio.search_bounds import SearchBounds
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
@@ -71,8 +72,10 @@ def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
     assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
     assert [notice.text for notice in summary.warnings] == expected["warnings"]
     assert summary.warnings[0].stars == ((0, 0),)
-    fine = [answer for answer in engine.answers if isinstance(answer, ShownMesh) and answer.is_fine]
-    assert len(fine) == 1 and engine.answers[-2].mesh == fine[0].mesh
+    coarse, fine = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
+    assert len(fine.triangles) > 3 * len(coarse.triangles) and engine.answers[-2].mesh == fine.mesh
+    (rested,) = [answer for answer in engine.answers if isinstance(answer, Rested)]
+    assert pickle.loads(rested.shape).height_mm == pytest.approx(expected["height_mm"], rel=1e-9)
 
 
 def test_the_summary_says_how_far_a_sheet_hangs_below_its_needles(engine: EnginePipe) -> None:
