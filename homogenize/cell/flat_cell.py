@@ -122,7 +122,7 @@ def released_from(cell: UnitCell, state: State) -> FlatCell:
     return flat_cell_from_minimum(cell, polished(cell, minimum), iterations)
 
 
-def polished(cell: UnitCell, minimum: NewtonResult) -> NewtonResult:
+def polished(cell: UnitCell, minimum: Minimum) -> Minimum:
     """The minimum after one more step, which Newton's method makes exact: moments of slight curvatures need it."""
     tolerance = cell_gradient_tolerance(cell, EXACT_GRADIENT_RATIO)
     if not minimum.converged or minimum.gradient_norm <= tolerance:
