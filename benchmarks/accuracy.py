@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.homogenize.law.plan import without_law
 from asterism.pattern import gallery
 from asterism.previews.run import preview
 from asterism.verification.numbers import alike
@@ -44,6 +45,7 @@ def main() -> None:
     options = parser.parse_intermixed_args()
     if options.set == GALLERY:
         designs = {name: ("", gallery.load(name)) for name in (*gallery.names(), *gallery.template_names())}
+        designs = {name: each for name, each in designs.items() if without_law(each[1]) is None}
     else:
         designs = {design.name: (kind, design) for kind, design in frozen(options.set)}
     rows = []

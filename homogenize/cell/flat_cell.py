@@ -130,7 +130,7 @@ def polished(cell: UnitCell, minimum: Minimum) -> Minimum:
     exact = minimise(cell, minimum.state, cell.factor(), tolerance, max_iterations=1, check_definite=False)
     if exact.gradient_norm > minimum.gradient_norm:
         return minimum
-    return replace(exact, converged=True, iterations=minimum.iterations + exact.iterations)
+    return replace(exact, tolerance=minimum.tolerance, iterations=minimum.iterations + exact.iterations)
 
 
 def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
