@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from asterism.equilibrium.errors import Error, one_line
 
 if TYPE_CHECKING:
     from asterism.equilibrium.arrays import Floats
-    from asterism.fitting.fit import Fit
 
 
 class TargetError(Error, ValueError):
@@ -34,10 +33,10 @@ class FitInterrupted(KeyboardInterrupt):
 
     Attributes
     ----------
-    fitted : the best design until then, by the preview.
+    fitted : a `Fit`, the best design until then, by the preview.
     """
 
-    def __init__(self, fitted: Fit) -> None:
+    def __init__(self, fitted: Any) -> None:
         super().__init__("the fit was interrupted")
         self.fitted = fitted
 

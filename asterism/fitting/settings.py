@@ -59,4 +59,4 @@ class FitSettings:
 
 
 def _is_count(value: Any, most: int) -> bool:
-    return isinstance(value, Integral) and not isinstance(value, bool) and 0 <= value <= most
+    return isinstance(value, Integral) and not isinstance(value, bool) and 0 <= int(value) <= most

@@ -187,7 +187,7 @@ class TargetSurface:
         """
         vertices = self.disk.vertices
         if isinstance(weight, str | Path):
-            places = np.linalg.solve(self.motion, (vertices - self.shift_mm).T).T
+            places = np.asarray(np.linalg.solve(self.motion, (vertices - self.shift_mm).T).T, dtype=np.float64)
             if str(weight).lower().endswith(PICTURE_FORMATS):
                 values = _picture_weights(self.name, Path(weight), places[:, :2])
             else:

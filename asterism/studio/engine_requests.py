@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
@@ -34,8 +34,14 @@ from asterism.studio.star_sizes import split
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.target import Target
 
-if TYPE_CHECKING:
-    from asterism.studio.settling import Settling
+
+class Settles(Protocol):
+    """The part of `asterism.studio.settling` that the requests use; it stands above them."""
+
+    def warm(self) -> None: ...
+    def cancel(self) -> None: ...
+    def rest(self, rested: Rested, revision: int) -> None: ...
+    def show_again(self) -> None: ...
 
 
 class StudioOwner(Protocol):
@@ -46,7 +52,7 @@ class StudioOwner(Protocol):
     tabs: Tabs
     engine: EngineRequests
     parts: FrameParts
-    settling: Settling
+    settling: Settles
 
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...

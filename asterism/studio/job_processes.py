@@ -187,7 +187,7 @@ def run_fit(
         surface = TargetSurface.of_triangles(target.vertices, target.triangles, name)
         if weights is not None:
             surface = surface.weighted(weights.at_vertices(surface))
-        held = {"nothing": {"needles": 0}, "border": {"border": True}}.get(hold, {})
+        held: dict[str, Any] = {"nothing": {"needles": 0}, "border": {"border": True}}.get(hold, {})
         settings = FitSettings(exact=False, **held)
         fitted = fit(surface, settings, printer=load_printer(printer), say=lambda line: progress(line, 0, 0))
     except Exception as error:

@@ -212,3 +212,35 @@ def _squares(directions: Floats) -> Floats:
     """(..., 3) Voigt vector of n n: its product with the 11, 22, 12 of a tensor is the component along n."""
     c, s = np.cos(directions), np.sin(directions)
     return np.stack([c * c, s * s, 2.0 * c * s], axis=-1)
+
+
+# Search for the direction of largest energy gain. The first pass separates two maxima of nearly equal height:
+FIRST_ANGLES: Floats = np.radians(np.arange(-90.0, 90.0, 2.5))
+# later passes try angles around the best one, relative to the last step
+ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)
+LATER_PASSES = 2
+
+
+def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
+    """Q (..., 3, 3) and m (..., 3) in 1/mm, from the mean natural curvature (...) and the K anisotropies (..., K)."""
+    q = ISOTROPIC_PLATE + voigt_matrices(anisotropy[..., BENDING_COLUMNS])
+    return q, kappa[..., None] * SPHERICAL + anisotropy[..., MOMENT_COLUMNS]
+
+
+def tube_of_largest_gain(kappa: Floats, anisotropy: Floats) -> Floats:
+    """(n,) natural curvature in 1/mm of the tube of largest energy gain over all axes; kappa (n,) if K = 0."""
+    if anisotropy.shape[-1] == 0:
+        return kappa
+    q, m = tensors(kappa, anisotropy)
+    tried, step = np.broadcast_to(FIRST_ANGLES, (len(kappa), len(FIRST_ANGLES))), FIRST_ANGLES[1] - FIRST_ANGLES[0]
+    best = _of_largest_gain(q, m, tried)
+    for _ in range(LATER_PASSES):
+        best = _of_largest_gain(q, m, best + step * ANGLE_STEPS)
+        step *= ANGLE_STEPS[1] - ANGLE_STEPS[0]
+    return np.asarray(natural_curvatures(q, m, best)[0][:, 0])
+
+
+def _of_largest_gain(q: Floats, m: Floats, tried: Floats) -> Floats:
+    """(n, 1) rad, of the directions tried (n, D), the one whose tube gains most."""
+    chosen = natural_curvatures(q, m, tried)[1].argmax(axis=-1)[:, None]
+    return np.take_along_axis(tried, chosen, axis=-1)

@@ -171,9 +171,11 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     object are options of their own. Its value is the exit status, 0 for None.
     """
     signature = inspect.signature(function, eval_str=True)
-    own, settings = [], {}
+    own: list[inspect.Parameter] = []
+    settings: dict[str, type[Any]] = {}
     for parameter in list(signature.parameters.values())[1:]:
-        if dataclasses.is_dataclass(kind := parameter.annotation):
+        kind = parameter.annotation
+        if isinstance(kind, type) and dataclasses.is_dataclass(kind):
             settings[parameter.name] = kind
             own += _options_of(kind)
         else:

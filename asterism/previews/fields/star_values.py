@@ -9,11 +9,11 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.anisotropy import tube_of_largest_gain
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.directional import tube_of_largest_gain
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # star sizes that differ by at most this part are equal

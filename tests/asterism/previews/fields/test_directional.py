@@ -22,12 +22,13 @@ from asterism.homogenize.law.anisotropy import (
     VOIGT_ENTRIES,
     min_bending_ratio,
     natural_curvatures,
+    tensors,
+    tube_of_largest_gain,
 )
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw, StarTable, to_stored
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.directional import tensors, tube_of_largest_gain
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
 from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
