@@ -52,7 +52,9 @@ class StudioOwner(Protocol):
     tabs: Tabs
     engine: EngineRequests
     parts: FrameParts
-    settling: Settles
+
+    @property
+    def settling(self) -> Settles: ...
 
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...
