@@ -187,8 +187,7 @@ def run_fit(
         surface = TargetSurface.of_triangles(target.vertices, target.triangles, name)
         if weights is not None:
             surface = surface.weighted(weights.at_vertices(surface))
-        held: dict[str, Any] = {"nothing": {"needles": 0}, "border": {"border": True}}.get(hold, {})
-        settings = FitSettings(exact=False, **held)
+        settings = FitSettings(exact=False, needles=0 if hold == "nothing" else None, border=hold == "border")
         fitted = fit(surface, settings, printer=load_printer(printer), say=lambda line: progress(line, 0, 0))
     except Exception as error:
         connection.send(engine_problem(job, error))
