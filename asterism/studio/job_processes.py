@@ -187,7 +187,9 @@ def run_fit(
         surface = TargetSurface.of_triangles(target.vertices, target.triangles, name)
         if weights is not None:
             surface = surface.weighted(weights.at_vertices(surface))
-        settings = FitSettings(exact=False, needles=0 if hold == "nothing" else None, border=hold == "border")
+        settings = FitSettings(
+            exact=False, needles=0 if hold == "nothing" else None, border=True if hold == "border" else None
+        )
         fitted = fit(surface, settings, printer=load_printer(printer), say=lambda line: progress(line, 0, 0))
     except Exception as error:
         connection.send(engine_problem(job, error))
