@@ -9,7 +9,6 @@ import typer
 
 from asterism.cli.common.options import FileUnit, LawFile, output_option
 from asterism.cli.common.run import DONE, INTERRUPTED, NO_ANSWER, Mistake, Run, command
-from asterism.fitting.errors import FitInterrupted
 from asterism.fitting.settings import FitSettings
 
 
@@ -60,6 +59,7 @@ def fit(
     rods.vtu, target.obj and fit.png. The exit status is 1 if the shape is further from the target than --within, or
     is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
     """
+    from asterism.fitting.fit import FitInterrupted
     from asterism.fitting.fit import fit as compute
     from asterism.fitting.load_target import load_target
     from asterism.homogenize.law.law_file import load_law

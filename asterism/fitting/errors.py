@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from asterism.equilibrium.errors import Error, one_line
 
@@ -26,19 +26,6 @@ class ReachError(Error):
     """A target is out of reach of the stars; the message is one line with place, needed and available value."""
 
     exit_status = 1
-
-
-class FitInterrupted(KeyboardInterrupt):
-    """Ctrl-C has ended a fit.
-
-    Attributes
-    ----------
-    fitted : a `Fit`, the best design until then, by the preview.
-    """
-
-    def __init__(self, fitted: Any) -> None:
-        super().__init__("the fit was interrupted")
-        self.fitted = fitted
 
 
 def place_text(place: Floats, decimals: int = 1) -> str:

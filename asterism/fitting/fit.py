@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.discrete.release.continuation import Report
 from asterism.fitting.correction import ExactCorrection
-from asterism.fitting.errors import FitInterrupted, place_text
+from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, target_distance
 from asterism.fitting.search import FitSearch
@@ -67,6 +67,19 @@ class Fit:
     def shape(self) -> Shape:
         """The exact shape, or the preview without one; a free sheet is laid on the target."""
         return self.distance.shape
+
+
+class FitInterrupted(KeyboardInterrupt):
+    """Ctrl-C has ended a fit.
+
+    Attributes
+    ----------
+    fitted : the best design until then, by the preview.
+    """
+
+    def __init__(self, fitted: Fit) -> None:
+        super().__init__("the fit was interrupted")
+        self.fitted = fitted
 
 
 def fit(
