@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from numbers import Integral
 from typing import Annotated, Any
@@ -32,8 +33,8 @@ class FitSettings:
     Raises
     ------
     SettingError
-        `needles` is not a whole number from 0 to 1000, or is 1 or 2, or is given with `border`; or `corrections` is not
-        a whole number from 0 to 20.
+        `needles` is not a whole number from 0 to 1000, or is 1 or 2, or is given with `border`; `corrections` is not a
+        whole number from 0 to 20; or a width or distance is not a positive number.
     """
 
     stretch: float | None = None
@@ -56,6 +57,9 @@ class FitSettings:
             raise SettingError(
                 f"corrections = {self.corrections!r}: must be a whole number from 0 to {MAX_CORRECTIONS}"
             )
+        for name, value in (("width_mm", self.width_mm), ("within_percent", self.within_percent)):
+            if value is not None and not 0.0 < value < math.inf:
+                raise SettingError(f"{name} = {value!r}: must be a positive number")
 
 
 def _is_count(value: Any, most: int) -> bool:

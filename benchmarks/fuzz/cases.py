@@ -35,14 +35,14 @@ SWEPT = (
 )  # fmt: skip
 OPTIONS: dict[str, tuple[str, ...]] = {
     "preview": ("--side", "--law", "--material", "-o", "--strict", "--quiet"),
-    "simulate": ("--edge", "--start", "--seed", "--fabric-bending", "--backend", "-o", "--material", "--strict"),
+    "simulate": ("--edge", "--seed", "--backend", "-o", "--material", "--strict"),
     "verify": ("--edge", "--law", "--backend", "-o"),
     "export": (
         "--printer", "--plastic", "--first-layer", "--layer", "--plate", "--fabric", "--turn", "--needle-spacing",
         "--no-border", "--shape", "-o",
     ),
     "report": ("--results", "--printer", "--plastic", "-o"),
-    "strips fit": ("--kappa-bar", "--stretch", "--flat-height", "--confidence", "--rest-curvature", "--outside", "-o"),
+    "strips fit": ("--kappa-bar", "--stretch", "--flat-height", "--rest-curvature", "--outside", "-o"),
     "strips new": ("--thickness", "--count", "--length", "--width", "--stretch", "--plate", "--fabric", "--printer"),
     "compare": ("--units", "--view", "--trim", "-o"),
     "law show": ("-o",),
