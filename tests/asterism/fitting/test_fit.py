@@ -138,7 +138,7 @@ def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
         FitSettings(needles=8, border=True)
     with pytest.raises(SettingError, match="corrections = -1: must be a whole number from 0 to 20"):
         FitSettings(corrections=-1)
-    with pytest.raises(SettingError, match="width_mm = -1.0: must be a positive number"):
+    with pytest.raises(SettingError, match=r"width_mm = -1\.0: must be a positive number"):
         FitSettings(width_mm=-1.0)
 
 

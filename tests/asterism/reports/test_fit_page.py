@@ -53,6 +53,7 @@ def fitted() -> Fit:
     summary = FitRecord(
         **{
             "model": "fit",
+            "interrupted": False,
             "target": NAME,
             "diameter_mm": target.diameter_mm,
             "motion": target.motion.tolist(),

@@ -20,6 +20,7 @@ from asterism.fem.supports.conditions import EdgeSupport
 from tests.fem.bell import Bell
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.meshes import facets_where, rectangle
+from tests.fem.mixed import mixed
 
 
 def height(shell: Shell, x: np.ndarray) -> float:
@@ -99,7 +100,7 @@ def test_a_straight_compressed_strip_is_a_saddle_and_is_left() -> None:
         flat.x,
         factor,
         1e-11 * shell.force_scale,
-        lambda x: mixed_newton(shell, x, factor, 1.0),
+        mixed(shell, factor, 1.0),
         0.1,
         max_saddles=0,
     )
