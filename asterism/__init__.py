@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from asterism.notebook.show import show
     from asterism.pattern.design.design import Design, save_design
     from asterism.pattern.gallery import load as new
-    from asterism.pattern.layout.load_design import load_design
+    from asterism.pattern.layout.build import load_design
     from asterism.previews.run import preview
     from asterism.previews.session import Preview
     from asterism.print.export import export
@@ -78,7 +78,7 @@ _HOMES = {
     "export": ("asterism.print.export", "export"),
     "fit": ("asterism.fitting.fit", "fit"),
     "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
-    "load_design": ("asterism.pattern.layout.load_design", "load_design"),
+    "load_design": ("asterism.pattern.layout.build", "load_design"),
     "load_law": ("asterism.homogenize.law.law_file", "load_law"),
     "load_material": ("asterism.homogenize.law.material", "load_material"),
     "load_target": ("asterism.fitting.load_target", "load_target"),

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.run import preview
@@ -75,7 +75,7 @@ class Solved:
 
     @cached_property
     def _plan(self) -> Layout:
-        return print_layout(self.design)
+        return layout(self.design)
 
     @cached_property
     def _symmetries(self) -> list[Symmetry]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 
 _FOLDER = Path(__file__).parent / "gallery"
 _PATTERNS = Path(__file__).parent / "patterns"

@@ -16,7 +16,7 @@ from PIL import Image
 import asterism
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design, save_design
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from tests.pattern.drawing.rhino_drawing import Drawing
 
 ROOT = Path(__file__).parents[1]

@@ -62,7 +62,7 @@ def export(
     effect of rounding on the shape, by the preview, or by the exact model with --simulate.
     """
     from asterism.laws.replace_material import with_material
-    from asterism.pattern.layout.load_design import load_design
+    from asterism.pattern.layout.build import load_design
 
     plan = with_material(load_design(design), material, run.warn)  # before slower imports: many mistakes are here
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import mesh_vertices, sheet_outline
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout, mesh_vertices, sheet_outline
 
 # Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
 # python -m benchmarks.large (294847 vertices); the fit is within a factor of two.
@@ -64,7 +63,7 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     >>> exact_cost(gallery.load("tube")).vertices
     3632
     """
-    outline = sheet_outline(design) if design.border.rods is None else print_layout(design).outline
+    outline = sheet_outline(design) if design.border.rods is None else layout(design).outline
     vertices = mesh_vertices(design.usual_edge_mm, outline)
     seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
     seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)

@@ -23,9 +23,9 @@ from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
@@ -86,7 +86,7 @@ def exact_shape(
     check_backend(backend)
     announce = say or ignore_line
     start = time.perf_counter()
-    plan = plan if plan is not None else print_layout(design)
+    plan = plan if plan is not None else layout(design)
     if design.solver.contact:
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)

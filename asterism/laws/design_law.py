@@ -15,7 +15,7 @@ from asterism.laws.replace_material import Note, with_material
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from asterism.process.environment import quoted
 
 

@@ -10,9 +10,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.material_files import material_path
 from asterism.pattern.design.residual_curvature import ResidualCurvature
+from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.layout.free_motions import check_weight_is_supported
-from asterism.pattern.layout.load_design import load_design
-from asterism.pattern.layout.print_layout import print_layout
 
 
 def material_in_words(path: Path) -> str:
@@ -68,7 +67,7 @@ def read_design(path: Path, material: Path | None, note: Note | None = None) -> 
     design = with_material(load_design(path), material, note)
     try:
         if design.gravity.on:
-            check_weight_is_supported(design, print_layout(design))
+            check_weight_is_supported(design, layout(design))
     except DesignError as error:
         raise error.within(path) from None
     return design

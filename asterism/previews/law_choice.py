@@ -10,8 +10,8 @@ from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.plan import without_law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.process.file_identity import file_identity
 from asterism.process.listeners import Say, ignore_line
 
@@ -85,7 +85,7 @@ def serving_law(
     if named is not None and (design.law_file is not None or without_law(design) is not None):
         named.check(design)
         return named
-    sheet = plan if plan is not None else print_layout(design)
+    sheet = plan if plan is not None else layout(design)
     before = known if isinstance(known, Law) and known is not named else None
     for law in (named, before):
         if law is not None and law.covers(design, sheet):

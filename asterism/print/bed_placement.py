@@ -13,8 +13,8 @@ from shapely.geometry.base import BaseGeometry
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.printer import Printer
 from asterism.print.profiles import load_printer, profile_names
 from asterism.print.solid import Terrace
@@ -127,7 +127,7 @@ def size_warning(design: Design) -> Iterator[str]:
     >>> next(size_warning(Design.from_dict(wide))).split(":")[0]
     'no known printer holds the print of 400 x 300 mm'
     """
-    plan = print_layout(design)
+    plan = layout(design)
     x, y = design.fabric.stretch_xy
     turns = TURNS_DEG if x == y else (0,)
     plastic, printers = _plastic_corners(plan), []

@@ -15,9 +15,9 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.off_sheet import off_sheet_mm
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_through_arms
 from asterism.print.pieces import (
@@ -225,7 +225,7 @@ def prepare(
     if fabric_mm is not None and fabric_mm > released_mm:
         problem = f"must be at most {released_mm:g} mm, the thickness of the released fabric: stretching thins it"
         raise DesignError("--fabric", problem, fabric_mm)
-    drawn_plan = print_layout(design)
+    drawn_plan = layout(design)
     rounding = choose_rounding(drawn_plan, printer)
     rounded = with_rounding(design, rounding)
     plan = rounded_layout(rounded, printer)

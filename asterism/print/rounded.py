@@ -10,8 +10,8 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.print.printer import Printer
 from asterism.results.records.export import SizeChangeRecord, TinyStarRecord
 
@@ -45,7 +45,7 @@ def choose_rounding(plan: Layout, printer: Printer) -> Rounding:
 def rounded_layout(design: Design, printer: Printer) -> Layout:
     """The layout of a rounded design; `DesignError` if wider arms or rods overlap."""
     try:
-        return print_layout(design)
+        return layout(design)
     except DesignError as error:
         raise DesignError(error.field, f"{error.allowed} (sizes rounded for the {printer.name})", error.value) from None
 

@@ -107,9 +107,9 @@ def needle_clearance(layout: Layout, shape: Shape) -> NeedleClearance | None:
     Examples
     --------
     >>> import numpy as np
-    >>> from asterism.pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.layout.build import layout
     >>> from asterism.pattern.gallery import load
-    >>> plan = print_layout(load("dome"))
+    >>> plan = layout(load("dome"))
     >>> corners = np.vstack([plan.outline, [[0.0, 0.0]]])
     >>> rim = np.arange(len(plan.outline))
     >>> fan = np.column_stack([rim, np.roll(rim, -1), np.full(len(rim), len(rim))])

@@ -16,8 +16,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.point_location import locate
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import surface_triangle_areas
@@ -108,7 +108,7 @@ class Shape:
         if self.plan is not None:
             return self.plan
         try:
-            return print_layout(Design.from_dict(self.summary["design"]))
+            return layout(Design.from_dict(self.summary["design"]))
         except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is missing
             return None
 

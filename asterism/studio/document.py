@@ -16,8 +16,8 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table, table_text
 from asterism.pattern.design.section import Point
 from asterism.pattern.design.stars import Site
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.results.files import write_file
 from asterism.studio import star_sizes, weights
 from asterism.studio.autosave import Autosave, autosaves
@@ -129,7 +129,7 @@ class Document:
         DesignError
             The stars or rods do not fit the sheet, or the outline cannot be cut.
         """
-        self.layout = print_layout(self.design())
+        self.layout = layout(self.design())
         self._is_checked = True
         self.thumbnails.add(self.revision, self.layout)
         return self.layout

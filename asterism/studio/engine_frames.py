@@ -13,8 +13,8 @@ from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
@@ -72,7 +72,7 @@ class EngineFrames:
     def send_printed(self, design: Design, seq: int) -> None:
         """Send the flat, printed sheet of a pattern without a preview."""
         self._meshes += 1
-        for message in printed_messages(design, print_layout(design), self._meshes, seq):
+        for message in printed_messages(design, layout(design), self._meshes, seq):
             self._send(message)
 
     def send_again(self, parts: Parts, preview: Preview | None, is_dragging: bool) -> None:

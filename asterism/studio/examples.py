@@ -12,7 +12,7 @@ import numpy as np
 
 from asterism.pattern import gallery
 from asterism.pattern.design.files import read_bytes
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.studio.autosave import autosaves, design_name
 
 PICTURES = Path(__file__).parent / "gallery"
@@ -29,7 +29,7 @@ def gallery_entries() -> tuple[dict[str, Any], ...]:
     """Name, title, numbers of stars and rods, and printed size (mm) of each design of the gallery and each pattern."""
     entries = []
     for name in (*gallery.names(), *gallery.pattern_names()):
-        sheet = print_layout(gallery.load(name))
+        sheet = layout(gallery.load(name))
         size = np.ptp(sheet.outline, axis=0)
         entries.append(
             {

@@ -118,9 +118,9 @@ def ribbon_stations(layout: Layout) -> RibbonStations:
     Examples
     --------
     >>> from asterism.pattern.design.design import Design
-    >>> from asterism.pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.layout.build import layout
     >>> lines = [{"line_mm": [(-5, 0), (5, 0)]}]
-    >>> sheet = print_layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (12, 8)}}))
+    >>> sheet = layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (12, 8)}}))
     >>> stations = ribbon_stations(sheet)
     >>> stations.points[:, [0, -1], 0].tolist()
     [[-5.0, 0.0], [0.0, 5.0]]

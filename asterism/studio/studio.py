@@ -12,7 +12,7 @@ from typing import Any
 from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.results.files import OutputError
 from asterism.studio import requests as ask
 from asterism.studio.autosave import autosaves
@@ -465,7 +465,7 @@ def kept_states(document: Document) -> list[dict[str, Any]]:
     for kept in document.autosave.kept:
         plan = {}
         with suppress(Error):  # a sheet that cannot be laid out has no picture
-            plan = thumbnail(print_layout(Design.from_dict(kept.table, document.path.parent)))
+            plan = thumbnail(layout(Design.from_dict(kept.table, document.path.parent)))
         states.append({"name": kept.path.name, "time": kept.time, **plan})
     return states
 

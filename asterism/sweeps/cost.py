@@ -10,7 +10,7 @@ from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost, exact_cost
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.sweeps.parameters import SweepParameter
 
 # processor time of a preview with its picture, and memory of its process: all stars of the gallery with three
@@ -75,7 +75,7 @@ def sweep_cost(
 def _stars(design: Design) -> int:
     """Number of stars; 0 if the design that is varied cannot be laid out itself."""
     try:
-        return len(print_layout(design).centres)
+        return len(layout(design).centres)
     except Error:
         return 0
 
@@ -85,7 +85,7 @@ def _motif_cells(design: Design) -> int:
     from asterism.homogenize.campaign.design_plan import plan_for_design  # it loads the exact model
 
     try:
-        plan, sheet = plan_for_design(design), print_layout(design)
+        plan, sheet = plan_for_design(design), layout(design)
         return len(plan.tasks_for_sizes(plan.sizes_on(design, sheet)))
     except Error:
         return 1

@@ -11,8 +11,8 @@ from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_S
 from asterism.exact.simulation import exact_shape, shared_search
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.run import preview
 from asterism.process.listeners import Say, ignore_line
@@ -79,7 +79,7 @@ def simulate(
     if starts is not None or near is not None:
         return exact_shape(design, backend, report, say, 1 if starts is None else starts, near)
     tell = say or ignore_line
-    plan = print_layout(design)
+    plan = layout(design)
     shared = shared_search(design, plan)
     released = exact_shape(design, backend, report, say, plan=plan, shared=shared)
     if plan.drawn is not None:  # the flat print is the only start of drawn rods

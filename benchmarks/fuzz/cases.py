@@ -172,7 +172,7 @@ def _exact_is_small(name: str, folder: Path, edge_mm: str = "") -> bool:
     from asterism.cli.common.options import with_overrides
     from asterism.equilibrium.errors import Error
     from asterism.exact.cost import exact_cost
-    from asterism.pattern.layout.load_design import load_design
+    from asterism.pattern.layout.build import load_design
 
     try:
         changed = {"--edge": ("mesh.edge_mm", float(edge_mm))} if edge_mm else {}

@@ -27,8 +27,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.layout.build import layout as layout_of
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 
 # Mesh edges between adjacent stars: natural curvatures of plates are then within 1 % of their limit for tight stars,
 # and within 5 % for slack ones, which hardly curl.
@@ -66,7 +66,7 @@ def plan_for_design(
     """
     if (refused := without_law(design)) is not None:
         raise refused
-    sheet = layout or print_layout(design)
+    sheet = layout or layout_of(design)
     if design.rods is None and not sheet.has_stars:
         raise DesignError("stars", "must be at least one: bare fabric needs no law")
     empty = LawPlan(design, _groups(design), (), 0.0)

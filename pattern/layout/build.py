@@ -2,31 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.arguments import check_type
-from asterism.pattern.design.border import Border
+from asterism.pattern.design.border import Border, Hole
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import NEEDS_STARS_ALONE, BlankSheetError, DesignError
+from asterism.pattern.design.errors import BlankSheetError, DesignError
+from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
-from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.stars import MIN_ARM_MM
-from asterism.pattern.geometry.planar import inside
+from asterism.pattern.geometry.planar import distance_to_outline, inside, polygon_area
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.pin_conflicts import check_conflicts, check_reach
-from asterism.pattern.layout.pin_placement import pin_set, snapped_to_arms
+from asterism.pattern.layout.pin_placement import pin_set, snapped_to_lines
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm
 from asterism.pattern.layout.star_sizes import star_sizes
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.arms import check_clear, cut
+from asterism.pattern.rods.graph import RodGraph
 
-KEPT_OUTLINES = 8
+if TYPE_CHECKING:
+    from asterism.pattern.rods.drawn_graph import DrawnPattern
+
 # largest distance of the curved edge of a hole from its straight pieces, on sheets of stars; drawings have their own
 HOLE_CURVE_MM = 0.005
 # vertices of the exact model's mesh
@@ -38,7 +45,7 @@ MEETING_TOLERANCE_SPACINGS = 1e-6
 
 
 def layout(design: Design) -> Layout:
-    """The layout of a design: all that is printed, and where the sheet is supported.
+    """The layout of a design with stars, with drawn rods, or with both: all that is printed, and where it is supported.
 
     Every model begins here. So arguments that are not designs are refused here.
 
@@ -55,21 +62,69 @@ def layout(design: Design) -> Layout:
     >>> sheet = layout(design)
     >>> len(sheet.centres), len(sheet.arm_tip), round(sheet.spacing_mm, 2)
     (7, 21, 17.32)
+    >>> lines = [{"line_mm": [(-30, y), (30, y)]} for y in (-10, 0, 10)]
+    >>> sheet = layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (62, 30)}}))
+    >>> len(sheet.graph.rods), len(sheet.centres), round(sheet.spacing_mm, 2)
+    (3, 0, 10.33)
     """
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
+    if design.rods is None:
+        return _of_stars(design)
+    from asterism.pattern.rods.drawn_graph import drawn_pattern  # slow to import; designs of stars do without it
+
+    corners = None if design.border.rods is not None else sheet_outline(design)
+    drawn = drawn_pattern(design.rods, design.border, design.lattice, corners)
+    if design.stars is not None:
+        return _with_stars(design, drawn)
+    scale = float(abs(polygon_area(drawn.outline)) / drawn.graph.total_length)
+    check_mesh_size(design.usual_edge_mm, drawn.outline)
+    return Layout(
+        outline=drawn.outline,
+        pins=_pins(design, drawn.outline, drawn.holes, drawn.graph.nodes, _lines(drawn.graph)),
+        lattice_vectors=design.lattice.vectors if design.rods.motif else scale * np.eye(2),
+        lattice_origin=np.asarray(design.lattice.origin_mm, dtype=float),
+        drawn=drawn.graph,
+        rim=drawn.rim,
+        holes=drawn.holes,
+        hole_rims=drawn.hole_rims,
+    )
+
+
+def load_design(path: str | Path) -> Design:
+    """Read a design from a TOML or JSON file and check its geometry.
+
+    Parameters
+    ----------
+    path : file ending in .toml or .json. Pictures are looked up in its folder.
+
+    Raises
+    ------
+    DesignError
+        The file cannot be read, a section has a mistake, or the sheet cannot be laid out. The message names the file,
+        the field and its value.
+    """
+    path = Path(path)
+    design = Design.from_dict(read_table(path), path.parent, path)
+    try:
+        layout(design)
+    except DesignError as error:
+        raise error.within(path) from None
+    return design
+
+
+def _of_stars(design: Design) -> Layout:
+    """The layout of the stars alone."""
     lattice, stars = design.lattice, design.required_stars
-    if design.rods is not None:
-        raise DesignError("rods", NEEDS_STARS_ALONE)
-    corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
-    holes = tuple(hole.copy() for hole in _kept_holes(design.border, lattice))
-    # first the stars: a sheet with too many of them also has too many vertices
-    cells = _kept_cells(design.border, lattice).copy()
-    _check_mesh(design.usual_edge_mm, design.border, lattice)
+    corners, holes, cells = _kept_sheet(design.border, lattice)
+    if design.usual_edge_mm > lattice.spacing_mm:
+        allowed = f"must be at most the spacing of the stars, {lattice.spacing_mm:g}"
+        raise DesignError("mesh.edge_mm", allowed, design.usual_edge_mm)
+    check_mesh_size(design.usual_edge_mm, corners)
     if len(cells) == 0:
         margin = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
         raise BlankSheetError("border", f"must have room for at least one star, {margin}")
     centres = lattice.sites.place(cells)
-    _check_tip_margin(design.border, lattice)
+    _check_tip_margin(design.border.tip_margin_mm, corners, centres)
     directions = lattice.arm_directions
     sizes = star_sizes(stars, cells, lattice)
 
@@ -103,16 +158,11 @@ def layout(design: Design) -> Layout:
     meeting = MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm
     check_clear(centres[star], tips, star, width, meeting)
 
-    placed = _placed_pins(design.pins, design.border, lattice)
-    pins = tuple(snapped_to_arms(pin, corners, centres[star], tips) for pin in placed)
-    if all(pin is place for pin, place in zip(pins, placed, strict=True)):
-        _check_placed_pins(design.pins, design.border, lattice)
-    else:
-        check_pins(pins, corners, holes)
-    pins = tuple(replace(pin, points=pin.points.copy()) for pin in pins)
+    lines = shapely.linestrings(np.stack([centres[star], tips], axis=1))
+    pins = _pins(design, corners, holes, np.concatenate([centres[star], tips]), lines)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
-        outline=corners,
+        outline=corners.copy(),  # layouts own their arrays
         centres=centres[kept],
         arm_star=star,
         arm_tip=tips,
@@ -124,12 +174,84 @@ def layout(design: Design) -> Layout:
         lattice_origin=np.asarray(lattice.origin_mm),
         star_branch=sizes.branch[kept],
         star_number=kept,
-        sheet_sites=cells,
+        sheet_sites=cells.copy(),
         site_sizes_mm=sizes.at_centres,
         ignored_sites=sizes.ignored_sites,
         meeting_mm=meeting,
-        holes=holes,
+        holes=tuple(hole.copy() for hole in holes),
     )
+
+
+def _pins(
+    design: Design, corners: Floats, holes: Sequence[Floats], ends: Floats, lines: NDArray[np.object_]
+) -> tuple[PinSet, ...]:
+    """The pins of a design, those beside lines or their ends (n, 2) mm moved there."""
+    sets = [pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
+    pins = tuple(snapped_to_lines(pin, corners, ends, lines) for pin in sets)
+    for number, pin in enumerate(pins):
+        for hole in holes:
+            in_hole = inside(pin.points, hole) & (distance_to_outline(pin.points, hole) > ON_EDGE_MM)
+            if in_hole.any():
+                place = pin.points[int(in_hole.argmax())]
+                problem = "must be on the sheet, not in a hole"
+                raise DesignError(f"pins[{number}]", problem, place.round(4).tolist(), place_mm=place)
+    if pins:
+        edges = SheetEdges.of(corners, holes)
+        check_conflicts(pins, edges)
+        check_reach(pins, edges)
+    return pins
+
+
+def _lines(graph: RodGraph) -> NDArray[np.object_]:
+    """(R,) the rods for shapely."""
+    return np.array([shapely.LineString(rod.points) for rod in graph.rods])
+
+
+def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
+    """The layout of stars beside drawn rods. They do not touch each other."""
+    changes: dict[str, object] = {"holes": tuple(Hole(polygon_mm=ring.tolist()) for ring in drawn.holes), "rods": None}
+    if design.border.rings is None:
+        corners = tuple((float(x), float(y)) for x, y in drawn.outline)
+        changes |= {"rectangle_mm": None, "polygon_mm": corners}
+    border = design.border.model_copy(update=changes)
+    alone = _of_stars(design.model_copy(update={"rods": None, "border": border, "pins": ()}))
+    arms = alone.graph
+    _check_beside(arms, drawn.graph)
+    count = len(arms.nodes)
+    moved = tuple(replace(rod, start=rod.start + count, end=rod.end + count) for rod in drawn.graph.rods)
+    graph = RodGraph(np.concatenate([arms.nodes, drawn.graph.nodes]), (*arms.rods, *moved), arms.paired)
+    first = len(arms.rods)
+    return replace(
+        alone,
+        outline=drawn.outline,
+        pins=_pins(design, drawn.outline, drawn.holes, graph.nodes, _lines(graph)),
+        drawn=graph,
+        rim=tuple(rod + first for rod in drawn.rim),
+        holes=drawn.holes,
+        hole_rims=tuple(tuple(rod + first for rod in rim) for rim in drawn.hole_rims),
+    )
+
+
+def _check_beside(stars: RodGraph, drawn: RodGraph) -> None:
+    """Refuse arms of stars nearer to drawn rods than half the sum of their widths.
+
+    Raises
+    ------
+    DesignError
+        The message names the star, the rod and the place.
+    """
+    arms, lines = _lines(stars), _lines(drawn)
+    widest = max(float(rod.width.max()) for rod in (*stars.rods, *drawn.rods))
+    near_arm, near_line = shapely.STRtree(lines).query(arms, predicate="dwithin", distance=widest)
+    for i, j in zip(near_arm, near_line, strict=True):
+        arm, rod = stars.rods[i], drawn.rods[j]
+        gap = float(shapely.distance(arms[i], lines[j]))
+        if gap < 0.5 * (arm.width.max() + rod.width.max()):
+            place = shapely.get_coordinates(shapely.shortest_line(arms[i], lines[j])).mean(axis=0)
+            at, centre = (f"[{x:.2f}, {y:.2f}]" for x, y in (place, arm.points[0]))
+            what = "crosses" if gap == 0.0 else f"is {gap:.2f} mm from"
+            problem = f"an arm of the star at {centre} {what} {rod.name} at {at}: shorten it, remove the star, or move"
+            raise DesignError("stars", f"{problem} the line", stars=[arm.group], place_mm=place)
 
 
 def sheet_outline(design: Design) -> Floats:
@@ -140,7 +262,7 @@ def sheet_outline(design: Design) -> Floats:
     DesignError
         The outline does not fit the lattice, or is too large.
     """
-    return _kept_outline(design.border, design.lattice).copy()
+    return outline(design.border, design.lattice)
 
 
 def sheet_sites(design: Design) -> Ints:
@@ -151,89 +273,34 @@ def sheet_sites(design: Design) -> Ints:
     DesignError
         The outline does not fit the lattice, or is too large.
     """
-    return _kept_cells(design.border, design.lattice).copy()
+    return _kept_sheet(design.border, design.lattice)[2].copy()
 
 
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _kept_outline(border: Border, lattice: Lattice) -> Floats:
-    """`outline`, kept for edits, which change stars far more often than outlines."""
-    return outline(border, lattice)
+@lru_cache(maxsize=8)
+def _kept_sheet(border: Border, lattice: Lattice) -> tuple[Floats, tuple[Floats, ...], Ints]:
+    """The outline, the holes and the sites of the stars, kept for edits, which rarely change them."""
+    corners, holes = outline(border, lattice), ()
+    if border.holes:
+        from asterism.pattern.rods.hole_rings import check_holes, hole_rings  # slow to import; most designs have none
+
+        rings = hole_rings(border, HOLE_CURVE_MM)
+        check_holes(rings, corners, border.tip_margin_mm)
+        holes = tuple(ring for _, ring in rings)
+    return corners, holes, star_cells(border, lattice, corners, holes)
 
 
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _kept_cells(border: Border, lattice: Lattice) -> Ints:
-    """`star_cells`, kept for edits."""
-    return star_cells(border, lattice, _kept_outline(border, lattice), _kept_holes(border, lattice))
-
-
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _kept_holes(border: Border, lattice: Lattice) -> tuple[Floats, ...]:
-    """The edges of the holes, kept for edits."""
-    if not border.holes:
-        return ()
-    from asterism.pattern.rods.hole_rings import check_holes, hole_rings  # slow to import; most designs do without it
-
-    rings = hole_rings(border, HOLE_CURVE_MM)
-    check_holes(rings, _kept_outline(border, lattice), border.tip_margin_mm)
-    return tuple(ring for _, ring in rings)
-
-
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tuple[PinSet, ...]:
-    """The pins where the design places them, kept for edits."""
-    corners, holes = _kept_outline(border, lattice), _kept_holes(border, lattice)
-    return tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
-
-
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _check_placed_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> None:
-    """The checks of pins that are not moved onto arms."""
-    check_pins(_placed_pins(pins, border, lattice), _kept_outline(border, lattice), _kept_holes(border, lattice))
-
-
-def check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, ...] = ()) -> None:
-    """Refuse pins in holes, that contradict each other or pull too far, on a sheet with the outline (B, 2) mm."""
-    for number, pin in enumerate(pins):
-        in_hole = [point for point in pin.points if any(_in_hole(point, hole) for hole in holes)]
-        if in_hole:
-            problem = "must be on the sheet, not in a hole"
-            raise DesignError(f"pins[{number}]", problem, in_hole[0].round(4).tolist(), place_mm=in_hole[0])
-    edges = SheetEdges.of(corners, holes)
-    check_conflicts(pins, edges)
-    check_reach(pins, edges)
-
-
-def _in_hole(point: Floats, hole: Floats) -> bool:
-    """Whether a point (2,) mm is in a hole (n, 2) and not on its edge."""
-    on_edge = shapely.distance(shapely.linearrings(hole), shapely.points(point)) < ON_EDGE_MM
-    return bool(inside(point[None], hole)[0]) and not on_edge
-
-
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _check_tip_margin(border: Border, lattice: Lattice) -> None:
+def _check_tip_margin(margin: float, corners: Floats, centres: Floats) -> None:
     """Refuse a margin in which whole stars would disappear."""
-    corners, margin = _kept_outline(border, lattice), border.tip_margin_mm
-    centres = lattice.sites.place(_kept_cells(border, lattice))
-    distance = shapely.distance(shapely.linearrings(corners), shapely.points(centres))
-    room = float(distance.min())
-    if margin >= room:
-        problem = f"must be below {room:.4g} mm, the distance of the outermost star from the outline"
-        star = int(distance.argmin())
+    distance = distance_to_outline(centres, corners)
+    star = int(distance.argmin())
+    if margin >= distance[star]:
+        problem = f"must be below {distance[star]:.4g} mm, the distance of the outermost star from the outline"
         raise DesignError("border.tip_margin_mm", problem, margin, stars=[star], place_mm=centres[star])
 
 
 def _shortened(ends: Floats, part: Floats) -> Floats:
     """(A, 2) sizes at both ends of arms of which a part (A,) remains; `ends` (A, 2) are those of the whole arms."""
     return np.column_stack([ends[:, 0], ends[:, 0] + part * (ends[:, 1] - ends[:, 0])])
-
-
-@lru_cache(maxsize=KEPT_OUTLINES)
-def _check_mesh(edge: float, border: Border, lattice: Lattice) -> None:
-    """Refuse mesh edges longer than the spacing, or too short for the memory of a computer."""
-    corners, spacing = _kept_outline(border, lattice), lattice.spacing_mm
-    if edge > spacing:
-        raise DesignError("mesh.edge_mm", f"must be at most the spacing of the stars, {spacing:g}", edge)
-    check_mesh_size(edge, corners)
 
 
 def mesh_vertices(edge: float, corners: Floats) -> float:

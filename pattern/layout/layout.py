@@ -52,15 +52,15 @@ class Layout:
     """
 
     outline: Float[np.ndarray, "B 2"]
-    centres: Float[np.ndarray, "S 2"]
-    arm_star: Int[np.ndarray, " A"]
-    arm_tip: Float[np.ndarray, "A 2"]
-    arm_thickness: Float[np.ndarray, "A 2"]
-    arm_width: Float[np.ndarray, "A 2"]
-    neighbours: Int[np.ndarray, "N 2"]
     pins: tuple[PinSet, ...]
     lattice_vectors: Float[np.ndarray, "2 2"]
     lattice_origin: Float[np.ndarray, " 2"]
+    centres: Float[np.ndarray, "S 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    arm_star: Int[np.ndarray, " A"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    arm_tip: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    arm_thickness: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    arm_width: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    neighbours: Int[np.ndarray, "N 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     star_branch: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     star_number: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))

@@ -26,8 +26,8 @@ def off_sheet_mm(layout: Layout, vertices: int) -> float:
     Examples
     --------
     >>> from asterism.pattern.gallery import load
-    >>> from asterism.pattern.layout.print_layout import print_layout
-    >>> round(off_sheet_mm(print_layout(load("dome")), 3781), 2)
+    >>> from asterism.pattern.layout.build import layout
+    >>> round(off_sheet_mm(layout(load("dome")), 3781), 2)
     0.35
     """
     return float(OFF_SHEET_EDGES * np.sqrt(layout.area_mm2 / vertices))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,7 @@ PIN_TOLERANCE_MM = 0.25
 _NO_POINTS: Floats = np.empty((0, 2))
 
 
-def pin_set(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...] = ()) -> PinSet:
+def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = ()) -> PinSet:
     """The pins of one entry of `[[pins]]`.
 
     Parameters
@@ -62,7 +63,7 @@ def _curve(target: Floats, edges: tuple[int, ...], corners: Floats, name: str) -
     return SupportCurve.through(chain, np.concatenate([target, target[:1]]) if is_closed else target)
 
 
-def _selected(pins: Pins, corners: Floats, name: str, holes: tuple[Floats, ...]) -> tuple[Floats, tuple[int, ...]]:
+def _selected(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats]) -> tuple[Floats, tuple[int, ...]]:
     """Points (P, 2) and edges that an entry selects."""
     count = len(corners)
     if pins.where == "border":
@@ -118,24 +119,6 @@ def _snapped_to_ring(points: Floats, corners: Floats, tolerance: float) -> Float
     corner = corners[distance.argmin(axis=1)]
     at_corner = distance.min(axis=1) <= tolerance
     return np.where(at_corner[:, None], corner, np.where(beside[:, None], feet, points))
-
-
-def snapped_to_arms(pins: PinSet, corners: Floats, centres: Floats, tips: Floats) -> PinSet:
-    """The same pins; points beside a star's centre, a tip or an arm are moved onto it, except those on the outline.
-
-    Parameters
-    ----------
-    corners : (B, 2) mm, the outline.
-    centres, tips : (A, 2) mm, both ends of every arm.
-    """
-    # only arms that reach a pin count; most sheets have few of these
-    reach = float(np.linalg.norm(tips - centres, axis=1).max(initial=0.0)) + PIN_TOLERANCE_MM
-    near = (np.linalg.norm(centres[:, None] - pins.points, axis=2) <= reach).any(axis=1)
-    centres, tips = centres[near], tips[near]
-    if not len(centres):
-        return pins
-    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
-    return snapped_to_lines(pins, corners, np.concatenate([centres, tips]), arms)
 
 
 def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray[np.object_]) -> PinSet:

@@ -10,13 +10,13 @@ import pytest
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import moved_state
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
 
 def model(edge_mm: float = 4.0, **data: Any) -> DiscreteModel:
     design = Design.from_dict({"border": {"rectangle_mm": [60.0, 40.0]}, "mesh": {"edge_mm": edge_mm}, **data})
-    plan = print_layout(design)
+    plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, edge_mm))
 
 
@@ -51,7 +51,7 @@ def test_stars_drawn_as_a_motif_are_stars_up_to_the_junction() -> None:
     for pattern in ({"rods": {"motif": motif}}, {"stars": {"length_mm": 9.0}}):
         border = {"rectangle_mm": [24.0, 24.0], "star_margin_mm": 5.0}
         design = Design.from_dict({"border": border, **pattern, "lattice": {"spacing_mm": 40.0}})
-        plan = print_layout(design)
+        plan = layout(design)
         models.append(DiscreteModel(design, plan, mesh_layout(plan, 4.0, "delaunay")))
         energies.append(models[-1].energies(models[-1].printed_state()))
     drawn, stars = models

@@ -7,8 +7,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import layout, load_design
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}

@@ -12,7 +12,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.sizing.profiles import PROFILES
 from asterism.pattern.design.stars import Override
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.print_layout import print_layout
 
 TEXT = (Path(__file__).parents[2] / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
 WHOLE, OVERRIDE, RODS, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
@@ -25,7 +24,7 @@ def test_example():
 
 
 def test_example_of_rods():
-    sheet = print_layout(Design.from_dict(tomllib.loads(RODS)))
+    sheet = layout(Design.from_dict(tomllib.loads(RODS)))
     assert len(sheet.rim) == 2 and {rod.name for rod in sheet.graph.rods} == {"rim", "rib"}
 
 

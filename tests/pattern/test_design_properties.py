@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import layout, load_design
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 

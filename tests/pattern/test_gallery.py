@@ -10,9 +10,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import save_design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.mesh.meshing import mesh_layout
 
 FRAME_MM = 260
@@ -73,7 +71,7 @@ def test_drawn_pattern(name, tmp_path):
     text = gallery.path(name).read_text(encoding="utf-8")
     comment = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
     assert design.name == name and "Chosen:" in comment and re.search(r"\b20[12]\d\b|Varinlioglu", comment)
-    sheet = print_layout(design)
+    sheet = layout(design)
     assert np.ptp(sheet.outline, axis=0).max() <= FRAME_MM and sheet.drawn is not None
     assert len(mesh_layout(sheet, 2.0).points) < 2500
     save_design(design, tmp_path / "again.toml")

@@ -14,7 +14,7 @@ from asterism.discrete.model.system import System
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import rest_curvature
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.shape.shape import Shape
 from tests.validation.rods import Material, solve
@@ -31,7 +31,7 @@ def test_a_bilayer_ring_turns_its_section_by_the_angle_of_least_energy(
     rods = {"draw": [{"name": "rim", "circle_mm": {"radius": RADIUS_MM}}], "thickness_mm": thickness, "width_mm": width}
     plastic = {"rest_curvature": "none", "kappa_bar_per_mm": kappa}
     design = Design.from_dict({"rods": rods, "border": {"rods": "rim"}, "plastic": plastic})
-    plan = print_layout(design)
+    plan = layout(design)
     model = DiscreteModel(design, plan, mesh_layout(plan, EDGE_MM))
     path = model.mesh.rods[0][:-1]
     n, third = model.n_vertices, len(path) // 3
@@ -116,7 +116,7 @@ def test_stars_written_as_a_motif_are_stars() -> None:
     motif = Design.from_dict(
         common | {"rods": {"motif": arms, "thickness_mm": 0.4}, "border": {"rectangle_mm": (45.0, 22.0)}}
     )
-    one, other = (print_layout(each) for each in (stars, motif))
+    one, other = (layout(each) for each in (stars, motif))
     ends = one.arm_tip, np.array([rod.points[-1] for rod in other.graph.rods])
     np.testing.assert_allclose(*(np.array(sorted(map(tuple, tips.round(6)))) for tips in ends), atol=1e-6)
     first, second = (exact_shape(each).summary for each in (stars, motif))

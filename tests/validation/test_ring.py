@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from tests.validation.rods import Material
 
@@ -36,7 +36,7 @@ def ring(width: float, thickness: float) -> DiscreteModel:
         "mesh": {"edge_mm": EDGE_MM},
     }
     design = Design.from_dict(data)
-    plan = print_layout(design)
+    plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, EDGE_MM))
 
 

@@ -131,7 +131,7 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
     from asterism.pattern.design.design import Design
     from asterism.pattern.design.entries import with_entries
     from asterism.pattern.design.errors import DesignError
-    from asterism.pattern.layout.print_layout import print_layout
+    from asterism.pattern.layout.build import layout
 
     data = design.to_dict()
     given = {option: entry for option, entry in options.items() if entry[1] is not None}
@@ -146,7 +146,7 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
         if "--tolerance" in given and new.mesh_edge_mm is not None:
             plates = "plate and consistent have one; --edge sets the mesh of others"
             raise Mistake(f"--tolerance: not for fabric.bending = {new.fabric.bending!r}: {plates}")
-        print_layout(new)
+        layout(new)
     except DesignError as error:
         for option, (field, _) in given.items():
             if field == error.field:

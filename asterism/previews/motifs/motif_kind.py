@@ -14,8 +14,8 @@ from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.law_choice import serving_law
@@ -76,7 +76,7 @@ class MotifKind(PatternKind):
         """Designs without a law are refused here, before anything is computed."""
         if (refused := without_law(design)) is not None:
             raise refused
-        return print_layout(design)
+        return layout(design)
 
     def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law[Any]:
         return serving_law(design, plan, known, say)

@@ -83,12 +83,12 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
     --------
     Lines 5 mm apart, of which the outermost are 4 mm from two sides and end at the others:
 
-    >>> from asterism.pattern.layout.print_layout import print_layout
+    >>> from asterism.pattern.layout.build import layout
     >>> lines = Design.from_dict({
     ...     "rods": {"motif": [{"line_mm": [(0, 0), (5, 0)]}]}, "lattice": {"kind": "square", "spacing_mm": 5.0},
     ...     "border": {"rectangle_mm": (40, 38)},
     ... })
-    >>> rims_of(lines, print_layout(lines), 2.5).moment_mm2.round(2).tolist()
+    >>> rims_of(lines, layout(lines), 2.5).moment_mm2.round(2).tolist()
     [4.79, 0.0, 4.79, 0.0]
     """
     small = small_holes(layout)

@@ -20,8 +20,7 @@ from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from asterism.print.profiles import load_printer

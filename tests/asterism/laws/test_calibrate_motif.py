@@ -15,8 +15,7 @@ from asterism.homogenize.law.law_file import law_bytes, load_law
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.laws import calibrate as module
 from asterism.laws.design_law import law_from_file
-from asterism.pattern.layout.load_design import load_design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import serving_law
 from tests.asterism.commands import Outcome, command
 from tests.homogenize import same_process
@@ -182,12 +181,12 @@ def test_without_a_file_the_cells_are_solved_once(tmp_path: Path, monkeypatch: p
     said: list[str] = []
     (tmp_path / "net.toml").write_text(design())
     sheet = load_design(tmp_path / "net.toml")
-    first, again = (serving_law(sheet, print_layout(sheet), None, said.append, made_up) for _ in range(2))
+    first, again = (serving_law(sheet, layout(sheet), None, said.append, made_up) for _ in range(2))
     assert said == ["learning this fabric: cell 1 of 1"] and law_bytes(first) == law_bytes(again)
     (tmp_path / "thin.toml").write_text(design("0.3"))
     thin = load_design(tmp_path / "thin.toml")
     with pytest.raises(LawError, match=r"^rods.motif: the motif has no law of one cell"):
-        serving_law(thin, print_layout(thin), respond=made_up)
+        serving_law(thin, layout(thin), respond=made_up)
 
 
 def test_a_motif_that_lies_on_its_copies_beside_the_sheet_is_refused_with_its_place_once(tmp_path: Path) -> None:
@@ -198,5 +197,5 @@ def test_a_motif_that_lies_on_its_copies_beside_the_sheet_is_refused_with_its_pl
     with pytest.raises(
         LawError, match=r"^rods: two lines named motif\[0\] lie on each other.*; use the exact"
     ) as refused:
-        serving_law(sheet, print_layout(sheet))
+        serving_law(sheet, layout(sheet))
     assert refused.value.field == "rods"

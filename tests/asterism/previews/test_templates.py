@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from asterism.pattern import gallery
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from asterism.previews.run import preview
 from asterism.print.bed_placement import size_warning
 

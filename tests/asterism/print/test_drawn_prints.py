@@ -15,8 +15,7 @@ import trimesh
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.drawing.read import read_drawing
-from asterism.pattern.layout.load_design import load_design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.rods.graph import RodGraph
 from asterism.print.export import export
 from asterism.print.formats.openscad import write_openscad
@@ -147,9 +146,9 @@ def test_middle_lines_are_read_again_within_a_micrometre(tmp_path: Path, suffix:
     layers = {"rim": {"thickness_mm": 0.6}, "rib": {"thickness_mm": 0.4}, "vein": {"thickness_mm": 0.4}}
     drawing = {"file": f"middle-lines.{suffix}", "width": "stroke", "layers": layers}
     rods = {"import": [drawing], "curve_mm": 0.0005}
-    again = print_layout(Design.from_dict({"rods": rods, "border": {"rectangle_mm": (90, 50)}}, tmp_path)).graph
+    again = layout(Design.from_dict({"rods": rods, "border": {"rectangle_mm": (90, 50)}}, tmp_path)).graph
     graph = load_design(tmp_path / "rounded.toml")
-    first = print_layout(graph).graph
+    first = layout(graph).graph
     corners = np.concatenate([rod.points for rod in first.rods])
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     assert same_graph(first, again, middle) < 1e-3

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from asterism.pattern.design.design import save_design
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from tests.asterism.commands import command
 from tests.asterism.print.exported import ALWAYS, PINNED, Run, mistake
 from tests.asterism.print.jobs import design

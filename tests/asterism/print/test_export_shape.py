@@ -10,8 +10,7 @@ import pytest
 import asterism
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import save_design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import layout, load_design
 from asterism.print.export import export, printed_shape, shape_change
 from tests.asterism.print.exported import ALWAYS, PINNED, SHAPE, Run, mistake
 from tests.asterism.print.jobs import design, job

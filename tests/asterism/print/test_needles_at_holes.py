@@ -7,7 +7,7 @@ import pytest
 
 from asterism.draw.pin_marks import pin_marks
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.print.needles import needles
 from asterism.shape.shape import Shape
@@ -19,7 +19,7 @@ HOLES = [{"circle_mm": {"centre": [-9, 0], "radius": 6}}, {"polygon_mm": [[5, -5
 def test_needles_and_marks_go_around_holes() -> None:
     border = {"rectangle_mm": (40.0, 40.0), "holes": HOLES}
     pins = [{"holes": [0, 1], "scale": 0.9, "offset_mm": [0.0, 0.0, 5.0]}]
-    plan = print_layout(Design.from_dict({"rods": {"draw": LINES}, "border": border, "pins": pins}))
+    plan = layout(Design.from_dict({"rods": {"draw": LINES}, "border": border, "pins": pins}))
     placed = needles(plan, 5.0)
     printed = np.array([needle.printed for needle in placed])
     on_circle = np.abs(np.linalg.norm(printed - [-9.0, 0.0], axis=1) - 6.0) < 0.05

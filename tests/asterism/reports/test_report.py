@@ -10,7 +10,7 @@ import pypdfium2
 import pytest
 
 from asterism.homogenize.law.law_file import PAPER_LAW, load_law
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from asterism.previews.run import preview
 from asterism.reports.design_page import LAYOUT_AT, LAYOUT_MM
 from asterism.reports.write_results import write_results

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.files import read_table
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from asterism.studio.autosave import autosaves
 from asterism.studio.design_file import edited_text
 from asterism.studio.document import Document

@@ -11,7 +11,7 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.sizing.profiles import LinearProfile, PictureProfile
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.studio.document import Document
 from asterism.studio.painted_field import STEP_MM, Brush, PaintedField
 from asterism.studio.requests import RequestError, read_request
@@ -114,7 +114,7 @@ def test_rods_have_what_is_painted_and_the_saved_file_gives_the_same(grid: Docum
     grid.save()
     text = grid.path.read_text(encoding="utf-8")
     assert len(text) < 4000 and "painted in the studio" in text
-    again = print_layout(Design.from_dict(Document.open(grid.path).table))
+    again = layout(Design.from_dict(Document.open(grid.path).table))
     assert np.array_equal(np.concatenate([rod.thickness for rod in again.drawn_rods]), thickness)
 
 

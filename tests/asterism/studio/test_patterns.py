@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.previews.motifs import motif_kind
 from asterism.studio.document import Document
 from asterism.studio.messages import Edit, Limits, Rested, ShownMesh
@@ -67,7 +67,7 @@ def test_ribbons_follow_curves_and_taper(tmp_path: Path) -> None:
         "rods": {"draw": [{"circle_mm": {"radius": 10.0}}], "width_mm": {"formula": "1.5 + 0.02*x"}},
         "border": {"rectangle_mm": (24, 24)},
     }
-    sheet = print_layout(Design.from_dict(table))
+    sheet = layout(Design.from_dict(table))
     stations = ribbon_stations(sheet)
     assert (stations.site == NO_SITE).all() and len(stations.site) == 13  # of 5 mm at most
     assert np.linalg.norm(stations.points, axis=-1) == pytest.approx(np.full(stations.width.shape, 10.0), abs=0.01)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from asterism.pattern import gallery
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 from asterism.studio.examples import MAX_FILES
 from asterism.studio.file_names import shown_path
 from asterism.studio.studio import Studio

@@ -14,8 +14,8 @@ from asterism.discrete.release.mesh_error import ORDER, change_percent, mesh_err
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.records.exact import mesh_error_in_words
 from asterism.shape.comparison import compare_shapes
@@ -71,7 +71,7 @@ def end_of(design: Design, plan: Layout, edge: float, height: float, turn: float
 def test_supported_sheets_differ_as_their_supports_hold_them(pins: list[object], is_free: bool) -> None:
     """A shape that has turned is another one if the supports fix it, and the same if they are free."""
     design = Design.from_dict(plate_sheet().to_dict() | {"pins": pins})
-    plan = print_layout(design)
+    plan = layout(design)
     fine, coarse = end_of(design, plan, 2.5, 5.0, 0.0), end_of(design, plan, 5.0, 5.0, 0.1)
     change = change_percent(*coarse, *fine)
     assert (change < 0.1) is is_free and (change > 1.0) is not is_free
@@ -81,12 +81,12 @@ def test_supported_sheets_differ_as_their_supports_hold_them(pins: list[object],
 
 def test_the_ladder_makes_finer_meshes_when_they_are_needed() -> None:
     design = plate_sheet()
-    ladder = Ladder(design, print_layout(design))
+    ladder = Ladder(design, layout(design))
     assert len(ladder.models) == 1 and ladder.tolerance_percent == 1.0
     assert ladder.finer_than(0) and ladder.finer_than(1) and len(ladder.models) == 3
     assert np.allclose(np.divide(ladder.edges[:-1], ladder.edges[1:]), EDGE_RATIO)
     given = plate_sheet(edge_mm=3.0)
-    single = Ladder(given, print_layout(given))
+    single = Ladder(given, layout(given))
     assert single.tolerance_percent is None and single.edges[-1] == 3.0
     assert not single.finer_than(len(single.models) - 1)
 
@@ -95,7 +95,7 @@ def test_the_ladder_makes_finer_meshes_when_they_are_needed() -> None:
 def test_the_search_ends_within_its_tolerance_and_the_error_is_as_stated() -> None:
     fine = exact_shape(plate_sheet(tolerance_percent=0.1))
     coarse = exact_shape(plate_sheet(tolerance_percent=3.0))
-    plan = print_layout(plate_sheet())
+    plan = layout(plate_sheet())
     for shape, tolerance in ((fine, 0.1), (coarse, 3.0)):
         s = shape.summary
         assert s["is_minimum"] and s["mesh_error_percent"] <= s["mesh_tolerance_percent"] == tolerance

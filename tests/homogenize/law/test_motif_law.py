@@ -15,7 +15,7 @@ from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.motif_law import MotifLaw, MotifValues
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout as layout_of
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import learned_law, made_up
 from tests.homogenize.motifs import grid
@@ -204,7 +204,7 @@ def test_sizes_that_vary_together_need_only_cells_around_them(
     """Half of the grid here; other nodes follow from these, which changes the law by half a percent at most."""
     thickness = WIDTH | {"from": 0.4, "to": 0.8}
     sheet = design(thickness, WIDTH | {"to": 2.0})
-    whole, layout = law_of(sheet, tmp_path, monkeypatch), print_layout(sheet)
+    whole, layout = law_of(sheet, tmp_path, monkeypatch), layout_of(sheet)
     tasks = whole.plan.tasks_for_sizes(whole.plan.sizes_on(sheet, layout))
     assert len(tasks) <= 0.55 * sum(not task.held_out for task in whole.plan.tasks())
     some = fit_law(whole.plan, run_campaign(whole.plan, tmp_path, respond=made_up, tasks=tasks))

@@ -11,7 +11,7 @@ from asterism.pattern.design import user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.material_files import material_files, material_path, own_material_path
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import load_design
 
 MATERIAL = """
 name = "soft"

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.load_design import load_design
+from asterism.pattern.layout.build import layout, load_design
 
 FINE = {"first_layer_mm": 0.2, "layer_mm": 0.1, "line_mm": 0.4}
 

@@ -476,7 +476,7 @@ def test_odd_names_of_layers(layer: str, tmp_path: Path) -> None:
 
 
 def test_paths_of_windows_get_a_hint(tmp_path: Path) -> None:
-    from asterism.pattern.layout.load_design import load_design
+    from asterism.pattern.layout.build import load_design
 
     text = '[stars]\nlength_mm = 7\n[border]\nfile = "C:\\users\\new\\leaf.svg"\n'
     with pytest.raises(tomllib.TOMLDecodeError):
@@ -487,8 +487,8 @@ def test_paths_of_windows_get_a_hint(tmp_path: Path) -> None:
 
 
 def test_a_drawing_in_metres_is_refused_in_one_line() -> None:
-    from asterism.pattern.layout.print_layout import print_layout
+    from asterism.pattern.layout.build import layout
 
     line = {"line_mm": [[0, 0], [0.08, 0], [0.08, 0.06], [0, 0.06]], "closed": True}
     with pytest.raises(DesignError, match=r"all lines are shorter than 0.6 mm: is the drawing in mm?"):
-        print_layout(Design.from_dict({"rods": {"draw": [line]}, "border": {"rectangle_mm": [40, 40]}}))
+        layout(Design.from_dict({"rods": {"draw": [line]}, "border": {"rectangle_mm": [40, 40]}}))

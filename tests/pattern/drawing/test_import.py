@@ -14,8 +14,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.drawing.read import read_drawing
 from asterism.pattern.drawing.records import DrawingError
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 
 INKSCAPE = 'xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
 SVG = f"""<svg {INKSCAPE} width="100mm" height="80mm" viewBox="0 0 100 80">
@@ -53,7 +53,7 @@ def dxf(folder: Path, units: int = 4, scale: float = 1.0) -> Path:
 
 def sheet(folder: Path, **entry: Any) -> Layout:
     data = {"rods": {"import": [entry]}, "border": {"rods": "rim"}}
-    return print_layout(Design.from_dict(data, folder))
+    return layout(Design.from_dict(data, folder))
 
 
 def test_svg_has_its_places_layers_and_widths(tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ def test_stroke_gives_the_width_and_a_saved_design_needs_no_file(tmp_path: Path)
     (tmp_path / "leaf.svg").unlink()
     again = Design.from_dict(design.to_dict(), tmp_path)
     assert again == design
-    widths = {rod.name: float(rod.width[0]) for rod in print_layout(again).graph.rods}
+    widths = {rod.name: float(rod.width[0]) for rod in layout(again).graph.rods}
     assert widths == pytest.approx({"rim": 1.6, "ribs": 1.2}, rel=1e-4)
 
 

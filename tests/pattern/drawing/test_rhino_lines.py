@@ -11,7 +11,7 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout as layout_of
 from tests.pattern.drawing.rhino_drawing import Drawing
 
 rhino3dm: Any = pytest.importorskip("rhino3dm")
@@ -29,14 +29,14 @@ def test_the_largest_closed_line_is_the_outline_and_those_within_are_holes(tmp_p
     drawing.polyline(SQUARE, "cut")
     drawing.saved(tmp_path)
     design = sheet(tmp_path)
-    layout = print_layout(design)
+    layout = layout_of(design)
     assert np.allclose(np.sort(layout.outline, axis=0)[[0, -1]], [[-60, -45], [60, 45]])
     (hole,) = layout.holes
     assert np.allclose(np.linalg.norm(hole, axis=1), 8.0, atol=1e-5)
     assert abs(polygon_area(hole)) == pytest.approx(np.pi * 64.0, rel=0.005)
     # saved designs need no file
     (tmp_path / "x.3dm").unlink()
-    assert print_layout(Design.from_dict(design.to_dict())).outline == pytest.approx(layout.outline)
+    assert layout_of(Design.from_dict(design.to_dict())).outline == pytest.approx(layout.outline)
 
 
 def test_units_origin_and_layer(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_curves_of_blocks_are_left_out(tmp_path: Path) -> None:
     ring = rhino3dm.Circle(rhino3dm.Point3d(60, 45, 0), 8.0).ToNurbsCurve()
     drawing.file.InstanceDefinitions.Add("block", "", "", "", rhino3dm.Point3d(0, 0, 0), (ring,), (drawing.on("cut"),))
     drawing.saved(tmp_path)
-    assert len(print_layout(sheet(tmp_path)).holes) == 0
+    assert len(layout_of(sheet(tmp_path)).holes) == 0
 
 
 def test_drawings_of_other_programs_are_outlines_too(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 
 RING = {"rods": {"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]}, "border": {"rods": "rim"}}
@@ -54,14 +54,14 @@ def flower(turn_deg: float, lobes: int = 5) -> dict[str, Any]:
 )
 def test_count(data: dict[str, Any], expected: tuple[int, int]) -> None:
     design = Design.from_dict(data)
-    found = symmetries(design, print_layout(design))
+    found = symmetries(design, layout(design))
     assert (len(found), sum(one.mirrors for one in found)) == expected
     np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
 
 
 def test_each_symmetry_maps_every_rod_onto_a_rod() -> None:
     design = Design.from_dict(flower(17.0))
-    plan = print_layout(design)
+    plan = layout(design)
     line = plan.graph.rods[0].points
     for motion in symmetries(design, plan):
         moved = line @ motion.turn.T + motion.shift
@@ -69,7 +69,7 @@ def test_each_symmetry_maps_every_rod_onto_a_rod() -> None:
 
 
 def test_sample_points_are_neighbours_on_the_sheet() -> None:
-    plan = print_layout(Design.from_dict(NET))
+    plan = layout(Design.from_dict(NET))
     assert len(plan.sample_points) == 25 and len(plan.sample_pairs) == 40
     steps = plan.sample_points[plan.sample_pairs[:, 1]] - plan.sample_points[plan.sample_pairs[:, 0]]
     np.testing.assert_allclose(np.linalg.norm(steps, axis=1), 10.0)

@@ -9,8 +9,8 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
 SQUARE = {"polygon_mm": [[5, 5], [12, 5], [12, 12], [5, 12]]}
@@ -20,7 +20,7 @@ LINES = [{"line_mm": [(-19, y), (19, y)]} for y in (-16, 0, 16)]
 
 def sheet(*pins: dict[str, Any], holes: tuple[dict[str, Any], ...] = (SQUARE, ROUND)) -> Layout:
     border = {"rectangle_mm": (40.0, 40.0), "holes": holes}
-    return print_layout(Design.from_dict({"rods": {"draw": LINES}, "border": border, "pins": pins}))
+    return layout(Design.from_dict({"rods": {"draw": LINES}, "border": border, "pins": pins}))
 
 
 def test_the_sheet_lies_to_the_left_of_every_edge() -> None:
@@ -56,7 +56,7 @@ def test_holes_have_the_order_of_the_design() -> None:
     ring = {"name": "window", "circle_mm": {"centre": [9, 9], "radius": 4}}
     border = {"rectangle_mm": (40.0, 40.0), "holes": [{"rods": "window"}, ROUND]}
     data = {"rods": {"draw": [*LINES, ring]}, "border": border, "pins": [{"holes": [0]}]}
-    plan = print_layout(Design.from_dict(data))
+    plan = layout(Design.from_dict(data))
     assert np.linalg.norm(plan.holes[0] - [9.0, 9.0], axis=1) == pytest.approx(4.0, abs=0.1)
     assert [len(rim) > 0 for rim in plan.hole_rims] == [True, False]
     mesh = mesh_layout(plan, 3.0)

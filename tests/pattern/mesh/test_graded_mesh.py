@@ -11,7 +11,7 @@ from asterism.discrete.energies.bending.plate_patches import patches
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout as layout_of
 from asterism.pattern.mesh.graded_mesh import MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE
 from asterism.pattern.mesh.grading import GRADED_EDGE_FACTOR, Grading
 from asterism.pattern.mesh.meshing import mesh_layout
@@ -95,7 +95,7 @@ def test_pins_stay():
     ],
 )
 def test_holes_and_turned_stars(more):
-    sheet = print_layout(Design.from_dict({"stars": {"length_mm": 8.0}, **more}))
+    sheet = layout_of(Design.from_dict({"stars": {"length_mm": 8.0}, **more}))
     even, mesh = (mesh_layout(sheet, 2.4, graded=graded) for graded in (False, True))
     assert mesh.kind == "delaunay" and finer_at_arms(even, mesh)
     assert smallest_angle(mesh) >= min(MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE * smallest_angle(even))
@@ -105,7 +105,7 @@ def test_holes_and_turned_stars(more):
 
 def test_drawn_rods_crowd_at_free_ends_only():
     lines = [{"line_mm": [[-20.0, 0.0], [20.0, 0.0]]}, {"line_mm": [[0.0, 0.0], [0.0, 20.0]]}]
-    sheet = print_layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (60.0, 60.0)}}))
+    sheet = layout_of(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (60.0, 60.0)}}))
     even, mesh = (mesh_layout(sheet, 2.5, graded=graded) for graded in (False, True))
     assert finer_at_arms(even, mesh)
     assert smallest_angle(mesh) >= MIN_GRADED_ANGLE_DEG

@@ -10,7 +10,7 @@ import pytest
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import triangle_areas
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from benchmarks.fuzz.mutations import mutated_table
 
@@ -49,7 +49,7 @@ def test_a_mutated_design_is_meshed_or_refused_in_one_line(first: int) -> None:
             table = mutated_table(table, rng, KEYS)
         try:
             design = Design.from_dict(table)
-            plan = print_layout(design)
+            plan = layout(design)
             if np.prod(np.ptp(plan.outline, axis=0)) / design.mesh.edge_mm**2 > MAX_VERTICES:
                 continue
             mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind)

@@ -7,7 +7,7 @@ from typing import Any
 
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import serving_law
 from tests.homogenize.motif_laws import made_up
 
@@ -29,6 +29,6 @@ def net(thickness: object = 0.4, **sections: Any) -> Design:
 
 
 def net_law(design: Design, known: MotifLaw | None = None, say: Callable[[str], None] = lambda text: None) -> MotifLaw:
-    law = serving_law(design, print_layout(design), known, say, made_up)
+    law = serving_law(design, layout(design), known, say, made_up)
     assert isinstance(law, MotifLaw)
     return law

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.previews.motifs.motif_cover import holes_within_cells, small_holes
 from asterism.previews.motifs.motif_sheet import motif_sheet_of
 from asterism.previews.motifs.rim_tension import rims_of
@@ -28,7 +28,7 @@ def lines(width: float, **hole: object) -> Design:
 
 def test_a_side_of_a_hole_pulls_as_a_side_of_the_outline_does() -> None:
     design = lines(38.0, polygon_mm=[[-8, -9], [8, -9], [8, 9], [-8, 9]])
-    moment = rims_of(design, print_layout(design), 2.5).moment_mm2
+    moment = rims_of(design, layout(design), 2.5).moment_mm2
     # rods are 4 mm from the outer sides and 1 mm from those of the hole; others end at the sides across
     assert moment[[0, 2]] == pytest.approx(4.79, abs=0.01) and not moment[[1, 3]].any()
     upper_and_lower = moment[4:][np.abs(moment[4:]) > 0.0]
@@ -38,7 +38,7 @@ def test_a_side_of_a_hole_pulls_as_a_side_of_the_outline_does() -> None:
 def test_fabric_around_a_hole_is_bare_and_the_sheet_weighs_what_is_printed() -> None:
     border = {"rectangle_mm": (60.0, 60.0), "holes": [ROUND], "tip_margin_mm": 6.0}
     design = net(border=border, gravity={"on": True}, fabric={"modulus_mpa": 0.7})
-    plan = print_layout(design)
+    plan = layout(design)
     sheet = motif_sheet_of(design, plan)
     assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
     away = np.linalg.norm(sheet.table.points, axis=-1)
@@ -60,7 +60,7 @@ def test_the_shape_is_certified_and_has_the_hole() -> None:
     with pytest.raises(ValueError, match="off the sheet"):
         shape.at(np.array([[0.0, 0.0]]))
     wider = net(border={"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": [0, 0], "radius": 8.5}}]})
-    assert not preview.state.sheet.is_same_print(wider, print_layout(wider))
+    assert not preview.state.sheet.is_same_print(wider, layout(wider))
     assert len(preview.update(wider).printed) > 0
 
 
@@ -81,11 +81,11 @@ def test_the_edge_of_a_hole_stands_where_its_pins_are() -> None:
 def test_a_hole_within_a_cell_has_no_rim_of_its_own_and_a_warning_if_it_cuts_rods() -> None:
     at_crossing, in_mesh = ({"circle_mm": {"centre": [x, x], "radius": 3}} for x in (5, 0))
     design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [in_mesh, at_crossing]})
-    plan = print_layout(design)
+    plan = layout(design)
     assert small_holes(plan) == [0, 1] and holes_within_cells(plan, design.border.tip_margin_mm) == [1]
     whole = net()
-    assert rims_of(design, plan, 5.0).moment_mm2 == pytest.approx(rims_of(whole, print_layout(whole), 5.0).moment_mm2)
-    wide = print_layout(net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]}))
+    assert rims_of(design, plan, 5.0).moment_mm2 == pytest.approx(rims_of(whole, layout(whole), 5.0).moment_mm2)
+    wide = layout(net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]}))
     assert not small_holes(wide) and len(rims_of(design, wide, 5.0).moment_mm2) == 4 + len(wide.holes[0])
 
 
@@ -105,7 +105,7 @@ def test_many_short_sides_have_the_moment_of_a_long_one_in_the_mean() -> None:
     moments = []
     for corners in (square[::26], square):
         design = net(border={"rectangle_mm": (60.0, 60.0), "holes": [{"polygon_mm": corners.tolist()}]})
-        moments.append(rims_of(design, print_layout(design), 5.0).moment_mm2[4:])
+        moments.append(rims_of(design, layout(design), 5.0).moment_mm2[4:])
     long, short = moments
     assert len(long) == 4 and len(short) == 104
     assert short.mean() == pytest.approx(long.mean(), rel=0.1)

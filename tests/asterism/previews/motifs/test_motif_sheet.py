@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from asterism.pattern.design.materials import Fabric
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.previews.motifs.motif_cover import MotifFieldValues, reach_mm
 from asterism.previews.motifs.motif_sheet import fabric_tension, motif_sheet_of
 from asterism.previews.motifs.rim_tension import to_first_rod
@@ -16,7 +16,7 @@ from tests.asterism.previews.motifs.nets import GRADED, net, net_law
 
 def test_the_fields_are_those_of_the_law_at_each_place() -> None:
     design = net(GRADED)
-    plan, law = print_layout(design), net_law(design)
+    plan, law = layout(design), net_law(design)
     sheet = motif_sheet_of(design, plan)
     fields = sheet.fields(MotifFieldValues.of(design, plan, law))
     x = sheet.table.points[..., 0].ravel()
@@ -30,13 +30,13 @@ def test_the_fields_are_those_of_the_law_at_each_place() -> None:
 def test_a_net_reaches_half_a_mesh_and_its_rim_belongs_to_it() -> None:
     design = net()
     assert reach_mm(design) == 5.0
-    sheet = motif_sheet_of(design, print_layout(design))
+    sheet = motif_sheet_of(design, layout(design))
     assert not sheet.bare.any()
 
 
 def test_a_wide_rim_is_bare_fabric() -> None:
     design = net(border={"rectangle_mm": (60.0, 60.0), "tip_margin_mm": 9.0})
-    plan = print_layout(design)
+    plan = layout(design)
     sheet = motif_sheet_of(design, plan, triangles=400)
     drawn = shapely.MultiLineString([rod.points for rod in plan.graph.rods])
     points = shapely.points(np.random.default_rng(0).uniform(-30.0, 30.0, (20000, 2)))
@@ -66,7 +66,7 @@ def test_fabric_as_printed_has_its_tension() -> None:
 def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
     """A net that is cut midway between its rods has the Gaussian modulus `-N d^2/24`."""
     design = net()
-    sheet = motif_sheet_of(design, print_layout(design))
+    sheet = motif_sheet_of(design, layout(design))
     assert sheet.rims.moment_mm2 == pytest.approx(4 * [100.0 / 24.0])
     tension = np.array([[2.0, 2.0, 0.0]])
     assert sheet.rims.gaussian(tension, np.array([[3.0, -4.0]])) == pytest.approx([-2.0 * 100.0 / 24.0])
@@ -74,7 +74,7 @@ def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
 
 def test_the_sheet_weighs_what_is_printed() -> None:
     design = net(GRADED, gravity={"on": True}, fabric={"modulus_mpa": 0.7})
-    plan = print_layout(design)
+    plan = layout(design)
     sheet = motif_sheet_of(design, plan)
     loads = sheet.loads()
     volume = sum(

@@ -11,7 +11,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature, rest_twist
-from asterism.pattern.layout.print_layout import print_layout
+from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
 RODS = ("rod_bending", "rod_twist", "rod_joints")
@@ -36,7 +36,7 @@ def model(lines: list[dict[str, Any]] = LINES, edge_mm: float = 0.5, **plastic: 
             "mesh": {"edge_mm": edge_mm},
         }
     )
-    plan = print_layout(design)
+    plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, edge_mm))
 
 

@@ -11,8 +11,8 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.print_layout import print_layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
 
@@ -41,25 +41,25 @@ def area(plan: Layout, edge: float = 3.0) -> float:
     ],
 )
 def test_the_mesh_leaves_holes_out(hole: dict[str, Any], within: float) -> None:
-    plan = print_layout(design(hole))
+    plan = layout(design(hole))
     missing = abs(polygon_area(plan.holes[0]))
     assert 95.0 < missing < 120.0 and 3600.0 - area(plan) == pytest.approx(missing, rel=within)
 
 
 def test_lines_are_cut_at_holes_as_at_the_outline() -> None:
-    plan = print_layout(design({"circle_mm": {"radius": 6.0}}))
+    plan = layout(design({"circle_mm": {"radius": 6.0}}))
     middle = [rod for rod in plan.graph.rods if rod.name == "line0"]
     ends = sorted(float(x) for rod in middle for x in rod.points[[0, -1], 0])
     assert ends == pytest.approx([-29.5, -6.5, 6.5, 29.5], abs=0.01)
     with pytest.raises(DesignError, match=r"line0 leaves the sheet at \[-?\d+\.\d+, 0\.00\]"):
         border = {"rectangle_mm": (100.0, 60.0), "holes": [{"circle_mm": {"radius": 6.0}}], "overhang": "refuse"}
-        print_layout(Design.from_dict({"rods": {"draw": LINES}, "border": border}))
+        layout(Design.from_dict({"rods": {"draw": LINES}, "border": border}))
 
 
 def test_a_printed_rim_is_the_edge_of_a_hole_and_meets_the_lines() -> None:
     window = {"name": "window", "circle_mm": {"centre": (0.0, 2.0), "radius": 8.0}}
     rods = {"draw": [*LINES, window]}
-    plan = print_layout(design({"rods": "window"}, rods=rods))
+    plan = layout(design({"rods": "window"}, rods=rods))
     assert len(plan.holes) == 1 and len(plan.hole_rims[0]) == 3 and len(plan.graph.joints) == 2
     assert area(plan, 2.0) == pytest.approx(3600.0 - np.pi * 64.0, rel=1e-3)
     mesh = mesh_layout(plan, 2.0)
@@ -77,7 +77,7 @@ def test_holes_of_a_drawing(tmp_path: Path) -> None:
     hole = {"file": "holes.svg", "layer": "cut"}
     data = {"rods": {"draw": LINES}, "border": SIDE | {"holes": [hole]}}
     first = Design.from_dict(data, tmp_path)
-    plan = print_layout(first)
+    plan = layout(first)
     assert sorted(len(ring) for ring in plan.holes)[0] == 4
     assert area(plan) == pytest.approx(3600.0 - np.pi * 36.0 - 64.0, rel=1e-3)
     assert Design.from_dict(first.to_dict()) == first  # without its file
@@ -107,17 +107,17 @@ def test_holes_of_a_drawing(tmp_path: Path) -> None:
 )
 def test_bad_holes_are_refused_with_their_place(holes: list[dict[str, Any]], message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        print_layout(design(*holes))
+        layout(design(*holes))
 
 
 def test_pins_in_holes_are_refused() -> None:
     with pytest.raises(DesignError, match=r"pins\[0\] = .*: must be on the sheet, not in a hole"):
-        print_layout(design(ROUND, pins=[{"points_mm": [(0.0, 10.0)]}]))
+        layout(design(ROUND, pins=[{"points_mm": [(0.0, 10.0)]}]))
 
 
 @pytest.mark.parametrize("place", [(6.1, 10.0), (5.9, 10.0), (-4.243, 14.243), (0.0, 16.1)])
 def test_pins_beside_the_edge_of_a_hole_are_moved_onto_it(place: tuple[float, float]) -> None:
-    plan = print_layout(design(ROUND, pins=[{"points_mm": [place, (-30, -30), (30, -30)]}]))
+    plan = layout(design(ROUND, pins=[{"points_mm": [place, (-30, -30), (30, -30)]}]))
     held = plan.pins[0].points[0]
     assert np.linalg.norm(held - place) <= 0.25
     assert np.linalg.norm(held - [0.0, 10.0]) == pytest.approx(6.0, abs=0.03)
@@ -129,12 +129,12 @@ def test_pins_beside_the_edge_of_a_hole_are_moved_onto_it(place: tuple[float, fl
 def test_stars_stand_clear_of_holes_and_their_arms_are_cut() -> None:
     stars = {"stars": {"length_mm": 8.0}, "border": {"rings": 2, "holes": [{"circle_mm": {"radius": 5.0}}]}}
     one = Design.from_dict(stars)
-    plan = print_layout(one)
+    plan = layout(one)
     assert len(plan.centres) == 18 and len(symmetries(one, plan)) == 6
-    assert area(plan) < 0.99 * area(print_layout(Design.from_dict({**stars, "border": {"rings": 2}})))
+    assert area(plan) < 0.99 * area(layout(Design.from_dict({**stars, "border": {"rings": 2}})))
     with pytest.raises(MeshError, match="holes"):
         mesh_layout(plan, 2.0, "aligned")
     wide = {"rings": 2, "star_margin_mm": 2.0, "holes": [{"circle_mm": {"radius": 12.0}}]}
-    plan = print_layout(Design.from_dict({**stars, "border": wide}))
+    plan = layout(Design.from_dict({**stars, "border": wide}))
     assert len(plan.centres) == 18 and plan.arm_length.min() < 5.0
     assert np.linalg.norm(plan.arm_tip, axis=1).min() > 12.4
