@@ -65,22 +65,25 @@ def least_pieces(rod: Rod) -> float:
     return max(2.0, float(np.ceil(rod.turn / MAX_SEGMENT_TURN_RAD)))
 
 
-def points_along(rod: Rod, step: float, pins: Floats, tolerance: float) -> Floats:
-    """(n, 2) mm, points of a rod from its start to its end, about `step` (mm) apart, and the pins (P, 2) on it."""
-    if len(pins):
-        low, high = rod.points.min(axis=0) - tolerance, rod.points.max(axis=0) + tolerance
-        pins = pins[((pins >= low) & (pins <= high)).all(axis=1)]
+def points_along(rod: Rod, step: float, wanted: Floats, tolerance: float, is_straight: bool = False) -> Floats:
+    """(n, 2) mm, points of a rod from its start to its end, about `step` (mm) apart, and those wanted (W, 2) on it."""
+    low, high = rod.points.min(axis=0) - tolerance, rod.points.max(axis=0) + tolerance
+    wanted = wanted[((wanted >= low) & (wanted <= high)).all(axis=1)]
     at, stops = np.array([0.0, rod.length]), rod.points[[0, -1]]
-    if len(pins):
-        line, places = shapely.LineString(rod.points), shapely.points(pins)
+    if len(wanted):
+        line, places = shapely.LineString(rod.points), shapely.points(wanted)
         along = np.asarray(shapely.line_locate_point(line, places), dtype=float)
         inner = (shapely.distance(line, places) <= tolerance) & (along > tolerance) & (along < rod.length - tolerance)
         order = np.flatnonzero(inner)[np.argsort(along[inner])]
-        at, stops = np.insert(at, 1, along[order]), np.insert(stops, 1, pins[order], axis=0)
+        order = order[np.diff(along[order], prepend=0.0) > tolerance]
+        at, stops = np.insert(at, 1, along[order]), np.insert(stops, 1, wanted[order], axis=0)
     pieces = []
     for k, (a, b) in enumerate(pairwise(at)):
-        parts = np.linspace(a, b, max(round((b - a) / step), 1) + 1)[1:-1] / rod.length
-        pieces += [stops[k : k + 1], rod.at(rod.points, parts)]
+        count = max(round((b - a) / step), 1)
+        if is_straight:
+            pieces.append(np.linspace(stops[k], stops[k + 1], count + 1)[:-1])
+        else:
+            pieces += [stops[k : k + 1], rod.at(rod.points, np.linspace(a, b, count + 1)[1:-1] / rod.length)]
     return np.concatenate([*pieces, stops[-1:]])
 
 

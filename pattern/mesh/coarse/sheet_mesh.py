@@ -27,6 +27,7 @@ from asterism.pattern.geometry.planar import (
     triangle_angles,
     turning_angles,
 )
+from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.outline_points import outline_points, place_within
@@ -129,11 +130,11 @@ def _ring(
         side.append(np.full(len(between) + 1, k))
         fixed.append(np.r_[pinned or ends[k], np.ones(len(between), dtype=bool)])
     number = np.concatenate(side)
-    coarse = coarse_outline(np.concatenate(points), edge_mm, np.flatnonzero(np.concatenate(fixed)))
+    coarse, coarse_side = coarse_outline(np.concatenate(points), edge_mm, np.flatnonzero(np.concatenate(fixed)))
     far = np.abs(ring).max() * np.full((1, 2), 1e3)
-    fine = outline_points(coarse.points, edge_mm, np.empty((0, 2)), near, beside if len(beside) else far)
-    corner = cKDTree(fine).query(coarse.points)[1]
-    return fine, np.repeat(number[coarse.side], np.diff([*corner, len(fine)]))
+    fine = outline_points(coarse, edge_mm, np.empty((0, 2)), near, beside if len(beside) else far)
+    corner = cKDTree(fine).query(coarse)[1]
+    return fine, np.repeat(number[coarse_side], np.diff([*corner, len(fine)]))
 
 
 def _filling(rings: Sequence[Floats], fixed: Floats, edge_mm: float) -> Floats:
@@ -145,11 +146,8 @@ def _filling(rings: Sequence[Floats], fixed: Floats, edge_mm: float) -> Floats:
     x, y = step[longest] / size
     half, height = 0.5, np.sqrt(0.75)
     basis = size * np.array([[x, y], [half * x - height * y, half * y + height * x]])
-    box = np.array([[x, y] for x in (ring[:, 0].min(), ring[:, 0].max()) for y in (ring[:, 1].min(), ring[:, 1].max())])
-    cells = (box - ring[longest]) @ np.linalg.inv(basis)
-    first, last = np.floor(cells.min(axis=0)).astype(int), np.ceil(cells.max(axis=0)).astype(int)
-    grid = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), -1)
-    points = ring[longest] + grid.reshape(-1, 2) @ basis
+    lattice = PlaneLattice(basis, ring[longest])
+    points = lattice.place(lattice.cells_within(ring.min(axis=0), ring.max(axis=0)))
     points = points[inside(points, ring)]
     for hole in holes:
         points = points[~inside(points, hole)]
@@ -177,22 +175,8 @@ def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float, holes: Sequ
     return points, triangles
 
 
-@dataclass(frozen=True)
-class CoarseOutline:
-    """A ring of points and, for each side to the next point, the side of the outline where it begins.
-
-    Attributes
-    ----------
-    points : (n, 2) mm, counterclockwise.
-    side : (n,) the first of the outline's sides that a coarse side stands for.
-    """
-
-    points: Floats
-    side: Ints
-
-
-def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline:
-    """A simpler ring.
+def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> tuple[Floats, Ints]:
+    """A simpler ring (n, 2) mm, and for each of its sides (n,) the first of the outline's sides that it stands for.
 
     Parameters
     ----------
@@ -203,7 +187,7 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(CORNER_DEG))).astype(np.int64)
     whole = np.arange(len(border))
     if len(kept) == len(border):
-        return CoarseOutline(border, whole)
+        return border, whole
     # without corners the ring begins anywhere, and that point moves with the others
     starts = kept if len(kept) else np.array([0])
     points, sides, loose = [], [], []
@@ -219,8 +203,8 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     ring, moving = np.concatenate(points), np.concatenate(loose)
     ring = _same_area(ring, moving, polygon_area(border))
     if len(ring) < 3 or not shapely.is_valid(shapely.polygons(ring)):
-        return CoarseOutline(border, whole)
-    return CoarseOutline(ring, np.concatenate(sides))
+        return border, whole
+    return ring, np.concatenate(sides)
 
 
 def _simplified(line: Floats, tolerance: float) -> Ints:

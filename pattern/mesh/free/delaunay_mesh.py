@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
+from asterism.pattern.geometry.clusters import clusters
+from asterism.pattern.geometry.planar import distance_to_outline, inside, triangle_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
@@ -98,14 +96,18 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = M
 
 def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int) -> Mesh:
     """The mesh of a frame."""
-    lines = _arms_of_stars(layout, frame.step, pins) if layout.drawn is None else _drawn_rods(layout, frame.step, pins)
+    is_star = layout.drawn is None
+    # ends of other arms that touch an arm are points of it; drawn rods are cut where they meet
+    stops = np.concatenate([layout.centres, layout.arm_tip, pins]) if is_star else pins
+    steps = zip(layout.graph.rods, frame.step, strict=True)
+    lines = [points_along(rod, step, stops, _tolerance(layout), is_star) for rod, step in steps]
     outline = np.concatenate([lines[rod][:-1] for rod in layout.rim]) if layout.rim else frame.outline
     edges = [
         np.concatenate([lines[rod][:-1] for rod in rim]) if rim else points_around(hole, step, pins, _tolerance(layout))
         for hole, rim, step in zip(layout.holes, _hole_rims(layout), frame.hole_step, strict=True)
     ]
     parts = [layout.centres, outline, *edges, *lines, pins]
-    points, vertex = _merged(np.concatenate(parts), _tolerance(layout))
+    vertex, points = clusters(np.concatenate(parts), _tolerance(layout))
     chains = np.split(vertex, np.cumsum([len(part) for part in parts])[:-1])
     stars, border, holes, rods = chains[0], chains[1], chains[2 : 2 + len(edges)], chains[2 + len(edges) : -1]
     around = [hole for hole, rim in zip(holes, _hole_rims(layout), strict=True) if not rim]
@@ -128,34 +130,6 @@ def _hole_rims(layout: Layout) -> tuple[tuple[int, ...], ...]:
     return layout.hole_rims or ((),) * len(layout.holes)
 
 
-def _arms_of_stars(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
-    return [_arm_points(layout, arm, length, pins) for arm, length in enumerate(step)]
-
-
-def _drawn_rods(layout: Layout, step: Floats, pins: Floats) -> list[Floats]:
-    """Points (n, 2) along every drawn rod, even between its ends and the pins on it."""
-    return [
-        points_along(rod, length, pins, _tolerance(layout)) for rod, length in zip(layout.graph.rods, step, strict=True)
-    ]
-
-
-def _arm_points(layout: Layout, arm: int, step: float, pins: Floats) -> Floats:
-    """Points (n, 2) along an arm, even between its ends, the pins on it and other arms' ends that touch it."""
-    centre, tip = layout.centres[layout.arm_star[arm]], layout.arm_tip[arm]
-    length = float(np.linalg.norm(tip - centre))
-    tolerance = _tolerance(layout)
-    others = np.concatenate([layout.centres, layout.arm_tip, pins])
-    others = others[distance_to_segment(others, centre, tip) <= tolerance]
-    along = (others - centre) @ (tip - centre) / length
-    between = others[(along > tolerance) & (along < length - tolerance)]
-    stops = np.concatenate([centre[None], between[np.argsort(between @ (tip - centre))], tip[None]])
-    stops, _ = _merged(stops, tolerance)
-    pieces = [
-        np.linspace(a, b, max(round(float(np.linalg.norm(b - a)) / step), 1) + 1)[:-1] for a, b in pairwise(stops)
-    ]
-    return np.concatenate([*pieces, tip[None]])
-
-
 def _split(layout: Layout, frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], shortest: float) -> _Frame:
     """Halve the segments of the rods and of the stretches of border that touch poor vertices."""
     arms = np.array([poor[rod].any() for rod in mesh.rods], dtype=bool)
@@ -170,16 +144,6 @@ def _split(layout: Layout, frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], s
     halve = (poor[at] | poor[np.roll(at, -1)]) & (np.linalg.norm(end - start, axis=1) > 2 * shortest)
     outline = np.insert(frame.outline, np.flatnonzero(halve) + 1, (start + end)[halve] / 2, axis=0)
     return replace(frame, outline=outline)
-
-
-def _merged(points: Floats, tolerance: float) -> tuple[Floats, Ints]:
-    """The distinct points in their order, and for each point given its number among them."""
-    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
-    n = len(points)
-    label = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n)), directed=False)[1]
-    _, first, group = np.unique(label, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    return points[first[order]], np.argsort(order)[group]
 
 
 def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Floats:
