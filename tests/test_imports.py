@@ -141,7 +141,7 @@ def test_a_preview_runs_without_the_exact_model(tmp_path: Path) -> None:
 
 def test_triangle_is_called_in_its_guarded_file_only() -> None:
     users = {name(file) for file in SOURCES if "triangle" in packages(file)}
-    assert users <= {"pattern/mesh/free/triangulate.py"}
+    assert users <= {"pattern/mesh/triangulate.py"}
 
 
 def test_the_web_server_is_used_by_studio_and_hops_only() -> None:

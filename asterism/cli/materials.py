@@ -13,8 +13,8 @@ def materials(run: Run) -> int:
     """
     from asterism.laws.replace_material import material_in_words
     from asterism.pattern.design.errors import DesignError
+    from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
     from asterism.pattern.design.material_files import MATERIALS_FOLDER, material_files
-    from asterism.pattern.design.user_files import PROFILES_VARIABLE, own_folders
 
     wrong = []
     for name, path in material_files().items():

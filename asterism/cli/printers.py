@@ -15,7 +15,7 @@ def printers(run: Run) -> int:
     The exit status is 2 if one of your files is wrong; the list contains the others.
     """
     from asterism.pattern.design.errors import DesignError
-    from asterism.pattern.design.user_files import PROFILES_VARIABLE, own_folders
+    from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
     from asterism.print.profiles import load_plastic, load_printer, profile_names
 
     kinds: dict[str, Callable[[str], str]] = {

@@ -9,7 +9,7 @@ import numpy as np
 from asterism.draw.drawable import Drawable
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.diameter import diameter
-from asterism.pattern.layout.off_sheet import off_curves_mm
+from asterism.pattern.layout.layout import off_curves_mm
 
 # radius of a ball over the diameter of the sheet
 BALL_RADIUS_FACTOR = 0.011

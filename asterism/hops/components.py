@@ -19,7 +19,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import table_text
 from asterism.pattern.design.material_files import material_files
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.pattern.layout.star_cells import outline as outline_of
 from asterism.pattern.layout.star_cells import star_cells

@@ -14,7 +14,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.evidence import Trial
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
-from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
+from asterism.pattern.layout.symmetries import distances_of_images, symmetric_distances
 from asterism.previews.state import AnyPreviewState
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them

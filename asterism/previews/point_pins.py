@@ -31,7 +31,7 @@ from asterism.fem.shell.density import Density, EnergyTerm
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.neo_hookean import neo_hookean
 from asterism.pattern.geometry.planar import triangle_angles
-from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh
+from asterism.pattern.mesh.sheet_mesh import SheetMesh
 from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 

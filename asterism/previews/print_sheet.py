@@ -24,7 +24,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
-from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
+from asterism.pattern.mesh.sheet_mesh import SheetMesh, sheet_mesh
 from asterism.previews.model import PreviewModel
 from asterism.previews.point_pins import softness
 from asterism.previews.supports import conditions

@@ -11,7 +11,7 @@ from asterism.fem.elements.deformation import affine
 from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.coarse.sheet_mesh import SheetMesh
+from asterism.pattern.mesh.sheet_mesh import SheetMesh
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:

@@ -15,10 +15,8 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Plastic
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import free_motions
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.off_sheet import off_sheet_mm
-from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
-from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.symmetries import distances_of_images, symmetric_distances, symmetries
 from asterism.print.bed_placement import frame_warning
 from asterism.print.formats.registry import demanded_formats, formats_left_out
 from asterism.print.job import Job, prepare

@@ -16,8 +16,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_through_arms
 from asterism.print.pieces import (

@@ -11,8 +11,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.graph import CORNER_DEG

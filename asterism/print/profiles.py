@@ -9,9 +9,8 @@ from typing import TypeVar
 from pydantic import ValidationError
 
 from asterism.pattern.design.errors import DesignError, from_validation
-from asterism.pattern.design.files import read_table
+from asterism.pattern.design.files import own_folders, read_table
 from asterism.pattern.design.section import Section
-from asterism.pattern.design.user_files import own_folders
 from asterism.print.printer import PlasticProfile, Printer
 
 _PACKAGE_FOLDER = Path(__file__).parent / "data"

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.drawing import (
     AFTER,
     BED,

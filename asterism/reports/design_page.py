@@ -25,7 +25,7 @@ from asterism.draw.picture import draw_shape
 from asterism.draw.style import INK, PALE
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.residual_curvature import ResidualCurvature
+from asterism.pattern.design.materials import ResidualCurvature
 from asterism.pattern.layout.layout import Layout
 from asterism.print.drawing import A4_MM
 from asterism.print.job import Job

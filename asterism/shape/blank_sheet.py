@@ -7,7 +7,7 @@ import numpy as np
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import sheet_outline
-from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
+from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 from asterism.shape.shape import Shape
 
 MAX_BLANK_TRIANGLES = 20_000

@@ -21,8 +21,7 @@ from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.free_motions import free_motions
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.off_sheet import off_curves_mm
+from asterism.pattern.layout.layout import Layout, off_curves_mm
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.sizing.profile import GradientProfile
+from asterism.pattern.design.sizing.profiles import GradientProfile
 from asterism.pattern.layout.free_motions import count_free_tilts
 from asterism.pattern.layout.layout import Layout
 

@@ -9,8 +9,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 

@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.section import Point
-from asterism.pattern.design.sizing.field import SizingField, sample
 from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, pack_image
+from asterism.pattern.design.sizing.profiles import SizingField, sample
 
 # distance of the grid's values, in which rods are sampled, too; larger on sheets with more than the most pixels
 STEP_MM = 1.0

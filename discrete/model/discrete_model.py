@@ -34,8 +34,7 @@ from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.materials import Fabric, rest_curvature, rest_twist
-from asterism.pattern.design.residual_curvature import residual_curvature
+from asterism.pattern.design.materials import Fabric, residual_curvature, rest_curvature, rest_twist
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh

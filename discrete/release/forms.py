@@ -16,8 +16,7 @@ from asterism.discrete.release.release_start import release_starts, start_of_des
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.free_motions import FreeMotions
-from asterism.pattern.layout.symmetric_distance import distances_of_images, symmetric_distances
-from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.pattern.layout.symmetries import Symmetry, distances_of_images, symmetric_distances, symmetries
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
 MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start

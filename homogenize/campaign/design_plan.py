@@ -26,7 +26,7 @@ from asterism.homogenize.law.plan import (
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import Rods
-from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profiles import Profile
 from asterism.pattern.layout.build import layout as layout_of
 from asterism.pattern.layout.layout import Layout
 

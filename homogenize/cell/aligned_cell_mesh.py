@@ -19,7 +19,7 @@ from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
-from asterism.pattern.mesh.grading import MIN_SPRING_WEIGHT, Grading, half_cotangents
+from asterism.pattern.mesh.graded_mesh import MIN_SPRING_WEIGHT, Grading, half_cotangents
 
 # edges of short arms on graded meshes: with fewer ones the curvature of such stars jumps by a quarter
 LEAST_GRADED_SEGMENTS = 4
@@ -45,7 +45,7 @@ def aligned_cell_mesh(
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.
     surrounded : with the triangles around, whose points are then unfolded too.
-    graded : as many triangles, but finer ones at arms and tips, as in graded sheets (`pattern.mesh.grading`).
+    graded : as many triangles, but finer ones at arms and tips, as in graded sheets (`pattern.mesh.graded_mesh`).
 
     Raises
     ------

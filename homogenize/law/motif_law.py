@@ -14,7 +14,7 @@ from asterism.homogenize.law.law import CellErrors, Law, LawTable
 from asterism.homogenize.law.plan import LawPlan
 from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored
 from asterism.pattern.design.design import Design, leading_field
-from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profiles import Profile
 
 # errors in percent: of the length of the flat sheet, of energies, and of the largest curvature
 MOTIF_QUANTITIES = ("stretch", "membrane", "bending", "curvature")

@@ -22,8 +22,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.design.rods import DrawnLine, Rods
-from asterism.pattern.design.sizing.field import SizingField, sample
-from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.layout.layout import Layout
 
 # relative difference between numbers of a design and of the law: rounding of the machine

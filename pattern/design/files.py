@@ -1,4 +1,4 @@
-"""Design files: TOML and JSON in, TOML and JSON out; and plain data for JSON."""
+"""Design files: TOML and JSON in, TOML and JSON out; plain data for JSON; folders of the users' own files."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import math
 import os
 import re
 import stat
+import sys
 import tomllib
 import uuid
 from collections import Counter
@@ -16,6 +17,8 @@ from typing import Any
 
 from asterism.pattern.design.errors import DesignError
 
+# environment variable with the path of a folder that holds printers/, plastics/ and materials/
+PROFILES_VARIABLE = "ASTERISM_PROFILES"
 MAX_DESIGN_BYTES = 10_000_000
 MAX_DEPTH = 100  # of tables and lists in each other; Python's own limit is somewhere below 1000
 
@@ -176,3 +179,18 @@ def _suffix(path: Path) -> str:
     if suffix not in (".toml", ".json"):
         raise DesignError("", "must end in .toml or .json", file=path)
     return suffix
+
+
+def own_folders() -> list[Path]:
+    """The folders in the order of the search: that of `ASTERISM_PROFILES`, if it is set, and that of the user."""
+    own = [Path(os.environ[PROFILES_VARIABLE])] if os.environ.get(PROFILES_VARIABLE) else []
+    return [*own, user_folder()]
+
+
+def user_folder() -> Path:
+    """The folder of the user's settings for asterism, where the operating system keeps such folders."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("APPDATA", Path.home())) / "asterism"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "asterism"
+    return Path(os.environ.get("XDG_CONFIG_HOME", Path.home() / ".config")) / "asterism"

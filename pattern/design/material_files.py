@@ -10,10 +10,9 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from asterism.pattern.design.errors import DesignError, from_validation
-from asterism.pattern.design.files import read_table
+from asterism.pattern.design.files import own_folders, read_table
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.section import Line, Section, Text
-from asterism.pattern.design.user_files import own_folders
 
 # folder of the materials within a folder of own files
 MATERIALS_FOLDER = "materials"

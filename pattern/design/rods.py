@@ -7,10 +7,10 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from asterism.pattern.design.errors import DesignError, one_line
-from asterism.pattern.design.residual_curvature import CurvaturePerMm
+from asterism.pattern.design.materials import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Line, Number, Point, Section, Text
-from asterism.pattern.design.sizing.field import SizingField
+from asterism.pattern.design.sizing.profiles import SizingField
 
 MIN_RADIUS_MM = 0.5
 

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Number, Point, Section, Whole
-from asterism.pattern.design.sizing.field import SizingField
+from asterism.pattern.design.sizing.profiles import SizingField
 
 THICKNESS_RANGE_MM = (0.05, 5.0)
 WIDTH_RANGE_MM = (0.1, 10.0)

@@ -22,11 +22,9 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.stars import MIN_ARM_MM
 from asterism.pattern.geometry.planar import distance_to_outline, inside, polygon_area
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.pin_conflicts import check_conflicts, check_reach
-from asterism.pattern.layout.pin_placement import pin_set, snapped_to_lines
+from asterism.pattern.layout.pin_placement import check_conflicts, check_reach, pin_set, snapped_to_lines
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm
-from asterism.pattern.layout.star_sizes import star_sizes
+from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm, star_sizes
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.arms import check_clear, cut
 from asterism.pattern.rods.graph import RodGraph
@@ -281,7 +279,7 @@ def _kept_sheet(border: Border, lattice: Lattice) -> tuple[Floats, tuple[Floats,
     """The outline, the holes and the sites of the stars, kept for edits, which rarely change them."""
     corners, holes = outline(border, lattice), ()
     if border.holes:
-        from asterism.pattern.rods.hole_rings import check_holes, hole_rings  # slow to import; most designs have none
+        from asterism.pattern.rods.curves import check_holes, hole_rings  # slow to import; most designs have none
 
         rings = hole_rings(border, HOLE_CURVE_MM)
         check_holes(rings, corners, border.tip_margin_mm)

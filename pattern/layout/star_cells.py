@@ -1,8 +1,9 @@
-"""Which cells of the lattice carry a star."""
+"""Which cells of the lattice carry a star, and the sizes of the stars, with their limits."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -11,7 +12,14 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.border import MAX_SHEET_MM, Border
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.sizing.profiles import sample
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
 
+# A star is meant by `at_mm` within this part of the spacing: too close to be mistaken for a neighbour.
+MAX_STAR_MISS_SPACINGS = 0.1
+# A size may exceed its upper limit by this part, as a spacing written with seven digits does.
+SIZE_LIMIT_SLACK = 1e-6
+_SIGN = {"up": 1, "down": -1, "free": 0}
 MAX_STARS_OF_DESIGN = 5000
 # cells in the box around the sheet that may be listed before those outside the outline are dropped
 MAX_LISTED_CELLS = 5_000_000
@@ -113,3 +121,156 @@ def _hexagon(rings: int, lattice: Lattice) -> Floats:
         raise DesignError("border.rings", f"must make a sheet of at most {MAX_SHEET_MM:g} mm", rings)
     angle = np.radians(30 + 60 * np.arange(6))
     return np.asarray(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+
+@dataclass(frozen=True)
+class StarSizes:
+    """Sizes at the stars of a lattice, before they are rounded for a printer. Removed stars have length 0.
+
+    Attributes
+    ----------
+    length : (S,) mm.
+    thickness, width : (S, arms, 2) mm, at the centre and at the tip of each arm.
+    branch : (S,) 1 for stars that start up, -1 for those that start down, 0 for those that start flat.
+    ignored_sites : (k, 2) sites of overrides that are off the sheet.
+    """
+
+    length: Floats
+    thickness: Floats
+    width: Floats
+    branch: Ints
+    ignored_sites: Ints
+
+    @property
+    def at_centres(self) -> Floats:
+        """(S, 3) mm: length of the arms, thickness and width at the star's centre."""
+        return np.column_stack([self.length, self.thickness[:, 0, 0], self.width[:, 0, 0]])
+
+
+@dataclass(frozen=True)
+class _Change:
+    """An entry of `stars.override`, the number of its star, and the name of the entry in messages."""
+
+    star: int
+    entry: Override
+    name: str
+
+
+def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
+    """The sizes of all stars; an arm is at most as long as the spacing.
+
+    Parameters
+    ----------
+    sites : (S, 2) lattice sites of the stars.
+
+    Raises
+    ------
+    DesignError
+        A size is out of its range, or an entry of `stars.override` fits no star. The message names the first such star.
+    """
+    centres, spacing, arm_directions = lattice.sites.place(sites), lattice.spacing_mm, lattice.arm_directions
+    field = "stars.length_mm" if stars.length_fraction is None else "stars.length_fraction"
+    if stars.length_mm is not None:
+        length = sample(stars.length_mm, centres)
+    else:
+        assert stars.length_fraction is not None  # a section has one of both
+        length = spacing * sample(stars.length_fraction, centres)
+    changes, ignored = _changes(stars, sites, centres, lattice)
+    for change in changes:
+        if change.entry.length_mm is not None:
+            value, star = change.entry.length_mm, change.star
+            _check_one(f"{change.name}.length_mm", value, (0.0, spacing), centres, star)
+            length[star] = value
+    tips = centres[:, None, :] + np.clip(np.nan_to_num(length), 0, spacing)[:, None, None] * arm_directions
+    both = np.stack([np.broadcast_to(centres[:, None, :], tips.shape), tips], axis=2)
+    at = both if stars.vary_along_arms else np.broadcast_to(both[:, :, :1], both.shape)
+    thickness = sample(stars.thickness_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
+    width = sample(stars.width_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
+    values = {"thickness_mm": thickness, "width_mm": width}
+    limits = {"thickness_mm": THICKNESS_RANGE_MM, "width_mm": WIDTH_RANGE_MM}
+    branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
+    for change in changes:
+        star, entry = change.star, change.entry
+        for key in values:
+            if (size := getattr(entry, key)) is not None:
+                _check_one(f"{change.name}.{key}", size, limits[key], centres, star)
+                values[key][star] = size
+        if entry.branch is not None:
+            branch[star] = _SIGN[entry.branch]
+        if entry.remove:
+            length[star] = 0.0
+
+    unit = 1.0 if stars.length_fraction is None else spacing
+    _check(field, length / unit, (0.0, spacing / unit), centres)
+    printed = np.flatnonzero(length >= MIN_ARM_MM)
+    for key in values:
+        _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
+    thickness, width = np.minimum(thickness, THICKNESS_RANGE_MM[1]), np.minimum(width, WIDTH_RANGE_MM[1])
+    return StarSizes(np.minimum(length, spacing), thickness, width, branch, ignored)
+
+
+def _changes(stars: Stars, sites: Ints, centres: Floats, lattice: Lattice) -> tuple[list[_Change], Ints]:
+    """The entries of `stars.override`, at most one a star, and (k, 2) the sites of those that are off the sheet."""
+    changes: dict[int, _Change] = {}
+    ignored: dict[tuple[int, int], None] = {}
+    number_at = {(i, j): number for number, (i, j) in enumerate(sites.tolist())}
+    for number, entry in enumerate(stars.override):
+        name = f"stars.override[{number}]"
+        if entry.site is not None and entry.site not in number_at:
+            if entry.site in ignored:
+                raise DesignError(name, f"changes site {list(entry.site)} again: write its changes in one entry")
+            ignored[entry.site] = None
+            continue
+        star = (
+            number_at[entry.site] if entry.site is not None else _changed_star(entry, number_at, centres, lattice, name)
+        )
+        if star in changes:
+            again = f"changes star {star} again: write its changes in one entry"
+            raise DesignError(name, again, stars=[star], place_mm=centres[star])
+        changes[star] = _Change(star, entry, name)
+    return list(changes.values()), np.array(list(ignored), dtype=np.int64).reshape(-1, 2)
+
+
+def _changed_star(
+    entry: Override, number_at: dict[tuple[int, int], int], centres: Floats, lattice: Lattice, name: str
+) -> int:
+    """Number of the star that an entry with `star` or `at_mm` changes."""
+    if entry.star is not None:
+        if entry.star >= len(centres):
+            raise DesignError(f"{name}.star", f"must be at most {len(centres) - 1}, the last star", entry.star)
+        return entry.star
+    place = np.asarray(entry.at_mm)
+    i, j = lattice.sites.nearest(place[None])[0].tolist()
+    star = number_at.get((i, j))
+    if star is None or np.linalg.norm(centres[star] - place) > MAX_STAR_MISS_SPACINGS * lattice.spacing_mm:
+        x, y = centres[int(np.linalg.norm(centres - place, axis=1).argmin())]
+        message = f"has no star there, the nearest is at [{x:.3f}, {y:.3f}]"
+        raise DesignError(f"{name}.at_mm", message, entry.at_mm, place_mm=entry.at_mm)
+    return star
+
+
+def _check_one(field: str, value: float, limits: tuple[float, float], centres: Floats, star: int) -> None:
+    """Refuse a size of one star outside the limits."""
+    low, high = limits
+    if not low <= value <= high + SIZE_LIMIT_SLACK * high:
+        _check(field, np.array([value]), limits, centres[[star]], [star])
+
+
+def _check(
+    field: str,
+    values: Floats,
+    limits: tuple[float, float],
+    centres: Floats,
+    numbers: Sequence[int] | Ints | None = None,
+) -> None:
+    """Refuse values (S, ...) outside the limits; the message names the first such star."""
+    low, high = limits
+    allowed = (values >= low) & (values <= high + SIZE_LIMIT_SLACK * high)
+    refused = np.flatnonzero(~allowed.all(axis=tuple(range(1, allowed.ndim))))
+    if len(refused) == 0:
+        return
+    star, (x, y) = refused[0], centres[refused[0]]
+    value = float(values[star][~allowed[star]].flat[0])
+    number = star if numbers is None else numbers[star]
+    allowed_range = f"must be from {low:g} to {high:.6g} at star {number} at [{x:.2f}, {y:.2f}]"
+    raise DesignError(field, allowed_range, value, stars=[number], place_mm=(x, y))

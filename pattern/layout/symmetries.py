@@ -1,7 +1,8 @@
-"""Rotations and mirrors of the print that map the whole design onto itself."""
+"""Rotations and mirrors of the print that map the whole design onto itself, and distances of shapes up to them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,10 +13,12 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.drawings import IMPORT_CURVE_MM
 from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
+from asterism.pattern.layout.free_motions import FreeMotions
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.rods.graph import Rod, RodGraph
 
+FREE_SHEET = FreeMotions()
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6
 # two curves that are equal are apart by at most this many of the distances from their straight pieces
@@ -28,6 +31,7 @@ ZERO_MOMENT = 1e-4
 MIN_ROD_SAMPLES = 7
 # relative difference of sections that are equal: those of curves are evaluated at slightly different places
 SAME_SECTION = 1e-3
+_SIZES = ("thickness", "width")
 
 
 @dataclass(frozen=True)
@@ -296,9 +300,6 @@ def _same_sections(first: Rod, parts: Floats, second: Rod, other_parts: Floats) 
     return all((np.abs(one - two) <= SAME_SECTION * one).all() for one, two in pairs)
 
 
-_SIZES = ("thickness", "width")
-
-
 def _inner_parts(rod: Rod) -> Floats:
     """(n,) parts of the length of a rod, without its ends."""
     return (np.arange(max(MIN_ROD_SAMPLES, len(rod.points))) + 0.5) / max(MIN_ROD_SAMPLES, len(rod.points))
@@ -307,3 +308,54 @@ def _inner_parts(rod: Rod) -> Floats:
 def _rotation(angle: float) -> Floats:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])
+
+
+def symmetric_distances(
+    first: Floats, second: Floats, symmetries: Sequence[Symmetry], free: FreeMotions = FREE_SHEET
+) -> Floats:
+    """(n,) mm, rms distance of two shapes after the best free motion, for each of n symmetries.
+
+    Parameters
+    ----------
+    first, second : (S, 3) mm, star centres of the two shapes.
+    symmetries : each stands for the image `x'(p) = Q x(turn p + shift)` of the second shape, see `Symmetry`.
+    free : motions that the supports leave to the first shape; by default all rigid motions of a free sheet.
+
+    Examples
+    --------
+    A turn by a right angle is a free motion of a free sheet, and none of a sheet on needles.
+
+    >>> star, none = np.arange(3), np.zeros(2)
+    >>> first = np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-1.0, -1.0, 0.0]])
+    >>> second = first[:, [1, 0, 2]] * [-1.0, 1.0, 1.0]
+    >>> bool(symmetric_distances(first, second, [Symmetry(np.eye(2), none, star)])[0] < 1e-9)
+    True
+    >>> on_needles = FreeMotions(first, np.ones((3, 3), dtype=bool))
+    >>> symmetric_distances(first, second, [Symmetry(np.eye(2), none, star)], on_needles).round(3).tolist()
+    [2.16]
+    """
+    return np.array([_distance(first, each.in_space(second[each.star]), free) for each in symmetries])
+
+
+def distances_of_images(
+    printed: Floats,
+    first: Floats,
+    second_at: Callable[[Floats], Floats],
+    symmetries: Sequence[Symmetry],
+    free: FreeMotions = FREE_SHEET,
+) -> Floats:
+    """(n,) mm, as `symmetric_distances`, at any printed points.
+
+    Parameters
+    ----------
+    printed : (P, 2) mm, the points.
+    first : (P, 3) mm, their places in the first shape.
+    second_at : gives the places (P, 3) of printed points in the second shape.
+    """
+    images = [each.in_space(second_at(printed @ each.turn.T + each.shift)) for each in symmetries]
+    return np.array([_distance(first, image, free) for image in images])
+
+
+def _distance(points: Floats, targets: Floats, free: FreeMotions) -> float:
+    rotation, shift = free.fit(points, targets)
+    return float(np.sqrt(((points @ rotation.T + shift - targets) ** 2).sum(axis=1).mean()))

@@ -6,8 +6,8 @@ from typing import Literal
 
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.aligned.aligned_mesh import aligned_mesh
-from asterism.pattern.mesh.free.delaunay_mesh import MAX_SPLITS, delaunay_mesh
+from asterism.pattern.mesh.aligned_mesh import aligned_mesh
+from asterism.pattern.mesh.delaunay_mesh import MAX_SPLITS, delaunay_mesh
 from asterism.pattern.mesh.graded_mesh import graded_mesh
 from asterism.pattern.mesh.mesh import Mesh
 

@@ -1,13 +1,16 @@
-"""Lines of a drawing as polylines whose points are close enough to the curve."""
+"""Lines of a drawing and edges of holes as polylines whose points are close enough to the curve."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from scipy.interpolate import CubicSpline
 
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import MIN_SHEET_AREA_MM2, Border
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import DrawnArc, DrawnCircle, DrawnLine
 from asterism.pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
@@ -72,3 +75,83 @@ def _spline(points: Floats, step: Floats, closed: bool, curve_mm: float) -> Floa
     if closed:
         out[-1] = out[0]
     return out
+
+
+def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
+    """The holes that are no drawn rods: the field that names each one, and its edge (n, 2) mm, not closed.
+
+    Parameters
+    ----------
+    curve_mm : largest distance of a curve from the polyline that stands for it.
+
+    Examples
+    --------
+    >>> border = Border.model_validate(
+    ...     {"rectangle_mm": [40.0, 40.0], "holes": [{"polygon_mm": [[0, 0], [9, 0], [0, 9]]}]}
+    ... )
+    >>> [(name, len(ring)) for name, ring in hole_rings(border, 0.01)]
+    [('border.holes[0]', 3)]
+    """
+    rings = []
+    for k, hole in enumerate(border.holes):
+        name = f"border.holes[{k}]"
+        try:
+            if hole.circle_mm is not None:
+                rings.append((name, polyline(DrawnLine(circle_mm=hole.circle_mm), curve_mm)[:-1]))
+            elif hole.polygon_mm is not None:
+                rings.append((name, polyline(DrawnLine(line_mm=hole.polygon_mm, closed=True), curve_mm)[:-1]))
+            elif hole.spline_mm is not None:
+                rings.append((name, polyline(DrawnLine(spline_mm=hole.spline_mm, closed=True), curve_mm)[:-1]))
+        except DesignError as error:
+            raise DesignError(f"{name}.{hole.kind}", error.allowed, place_mm=error.place_mm) from None
+        rings += [(name, np.array(ring)) for ring in hole.rings_mm]
+    return rings
+
+
+def check_holes(rings: Sequence[tuple[str, Floats]], corners: Floats, margin_mm: float) -> None:
+    """Refuse edges that cross themselves, the outline (B, 2) mm or each other, or leave less fabric than a margin.
+
+    Raises
+    ------
+    DesignError
+        The message names the hole and the place.
+    """
+    if not rings:
+        return
+    polygons = [shapely.Polygon(ring) for _, ring in rings]
+    for (name, _), polygon in zip(rings, polygons, strict=True):
+        if not shapely.is_valid(polygon):
+            place = shapely.is_valid_reason(polygon).rpartition("[")[2].rstrip("]").split()
+            raise DesignError(name, f"must not cross or touch itself, as at [{', '.join(place)}]")
+        if polygon.area < MIN_SHEET_AREA_MM2:
+            raise DesignError(name, f"must enclose at least {MIN_SHEET_AREA_MM2:g} mm2", round(polygon.area, 4))
+    sheet, outline = shapely.Polygon(corners), shapely.LinearRing(corners)
+    for (name, _), polygon in zip(rings, polygons, strict=True):
+        if not shapely.covers(sheet, polygon):
+            parts = shapely.get_coordinates(shapely.difference(polygon, sheet))
+            crossing = shapely.get_coordinates(shapely.intersection(polygon.exterior, outline))
+            place = crossing[0] if len(crossing) else parts[0]
+            raise DesignError(name, f"must be inside the outline, and is not at {_at(place)}", place_mm=place)
+        _check_gap(name, "the outline", polygon.exterior, outline, margin_mm)
+    first, second = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=margin_mm)
+    for i, j in zip(first[first < second], second[first < second], strict=True):
+        names = rings[i][0], rings[j][0]
+        if shapely.intersects(polygons[i], polygons[j]):
+            place = shapely.get_coordinates(shapely.point_on_surface(shapely.intersection(polygons[i], polygons[j])))[0]
+            raise DesignError(
+                names[1], f"must be apart from {names[0]}, which it meets at {_at(place)}", place_mm=place
+            )
+        _check_gap(names[1], names[0], polygons[j], polygons[i], margin_mm)
+
+
+def _check_gap(name: str, other: str, shape: shapely.Geometry, beside: shapely.Geometry, margin_mm: float) -> None:
+    """Refuse two shapes nearer than a margin."""
+    gap = float(shapely.distance(shape, beside))
+    if gap < margin_mm:
+        place = shapely.get_coordinates(shapely.shortest_line(shape, beside)).mean(axis=0)
+        problem = f"must leave {margin_mm:g} mm of fabric beside {other} (border.tip_margin_mm), leaves {gap:.3f} mm"
+        raise DesignError(name, f"{problem} at {_at(place)}", place_mm=place)
+
+
+def _at(place: Floats) -> str:
+    return f"[{place[0]:.2f}, {place[1]:.2f}]"

@@ -13,13 +13,11 @@ from asterism.pattern.design.border import Border
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
-from asterism.pattern.design.sizing.field import SizingField, sample
-from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.rods.curves import polyline
+from asterism.pattern.rods.curves import check_holes, hole_rings, polyline
 from asterism.pattern.rods.graph import Rod, RodGraph
-from asterism.pattern.rods.hole_rings import check_holes, hole_rings
 from asterism.pattern.rods.planar_lines import Piece, cut_lines, is_closed
 
 MAX_COPIES = 20_000

@@ -10,7 +10,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import Rods
-from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profiles import Profile
 from asterism.pattern.rods.curves import polyline
 from asterism.pattern.rods.drawn_graph import PlacedLine, graph_of_lines
 from asterism.pattern.rods.graph import Rod

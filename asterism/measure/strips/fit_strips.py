@@ -19,8 +19,14 @@ from asterism.draw.style import PALE, add_grid, style_axes
 from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, KappaBarKind, StripFit, StripFormula, fit_readings
 from asterism.measure.strips.strip_table import read_strips
 from asterism.pattern.design.errors import one_line
-from asterism.pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
-from asterism.pattern.design.residual_curvature import ResidualCurvature, residual_curvature
+from asterism.pattern.design.materials import (
+    Fabric,
+    Plastic,
+    ResidualCurvature,
+    bilayer_curvature,
+    residual_curvature,
+    rest_curvature,
+)
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, staged
 from asterism.results.record import ABSENT

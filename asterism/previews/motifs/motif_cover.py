@@ -16,7 +16,7 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.motif_law import MotifLaw, MotifValues
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.sizing.profile import Profile
+from asterism.pattern.design.sizing.profiles import Profile
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.curves import polyline

@@ -21,7 +21,7 @@ from asterism.homogenize.law.plan import rounded, source_of
 from asterism.homogenize.law.tensor_forms import TO_VOIGT
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
-from asterism.pattern.design.sizing.field import sample
+from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.curves import polyline
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel

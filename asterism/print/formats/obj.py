@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.formats.registry import export_format
 from asterism.print.needles import NEEDLE_SPACING_MM, needles
 from asterism.shape.shape import Shape

@@ -13,7 +13,7 @@ import shapely
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.drawing.rhino import RHINO_NEEDED
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.drawing import CUT, NEEDLES, STARS
 from asterism.print.formats.registry import export_format
 from asterism.print.job import Job

@@ -1,22 +1,76 @@
-"""The sizing profiles: quantities that vary over the sheet."""
+"""Sizing fields of the design file: a number, or a table with a profile, a quantity that varies over the sheet."""
 
 from __future__ import annotations
 
 import binascii
 import zlib
+from abc import abstractmethod
+from functools import reduce
+from operator import or_
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    GetCoreSchemaHandler,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import CoreSchema, PydanticCustomError
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.section import Flag, Number, Point, Text, Whole
+from asterism.pattern.design.section import Flag, Number, Point, Section, Text, Whole
 from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
 from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
-from asterism.pattern.design.sizing.profile import DistanceMm, GradientProfile, Profile
+
+DistanceMm = Annotated[Number, Field(gt=0, le=1e4)]
+Power = Annotated[Number, Field(gt=0, le=100)]
+
+
+class Profile(Section):
+    """A quantity that varies over the sheet.
+
+    A new profile is a subclass in `PROFILES`. A design file selects it by its key.
+
+    Attributes
+    ----------
+    key : name of the profile. In a design file, a table belongs to this profile if it has `profile = "<key>"`.
+    is_marked_by_key : a table belongs to this profile if it has the key `<key>` itself, as `{ formula = "..." }`.
+    """
+
+    key: ClassVar[str]
+    is_marked_by_key: ClassVar[bool] = False
+
+    @classmethod
+    def describes(cls, table: dict[Any, Any]) -> bool:
+        """Whether a table of the design file belongs to this profile."""
+        return cls.key in table if cls.is_marked_by_key else table.get("profile") == cls.key
+
+    @abstractmethod
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm."""
+
+
+class GradientProfile(Profile):
+    """Goes from `start` (in the file: `from`) to `end` (`to`), and is constant beyond."""
+
+    start: Number = Field(alias="from")
+    end: Number = Field(alias="to")
+    power: Power = 1.0
+
+    @abstractmethod
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm; below 0 or above 1 beyond them."""
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm; `power` bends the profile."""
+        return np.asarray(self.start + (self.end - self.start) * np.clip(self.fraction(points), 0, 1) ** self.power)
 
 
 class AxisProfile(GradientProfile):
@@ -223,3 +277,60 @@ def _picture_error(key: str, allowed: str, value: Any) -> PydanticCustomError:
 PROFILES: dict[str, type[Profile]] = {
     each.key: each for each in (AxisProfile, FormulaProfile, PictureProfile, LinearProfile, RadialProfile, TableProfile)
 }
+
+
+def _branch(value: Any) -> str:
+    """Which member of the union a value of the file belongs to."""
+    if isinstance(value, Profile):
+        return f"kind:{value.key}"
+    if isinstance(value, str):
+        return "kind:unknown"
+    if not isinstance(value, dict):
+        return "kind:number"
+    # a table marked by its own key is that, whatever else is in it
+    ordered = sorted(PROFILES.values(), key=lambda profile: not profile.is_marked_by_key)
+    return f"kind:{next((profile.key for profile in ordered if profile.describes(value)), 'unknown')}"
+
+
+def _refuse(value: Any) -> None:
+    """Say what a sizing field may be."""
+    if isinstance(value, dict) and "profile" in value:
+        named = [key for key, profile in PROFILES.items() if not profile.is_marked_by_key]
+        raise DesignError("profile", f"must be {', '.join(named)}", value["profile"])
+    hint = ""
+    if isinstance(value, str):
+        hint = "; numbers have no quotes" if _is_number(value) else '; a formula is written { formula = "..." }'
+    raise DesignError("", f"must be a number, or a table with a profile, a formula or an image{hint}", value)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+class _RegisteredProfiles:
+    """Validates a number or a table by the registered profiles."""
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        members: list[Any] = [Annotated[Number, Tag("kind:number")]]
+        members += [Annotated[profile, Tag(f"kind:{key}")] for key, profile in PROFILES.items()]
+        members.append(Annotated[Any, BeforeValidator(_refuse), Tag("kind:unknown")])
+        return handler.generate_schema(Annotated[reduce(or_, members), Discriminator(_branch)])
+
+
+SizingField = Annotated[float | Profile, _RegisteredProfiles]
+
+
+def sample(field: float | Profile, points: Floats) -> Floats:
+    """(n,) values of a sizing field at the printed points (n, 2) mm.
+
+    Examples
+    --------
+    >>> sample(7.5, np.zeros((2, 2))).tolist()
+    [7.5, 7.5]
+    """
+    return field.at(points) if isinstance(field, Profile) else np.full(len(points), field)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from asterism.homogenize.law.law_file import law_bytes
-from asterism.pattern.design import user_files
+from asterism.pattern.design import files as user_files
 from asterism.pattern.layout.build import load_design
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law

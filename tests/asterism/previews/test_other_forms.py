@@ -10,8 +10,7 @@ import pytest
 from asterism.fem.search.evidence import Trial
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.supports import SupportSamples
-from asterism.pattern.layout.symmetric_distance import symmetric_distances
-from asterism.pattern.layout.symmetries import Symmetry
+from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances
 from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law

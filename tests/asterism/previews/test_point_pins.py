@@ -27,8 +27,8 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
 from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.point_pins import amounts_of, around, softened, spot, stretched_fabric
 from asterism.previews.session import Preview

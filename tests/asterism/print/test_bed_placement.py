@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from asterism.pattern import gallery
-from asterism.pattern.design import user_files
+from asterism.pattern.design import files as user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.print import profiles
 from asterism.print.bed_placement import frame_warning, size_warning

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from asterism.pattern.design import user_files
+from asterism.pattern.design import files as user_files
 from asterism.pattern.design.errors import DesignError
 from asterism.print import profiles
 from asterism.print.printer import NOT_COMPLETE, Printer

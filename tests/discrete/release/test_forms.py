@@ -20,8 +20,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.symmetric_distance import symmetric_distances
-from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances, symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from asterism.pattern.design import user_files
+from asterism.pattern.design import files as user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.material_files import material_files, material_path, own_material_path

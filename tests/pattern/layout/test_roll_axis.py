@@ -8,8 +8,7 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
-from asterism.pattern.layout.symmetric_distance import symmetric_distances
-from asterism.pattern.layout.symmetries import Symmetry
+from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances
 
 
 @pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])

@@ -10,8 +10,7 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.support_curve import SupportCurve
-from asterism.pattern.layout.supports import PinSet
+from asterism.pattern.layout.supports import PinSet, SupportCurve
 
 MATRIX, OFFSET = np.array([[0.8, 0.1], [-0.2, 0.7], [0.3, 0.4]]), np.array([1.0, -2.0, 5.0])
 

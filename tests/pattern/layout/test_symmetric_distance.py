@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import free_motions
-from asterism.pattern.layout.symmetric_distance import symmetric_distances
-from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.layout.symmetries import symmetric_distances, symmetries
 
 SCALE = 0.7
 

@@ -12,8 +12,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
 from asterism.pattern.layout.build import layout as layout_of
-from asterism.pattern.mesh.graded_mesh import MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE
-from asterism.pattern.mesh.grading import GRADED_EDGE_FACTOR, Grading
+from asterism.pattern.mesh.graded_mesh import GRADED_EDGE_FACTOR, MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE, Grading
 from asterism.pattern.mesh.meshing import mesh_layout
 from tests.pattern.layouts import L_SHAPE, RECTANGLE, ROUND, SIX, SLANTED, THREE, D, layout, pin, rings, stars_on, unit
 from tests.pattern.mesh_rules import obey, same_after, smallest_angle

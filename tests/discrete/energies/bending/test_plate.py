@@ -22,8 +22,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.design.materials import BendingStiffness
 from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.meshing import MeshKind, mesh_layout
+from asterism.pattern.mesh.triangulate import triangulate
 from tests.discrete.samples import plate as plate_sample
 from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import MESHES, MODULUS, POISSON, SHAPES, SIDE, THICKNESS, area, right_triangles

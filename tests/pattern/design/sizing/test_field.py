@@ -7,7 +7,7 @@ from pydantic import TypeAdapter
 
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.sizing.field import SizingField, sample
+from asterism.pattern.design.sizing.profiles import SizingField, sample
 from asterism.pattern.layout.build import load_design
 
 POINTS = np.array([[0.0, 0.0], [5.0, 0.0], [0.0, -10.0], [30.0, 40.0]])

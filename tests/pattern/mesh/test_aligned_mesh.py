@@ -11,7 +11,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.layout import build
-from asterism.pattern.mesh.aligned.aligned_mesh import MIN_ALIGNED_ANGLE_DEG, aligned_mesh
+from asterism.pattern.mesh.aligned_mesh import MIN_ALIGNED_ANGLE_DEG, aligned_mesh
 from tests.pattern.layouts import (
     L_SHAPE,
     RECTANGLE,

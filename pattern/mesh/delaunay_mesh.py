@@ -13,7 +13,6 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.clusters import clusters
 from asterism.pattern.geometry.planar import distance_to_outline, inside, triangle_angles
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
 from asterism.pattern.mesh.outline_points import (
     least_pieces,
@@ -24,6 +23,7 @@ from asterism.pattern.mesh.outline_points import (
     points_along,
     points_around,
 )
+from asterism.pattern.mesh.triangulate import triangulate
 
 REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.pattern.geometry.planar import cross_2d, polygon_area, triangle_angles, triangle_areas
-from asterism.pattern.mesh.coarse.sheet_mesh import sheet_mesh
+from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 
 RECTANGLE = np.array([[-60.0, -40.0], [60.0, -40.0], [60.0, 40.0], [-60.0, 40.0]])
 

@@ -29,8 +29,8 @@ from asterism.pattern.geometry.planar import (
 )
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.mesh.free.triangulate import triangulate
 from asterism.pattern.mesh.outline_points import outline_points, place_within
+from asterism.pattern.mesh.triangulate import triangulate
 
 # inner points keep this distance from the outline and from supported points, in mesh edges
 CLEARANCE_EDGES = 0.6

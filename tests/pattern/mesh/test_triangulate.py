@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
-from asterism.pattern.mesh.free.triangulate import triangulate
+from asterism.pattern.mesh.triangulate import triangulate
 from tests.pattern.layouts import unit
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)

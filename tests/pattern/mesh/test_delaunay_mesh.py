@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.mesh.free.delaunay_mesh import delaunay_mesh
+from asterism.pattern.mesh.delaunay_mesh import delaunay_mesh
 from tests.pattern.layouts import (
     L_SHAPE,
     RECTANGLE,

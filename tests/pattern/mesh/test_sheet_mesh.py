@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.pattern.geometry.planar import distance_to_segment, polygon_area, triangle_angles, triangle_areas
-from asterism.pattern.mesh.coarse.sheet_mesh import coarse_outline, sheet_mesh
+from asterism.pattern.mesh.sheet_mesh import coarse_outline, sheet_mesh
 
 HEXAGON = 67.0 * np.column_stack(
     [np.cos(np.radians(30 + 60 * np.arange(6))), np.sin(np.radians(30 + 60 * np.arange(6)))]

@@ -1,1 +1,0 @@
-"""Meshes on the lines of the lattice."""

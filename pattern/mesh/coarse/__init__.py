@@ -1,1 +1,0 @@
-"""Coarse meshes for shells of high order."""
