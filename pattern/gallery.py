@@ -9,14 +9,12 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import load_design
 
-_FOLDER = Path(__file__).parent / "gallery"
-_PATTERNS = Path(__file__).parent / "patterns"
-_TEMPLATES = Path(__file__).parent / "templates"
+_FOLDERS = {name: Path(__file__).parent / name for name in ("templates", "gallery", "patterns")}
 
 
 def names() -> list[str]:
     """Names of the designs of the paper's figures, in alphabetical order."""
-    return sorted(path.stem for path in _FOLDER.glob("*.toml"))
+    return _names_in("gallery")
 
 
 def pattern_names() -> list[str]:
@@ -25,7 +23,7 @@ def pattern_names() -> list[str]:
     >>> pattern_names()[:2]
     ['diamond-auxetic', 'honeycomb']
     """
-    return sorted(path.stem for path in _PATTERNS.glob("*.toml"))
+    return _names_in("patterns")
 
 
 def template_names() -> list[str]:
@@ -34,7 +32,11 @@ def template_names() -> list[str]:
     >>> template_names()
     ['arch', 'canopy', 'saddle']
     """
-    return sorted(path.stem for path in _TEMPLATES.glob("*.toml"))
+    return _names_in("templates")
+
+
+def _names_in(folder: str) -> list[str]:
+    return sorted(path.stem for path in _FOLDERS[folder].glob("*.toml"))
 
 
 def path(name: str) -> Path:
@@ -45,14 +47,10 @@ def path(name: str) -> Path:
     DesignError
         There is no design of this name.
     """
-    if name in names():
-        return _FOLDER / f"{name}.toml"
-    if name in pattern_names():
-        return _PATTERNS / f"{name}.toml"
-    if name in template_names():
-        return _TEMPLATES / f"{name}.toml"
-    known = ", ".join([*template_names(), *names(), *pattern_names()])
-    raise DesignError("", f"is not in the gallery; there are {known}", name)
+    known = {each: folder / f"{each}.toml" for key, folder in _FOLDERS.items() for each in _names_in(key)}
+    if name not in known:
+        raise DesignError("", f"is not in the gallery; there are {', '.join(known)}", name)
+    return known[name]
 
 
 def load(name: str) -> Design:

@@ -91,7 +91,7 @@ class StarUnknowns:
 
     def roughness(self) -> sp.csr_array:
         """(2 S, 2 S) matrix R with `z R z` the mean square difference of the unknowns z of neighbouring stars."""
-        pairs, count = self.plan.neighbours, len(self.lengths_mm)
+        pairs, count = self.plan.sample_pairs, len(self.lengths_mm)
         rows = np.arange(len(pairs))
         ends = sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 0])), shape=(len(pairs), count))
         ends = ends - sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 1])), shape=(len(pairs), count))

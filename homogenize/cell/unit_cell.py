@@ -441,7 +441,6 @@ def _layout(
         arm_tip=tips,
         arm_thickness=thickness,
         arm_width=width,
-        neighbours=np.empty((0, 2), dtype=np.int64),
         pins=(),
         lattice_vectors=np.asarray(design.lattice.vectors),
         lattice_origin=np.zeros(2),

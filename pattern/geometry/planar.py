@@ -118,17 +118,12 @@ def distance_to_segment(
     return np.asarray(np.sqrt((x - t * along_x) ** 2 + (y - t * along_y) ** 2))
 
 
-def split_for_table(points: Floats, against: int) -> list[Floats]:
-    """Points (n, 2) in chunks whose tables of distances to `against` others stay small."""
-    return np.array_split(points, len(points) * against // MAX_TABLE_ENTRIES + 1)
-
-
 def nearest_segment(
     points: Float[np.ndarray, "n 2"], a: Float[np.ndarray, "s 2"], b: Float[np.ndarray, "s 2"]
 ) -> Int[np.ndarray, " n"]:
     """(n,) number of the segment from `a` to `b` (s, 2) that each point (n, 2) is nearest to, the first of equals."""
-    far = (distance_to_segment(some[:, None], a, b) for some in split_for_table(points, len(a)))
-    return np.concatenate([each.argmin(axis=1) for each in far])
+    chunks = np.array_split(points, len(points) * len(a) // MAX_TABLE_ENTRIES + 1)
+    return np.concatenate([distance_to_segment(some[:, None], a, b).argmin(axis=1) for some in chunks])
 
 
 def distance_to_outline(points: Float[np.ndarray, "n 2"], polygon: Float[np.ndarray, "c 2"]) -> Float[np.ndarray, " n"]:

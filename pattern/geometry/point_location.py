@@ -63,13 +63,6 @@ class TriangleFinder:
         best = int(weights.min(axis=-1).argmax())
         return best, weights[best]
 
-    def misses(
-        self, points: Float[np.ndarray, "n 2"], triangle: Int[np.ndarray, " n"], weights: Float[np.ndarray, "n 3"]
-    ) -> Float[np.ndarray, " n"]:
-        """(n,) mm from the points (n, 2) to the places that weights (n, 3) in triangles (n,) stand for."""
-        places = np.einsum("nk,nki->ni", weights, self._corners[triangle])
-        return np.asarray(np.linalg.norm(places - points, axis=1))
-
     def _weights_in(self, candidates: Ints, points: Floats) -> Floats:
         """(n, k, 3) weights of points (n, 2) in k triangles each."""
         offset = points[:, None] - self._corners[candidates, 0]
@@ -114,7 +107,8 @@ def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float
         triangle[i], weights[i] = finder.best_of_all(points[i])
     weights = clipped(weights)
     allowed = max(off_sheet_mm, 1e-9 * float(np.ptp(printed, axis=0).max()))
-    off = np.flatnonzero(finder.misses(points, triangle, weights) > allowed)
+    places = np.einsum("nk,nki->ni", weights, printed[triangles[triangle]])
+    off = np.flatnonzero(np.linalg.norm(places - points, axis=1) > allowed)
     if len(off):
         x, y = points[off[0]]
         raise ValueError(

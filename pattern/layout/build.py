@@ -166,7 +166,6 @@ def _of_stars(design: Design) -> Layout:
         arm_tip=tips,
         arm_thickness=thickness,
         arm_width=width,
-        neighbours=lattice.sites.neighbours(cells[kept]),
         pins=pins,
         lattice_vectors=lattice.vectors,
         lattice_origin=np.asarray(lattice.origin_mm),
@@ -177,6 +176,7 @@ def _of_stars(design: Design) -> Layout:
         ignored_sites=sizes.ignored_sites,
         meeting_mm=meeting,
         holes=tuple(hole.copy() for hole in holes),
+        hole_rims=((),) * len(holes),
     )
 
 

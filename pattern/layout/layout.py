@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+import shapely
 from jaxtyping import Float, Int
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.geometry.planar import distance_to_segment, inside, split_for_table
+from asterism.pattern.geometry.clusters import clusters
+from asterism.pattern.geometry.planar import inside
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
@@ -36,7 +38,6 @@ class Layout:
     arm_star : (A,) the star of each arm; the arms of a star follow each other counterclockwise.
     arm_tip : (A, 2) mm, tip of each arm, after cutting at the outline.
     arm_thickness, arm_width : (A, 2) mm, at the star's centre and at the tip, linear between.
-    neighbours : (N, 2) pairs of neighbouring stars, see `PlaneLattice.neighbours`.
     pins : supports; empty for a free sheet.
     lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`. Star centres are integer combinations of them plus
         `lattice_origin`. For a drawing that does not repeat, those of a square lattice of the mean distance of rods.
@@ -65,7 +66,6 @@ class Layout:
     arm_tip: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
     arm_thickness: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
     arm_width: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
-    neighbours: Int[np.ndarray, "N 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     star_branch: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     star_number: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
@@ -124,14 +124,22 @@ class Layout:
         return self.site_sizes_mm[self.star_number]
 
     @cached_property
+    def _sample_cells(self) -> Ints:
+        """(n, 2) lattice cells at which shapes are compared: of the stars, or of a drawing those on the sheet."""
+        if self.has_stars:
+            return self.sites
+        cells = self.lattice.cells_within(self.outline.min(axis=0), self.outline.max(axis=0))
+        return cells[self.is_on_sheet(self.lattice.place(cells))]
+
+    @cached_property
     def sample_points(self) -> Floats:
         """(n, 2) mm: the star centres; of a drawing without stars, the sites of its lattice on the sheet."""
-        return self.centres if self.has_stars else self.lattice.place(self._sample_cells)
+        return self.lattice.place(self._sample_cells)
 
     @cached_property
     def sample_pairs(self) -> Ints:
-        """(N, 2) pairs of neighbouring `sample_points`."""
-        return self.neighbours if self.has_stars else self.lattice.neighbours(self._sample_cells)
+        """(N, 2) pairs of neighbouring `sample_points`, see `PlaneLattice.neighbours`."""
+        return self.lattice.neighbours(self._sample_cells)
 
     @property
     def has_stars(self) -> bool:
@@ -142,12 +150,6 @@ class Layout:
     def drawn_rods(self) -> tuple[Rod, ...]:
         """The drawn rods, without the arms of stars."""
         return () if self.drawn is None else self.drawn.rods[len(self.arm_star) :]
-
-    @cached_property
-    def _sample_cells(self) -> Ints:
-        """(n, 2) cells of the lattice of a drawing whose sites are on the sheet."""
-        cells = self.lattice.cells_within(self.outline.min(axis=0), self.outline.max(axis=0))
-        return cells[self.is_on_sheet(self.lattice.place(cells))]
 
     @cached_property
     def points_on_rods(self) -> Floats:
@@ -222,15 +224,13 @@ class Layout:
 
     def distance_to_supports(self, points: Floats) -> Floats:
         """(n,) mm from printed points (n, 2) to the nearest supported place; infinite on a free sheet."""
-        edges, pins = self.supported_edges, self.pin_points
-        start, end = self.edges.start[edges], self.edges.end[edges]
-
-        def nearest(chunk: Floats) -> Floats:
-            distance = np.hstack([distance_to_segment(chunk, start, end), np.linalg.norm(chunk - pins, axis=-1)])
-            return np.asarray(distance.min(axis=1, initial=np.inf))
-
-        chunks = split_for_table(np.asarray(points), len(start) + len(pins))
-        return np.concatenate([nearest(chunk[:, None]) for chunk in chunks])
+        edges = self.supported_edges
+        lines = shapely.linestrings(np.stack([self.edges.start[edges], self.edges.end[edges]], axis=1))
+        supports = shapely.geometrycollections([*lines, *shapely.points(self.pin_points)])
+        if shapely.is_empty(supports):
+            return np.full(len(points), np.inf)
+        shapely.prepare(supports)
+        return np.asarray(shapely.distance(supports, shapely.points(points)))
 
 
 def _star_graph(
@@ -257,23 +257,15 @@ def _star_graph(
     (2,)
     """
     places = np.concatenate([centres, tips])
-    node = np.arange(len(places))
-    pairs = np.empty((0, 2), dtype=np.int64)
-    if meeting > 0.0:
-        from scipy.spatial import cKDTree  # slow to import; readers of designs do without it
-
-        pairs = cKDTree(places).query_pairs(meeting, output_type="ndarray")
-    for pair in pairs[np.lexsort(pairs.T)]:
-        node[node == node[pair.max()]] = node[pair.min()]
-    kept, node = np.unique(node, return_inverse=True)
+    node, nodes = clusters(places, meeting) if meeting > 0.0 else (np.arange(len(places)), places)
     start, end = node[arm_star], node[len(centres) :]
-    touched = np.bincount(end, minlength=len(kept)) > 0
-    stars = np.bincount(node[: len(centres)], minlength=len(kept))
+    touched = np.bincount(end, minlength=len(nodes)) > 0
+    stars = np.bincount(node[: len(centres)], minlength=len(nodes))
     paired = np.flatnonzero((stars == 1) & ~touched)
     points = np.stack([centres[arm_star], tips], axis=1)
     of_arms = zip(points, start.tolist(), end.tolist(), thickness, width, arm_star.tolist(), strict=True)
     rods = tuple(Rod(ends, first, last, thick, wide, group=star) for ends, first, last, thick, wide, star in of_arms)
-    return RodGraph(places[kept], rods, paired)
+    return RodGraph(nodes, rods, paired)
 
 
 def off_curves_mm(layout: Layout, vertices: int) -> float:

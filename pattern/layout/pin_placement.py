@@ -14,11 +14,18 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.layout.supports import FIXED_BY_SLIDE, PinSet, SupportCurve, all_points, set_of_point
+from asterism.pattern.layout.supports import (
+    FIXED_BY_SLIDE,
+    PinSet,
+    SupportCurve,
+    all_points,
+    sample_supports,
+    set_of_point,
+)
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be
 MAX_PULL = 3.0
@@ -277,9 +284,10 @@ def check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
     DesignError
         The message names the second pin of the pair that is pulled most.
     """
-    printed, places, owner = _samples(sets, edges)
-    if len(printed) < 2:
-        return
+    samples = [sample_supports([pins], edges) for pins in sets]
+    every = max(sum(len(each.printed) for each in samples) // MAX_COMPARED_PINS, 1)
+    printed, places, _ = (np.concatenate(parts)[::every] for parts in zip(*samples, strict=True))
+    owner = np.repeat(np.arange(len(sets)), [len(each.printed) for each in samples])[::every]
     first, second = np.triu_indices(len(printed), k=1)
     # along a direction in which one of both slides, they are as close as they can be
     apart = np.linalg.norm(np.nan_to_num(places[first] - places[second]), axis=1)
@@ -300,17 +308,3 @@ def check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
             f"[{u:.1f}, {v:.1f}]: at most {MAX_PULL:g} times is allowed",
             place_mm=printed[j],
         )
-
-
-def _samples(sets: Sequence[PinSet], edges: SheetEdges) -> tuple[Floats, Floats, Ints]:
-    """Printed points (n, 2), their places (n, 3), not a number where the sheet slides, and the sets they belong to."""
-    printed, places, owner = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
-    for number, pins in enumerate(sets):
-        ends = np.array([end for segment in pins.segments(edges) for end in segment]).reshape(-1, 2)
-        for points in (pins.points, ends):
-            if len(points):
-                printed.append(points)
-                places.append(np.where(pins.fixed, pins.places(points), np.nan))
-                owner.append(np.full(len(points), number))
-    every = max(sum(map(len, printed)) // MAX_COMPARED_PINS, 1)
-    return np.concatenate(printed)[::every], np.concatenate(places)[::every], np.concatenate(owner)[::every]

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, nearest_segment
+from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, nearest_segment, turning_angles
 from asterism.pattern.layout.sheet_edges import SheetEdges
 
 if TYPE_CHECKING:
@@ -64,15 +65,14 @@ class SupportCurve:
         from scipy.interpolate import CubicSpline  # slow to import; designs without such curves do without it
 
         is_closed = np.array_equal(corners[0], corners[-1])
-        step = np.diff(corners, axis=0)
-        stations = np.concatenate([[0.0], np.cumsum(np.linalg.norm(step, axis=1))])
+        stations = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
         centre = corners.mean(axis=0)
         terms = np.column_stack([corners - centre, np.ones(len(corners))])
         fitted = np.linalg.lstsq(terms, places, rcond=None)[0]
         matrix = fitted[:2].T
         rest = places - terms @ fitted
         rest[np.abs(rest) < 1e-9 * (1.0 + np.abs(places).max())] = 0.0
-        sharp = _sharp(step, is_closed)
+        sharp = _sharp(corners, is_closed)
         if is_closed and not sharp[0]:
             if not sharp.any():
                 shifts = (CubicSpline(stations, rest, bc_type="periodic"),)
@@ -120,29 +120,24 @@ class SupportCurve:
         for number, spline in enumerate(self.shifts):
             its = np.flatnonzero(stretch == number)
             if len(its):
-                station = np.clip(self._stations(points[its], number, edges[its]), *self.ends[[number, number + 1]])
+                station = np.clip(self._stations(points[its], number), *self.ends[[number, number + 1]])
                 result[its] = np.stack([spline(station, order) for order in range(3)], axis=1)
         return result
 
-    def _stations(self, points: Floats, stretch: int, edges: Ints) -> Floats:
-        """(n,) mm, stations of the nearest places to points (n, 2) on a stretch; `edges` say in which turn."""
+    def _stations(self, points: Floats, stretch: int) -> Floats:
+        """(n,) mm, stations of the nearest places to points (n, 2) on a stretch."""
         first, last = np.searchsorted(self.stations, self.ends[[stretch, stretch + 1]])
-        start, end = self.corners[first:last], self.corners[first + 1 : last + 1]
-        nearest = nearest_segment(points, start, end)
-        way = end[nearest] - start[nearest]
-        part = np.einsum("ni,ni->n", points - start[nearest], way) / np.einsum("ni,ni->n", way, way)
-        return np.asarray(self.stations[first + nearest] + np.clip(part, 0.0, 1.0) * np.linalg.norm(way, axis=1))
+        line = shapely.linestrings(self.corners[first : last + 1])
+        return np.asarray(self.stations[first] + shapely.line_locate_point(line, shapely.points(points)))
 
 
-def _sharp(step: Floats, is_closed: bool) -> np.ndarray:
-    """(k,) whether each corner between steps (k - 1, 2) is sharp; the first and last corner of a closed chain count."""
-    before = np.roll(step, 1, axis=0)
-    cross = before[:, 0] * step[:, 1] - before[:, 1] * step[:, 0]
-    turn = np.abs(np.arctan2(cross, np.einsum("ni,ni->n", before, step)))
-    sharp = turn > np.radians(SHARP_CORNER_DEG)
-    if not is_closed:
-        sharp[0] = False
-    return np.append(sharp, is_closed and sharp[0])
+def _sharp(corners: Floats, is_closed: bool) -> np.ndarray:
+    """(k,) whether each corner (k, 2) of a chain is sharp; both ends only if it is closed."""
+    sharp = np.abs(turning_angles(corners[:-1] if is_closed else corners)) > np.radians(SHARP_CORNER_DEG)
+    if is_closed:
+        return np.append(sharp, sharp[0])
+    sharp[[0, -1]] = False
+    return sharp
 
 
 @dataclass(frozen=True)

@@ -75,53 +75,25 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     The identity comes first. Each maps the centre of the stars to itself, and the lattice onto itself but for a shift.
     Of a drawing, it maps the middle of the sheet to itself.
     """
-    if layout.drawn is not None:
-        return _of_drawing(design, layout)
-    tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm
-    centre = layout.centres.mean(axis=0)
-    # Tips may meet. A quarter of the way back to the centre, no two arms do.
-    arm_points = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
-    # corners on a straight edge have no effect
-    outline = layout.outline[np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD]
-    stars, corners, samples = cKDTree(layout.centres), cKDTree(outline), layout.support_samples
-    kept = []
-    for turn in _lattice_symmetries(layout.lattice_vectors):
+    if layout.drawn is None:
+        tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm
+        centre, turns = layout.centres.mean(axis=0), _lattice_symmetries(layout.lattice_vectors)
+        images: _StarImages | DrawingImages = _StarImages(layout, tolerance)
+    else:
+        # curves are as near to each other as they are to their straight pieces
+        curve_mm = max(design.required_rods.curve_mm, IMPORT_CURVE_MM)
+        tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
+        centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
+        turns, images = _candidate_turns(layout.graph, centre), DrawingImages(layout, tolerance)
+    stars, samples, kept = cKDTree(layout.centres), layout.support_samples, []
+    for turn in turns:
         shift = centre - turn @ centre
         star = _image(layout.centres @ turn.T + shift, stars, tolerance)
         if star is None or not _keeps_directions(design, turn):
             continue
-        if not _keeps_order(_image(outline @ turn.T + shift, corners, tolerance)):
-            continue
         motion = Symmetry(turn, shift, star)
         shift_in_space = _support_shift(samples, motion, tolerance)
-        # the edges of holes may be curves
-        if not _maps_holes(layout, turn, shift, tolerance + CURVE_TOLERANCES * IMPORT_CURVE_MM):
-            continue
-        if _keeps_arms(layout, arm_points, motion, tolerance) and shift_in_space is not None:
-            kept.append(replace(motion, shift_in_space=shift_in_space))
-    return kept
-
-
-def _of_drawing(design: Design, layout: Layout) -> list[Symmetry]:
-    """All symmetries of drawn rods; curves are as near to each other as they are to their straight pieces."""
-    curve_mm = max(design.required_rods.curve_mm, IMPORT_CURVE_MM)
-    tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
-    centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
-    samples, centres = layout.support_samples, cKDTree(layout.centres) if layout.has_stars else None
-    images = DrawingImages(layout, tolerance)
-    kept = []
-    for turn in _candidate_turns(layout.graph, centre):
-        star: Ints = np.empty(0, dtype=np.int64)
-        if centres is not None:
-            image = _image(layout.centres @ turn.T + centre - turn @ centre, centres, tolerance)
-            if image is None:
-                continue
-            star = image
-        motion = Symmetry(turn, centre - turn @ centre, star)
-        shift_in_space = _support_shift(samples, motion, tolerance)
-        if shift_in_space is None or not _keeps_directions(design, turn):
-            continue
-        if images.are_equal(turn, motion.shift):
+        if shift_in_space is not None and images.are_equal(motion):
             kept.append(replace(motion, shift_in_space=shift_in_space))
     return kept
 
@@ -161,15 +133,31 @@ def _keeps_order(corner: Ints | None) -> bool:
     return bool((step == 1).all() or (step == len(corner) - 1).all())
 
 
-def _keeps_arms(layout: Layout, arm_points: cKDTree, motion: Symmetry, tolerance: float) -> bool:
-    """Whether arms move onto arms of the same sizes; `arm_points` has one point an arm."""
-    arm = _image(arm_points.data @ motion.turn.T + motion.shift, arm_points, tolerance)
-    if arm is None or not np.array_equal(layout.arm_star[arm], motion.star[layout.arm_star]):
-        return False
-    sizes = (layout.arm_thickness, layout.arm_width)
-    equal_sizes = all((np.abs(size[arm] - size) <= SYMMETRY_TOLERANCE * size).all() for size in sizes)
-    tips = layout.arm_tip @ motion.turn.T + motion.shift
-    return equal_sizes and bool(np.abs(tips - layout.arm_tip[arm]).max(initial=0.0) < tolerance)
+class _StarImages:
+    """Checks whether motions that map the stars onto themselves map arms, outline and holes onto themselves."""
+
+    def __init__(self, layout: Layout, tolerance: float) -> None:
+        self._layout, self._tolerance = layout, tolerance
+        # Tips may meet. A quarter of the way back to the centre, no two arms do.
+        self._arms = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
+        # corners on a straight edge have no effect
+        self._corners = cKDTree(layout.outline[np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD])
+
+    def are_equal(self, motion: Symmetry) -> bool:
+        """Whether a motion maps outline, holes and arms of equal sizes onto each other."""
+        layout, tolerance = self._layout, self._tolerance
+        if not _keeps_order(_image(self._corners.data @ motion.turn.T + motion.shift, self._corners, tolerance)):
+            return False
+        # the edges of holes may be curves
+        if not _maps_holes(layout, motion, tolerance + CURVE_TOLERANCES * IMPORT_CURVE_MM):
+            return False
+        arm = _image(self._arms.data @ motion.turn.T + motion.shift, self._arms, tolerance)
+        if arm is None or not np.array_equal(layout.arm_star[arm], motion.star[layout.arm_star]):
+            return False
+        sizes = (layout.arm_thickness, layout.arm_width)
+        equal_sizes = all((np.abs(size[arm] - size) <= SYMMETRY_TOLERANCE * size).all() for size in sizes)
+        tips = layout.arm_tip @ motion.turn.T + motion.shift
+        return equal_sizes and bool(np.abs(tips - layout.arm_tip[arm]).max(initial=0.0) < tolerance)
 
 
 def _support_shift(samples: SupportSamples, motion: Symmetry, tolerance: float) -> Floats | None:
@@ -258,12 +246,13 @@ class DrawingImages:
         sections = {(rod.kappa_bar, *np.unique(np.stack([rod.thickness, rod.width]), axis=1).ravel()) for rod in rods}
         self._has_one_section = len(sections) == 1 and len(next(iter(sections))) == 1 + len(_SIZES)
 
-    def are_equal(self, turn: Floats, shift: Floats) -> bool:
-        """Whether `p -> turn p + shift` maps outline, holes and rods of equal sections onto each other."""
+    def are_equal(self, motion: Symmetry) -> bool:
+        """Whether a motion maps outline, holes and rods of equal sections onto each other."""
+        turn, shift = motion.turn, motion.shift
         moved_border = shapely.points(self._on_border @ turn.T + shift)
         if (shapely.distance(self._border, moved_border) > self._tolerance).any():
             return False
-        if not _maps_holes(self._layout, turn, shift, self._tolerance):
+        if not _maps_holes(self._layout, motion, self._tolerance):
             return False
         moved = shapely.points(self._points @ turn.T + shift)
         image = self._tree.nearest(moved)
@@ -282,12 +271,12 @@ class DrawingImages:
         return True
 
 
-def _maps_holes(layout: Layout, turn: Floats, shift: Floats, tolerance: float) -> bool:
-    """Whether the motion `p -> turn p + shift` maps the holes onto holes, each edge within `tolerance` (mm)."""
+def _maps_holes(layout: Layout, motion: Symmetry, tolerance: float) -> bool:
+    """Whether a motion maps the holes onto holes, each edge within `tolerance` (mm)."""
     rings = [shapely.LinearRing(hole) for hole in layout.holes]
     for ring in rings:
         at = shapely.get_coordinates(shapely.segmentize(ring, layout.spacing_mm))
-        moved = shapely.points(at @ turn.T + shift)
+        moved = shapely.points(at @ motion.turn.T + motion.shift)
         if not any((shapely.distance(other, moved) <= tolerance).all() for other in rings):
             return False
     return True

@@ -104,13 +104,13 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     outline = np.concatenate([lines[rod][:-1] for rod in layout.rim]) if layout.rim else frame.outline
     edges = [
         np.concatenate([lines[rod][:-1] for rod in rim]) if rim else points_around(hole, step, pins, _tolerance(layout))
-        for hole, rim, step in zip(layout.holes, _hole_rims(layout), frame.hole_step, strict=True)
+        for hole, rim, step in zip(layout.holes, layout.hole_rims, frame.hole_step, strict=True)
     ]
     parts = [layout.centres, outline, *edges, *lines, pins]
     vertex, points = clusters(np.concatenate(parts), _tolerance(layout))
     chains = np.split(vertex, np.cumsum([len(part) for part in parts])[:-1])
     stars, border, holes, rods = chains[0], chains[1], chains[2 : 2 + len(edges)], chains[2 + len(edges) : -1]
-    around = [hole for hole, rim in zip(holes, _hole_rims(layout), strict=True) if not rim]
+    around = [hole for hole, rim in zip(holes, layout.hole_rims, strict=True) if not rim]
     off_rim = [np.column_stack([r[:-1], r[1:]]) for k, r in enumerate(rods) if k not in layout.rim]
     segments = np.concatenate([*(np.column_stack([ring, np.roll(ring, -1)]) for ring in (border, *around)), *off_rim])
     points = np.concatenate([points, _scattered(layout, points, edge_mm, seed)])
@@ -123,11 +123,6 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     )
     held = pin_vertices(layout, points, np.concatenate([border, *holes]))
     return Mesh(points, triangles, tuple(rods), stars, border, held, "delaunay", tuple(holes))
-
-
-def _hole_rims(layout: Layout) -> tuple[tuple[int, ...], ...]:
-    """For each hole the rods on its edge."""
-    return layout.hole_rims or ((),) * len(layout.holes)
 
 
 def _split(layout: Layout, frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], shortest: float) -> _Frame:

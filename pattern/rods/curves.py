@@ -18,6 +18,8 @@ from asterism.pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
 # points of a spline between two given ones, at which its turn is measured
 SPLINE_SAMPLES = 32
 SAME_POINT_MM = 1e-6
+# keys of holes by those of lines of the same shape
+_LINE_OF_EDGE = {"circle_mm": "circle_mm", "polygon_mm": "line_mm", "spline_mm": "spline_mm"}
 
 
 def polyline(line: DrawnLine, curve_mm: float) -> Floats:
@@ -96,12 +98,9 @@ def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
     for k, hole in enumerate(border.holes):
         name = f"border.holes[{k}]"
         try:
-            if hole.circle_mm is not None:
-                rings.append((name, polyline(DrawnLine(circle_mm=hole.circle_mm), curve_mm)[:-1]))
-            elif hole.polygon_mm is not None:
-                rings.append((name, polyline(DrawnLine(line_mm=hole.polygon_mm, closed=True), curve_mm)[:-1]))
-            elif hole.spline_mm is not None:
-                rings.append((name, polyline(DrawnLine(spline_mm=hole.spline_mm, closed=True), curve_mm)[:-1]))
+            if (key := _LINE_OF_EDGE.get(hole.kind)) is not None:
+                line = DrawnLine.model_validate({key: getattr(hole, hole.kind), "closed": key != "circle_mm"})
+                rings.append((name, polyline(line, curve_mm)[:-1]))
         except DesignError as error:
             raise DesignError(f"{name}.{hole.kind}", error.allowed, place_mm=error.place_mm) from None
         rings += [(name, np.array(ring)) for ring in hole.rings_mm]

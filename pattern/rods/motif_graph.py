@@ -11,6 +11,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.design.sizing.profiles import Profile
+from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.rods.curves import polyline
 from asterism.pattern.rods.drawn_graph import PlacedLine, graph_of_lines
 from asterism.pattern.rods.graph import Rod
@@ -86,12 +87,11 @@ def _places_nearby(rods: Rods, lattice: Lattice) -> Floats:
     vectors = np.asarray(lattice.vectors)
     if np.pi * reach**2 > MAX_NEARBY_COPIES * abs(np.linalg.det(vectors)):
         raise DesignError("rods.motif", "is too long for its lattice: draw the lines of one cell")
-    # of rows of the lattice that a circle of this radius meets
-    most = np.ceil(reach * np.linalg.norm(np.linalg.inv(vectors), axis=0)).astype(int) + 1
-    steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in most), indexing="ij"), axis=-1).reshape(-1, 2)
-    steps = steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")]
-    places = steps @ vectors
-    return np.asarray(places[np.linalg.norm(places, axis=1) <= reach + np.linalg.norm(vectors, axis=1).max()])
+    reach += float(np.linalg.norm(vectors, axis=1).max())
+    lattice_at_0 = PlaneLattice(vectors, np.zeros(2))
+    steps = lattice_at_0.cells_within(np.full(2, -reach), np.full(2, reach))
+    places = lattice_at_0.place(steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")])
+    return np.asarray(places[np.linalg.norm(places, axis=1) <= reach])
 
 
 def _check_equal(rods: Rods) -> None:

@@ -10,7 +10,7 @@ import shapely
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.clusters import clusters
-from asterism.pattern.geometry.planar import turning_angles
+from asterism.pattern.geometry.planar import nearest_segment, turning_angles
 from asterism.pattern.rods.graph import CORNER_DEG
 
 # mm: places closer than this are one, but for rounding
@@ -155,9 +155,7 @@ def _with_point(line: Floats, place: Floats) -> Floats:
     """The line with a point on it as one of its points."""
     if np.linalg.norm(line - place, axis=1).min() <= SAME_PLACE_MM:
         return line
-    step = np.diff(line, axis=0)
-    part = np.clip(((place - line[:-1]) * step).sum(axis=1) / (step**2).sum(axis=1), 0.0, 1.0)
-    piece = int(np.linalg.norm(line[:-1] + part[:, None] * step - place, axis=1).argmin())
+    piece = int(nearest_segment(place[None], line[:-1], line[1:])[0])
     return np.insert(line, piece + 1, place, axis=0)
 
 

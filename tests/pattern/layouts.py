@@ -48,9 +48,6 @@ def layout(
     star = np.repeat(np.arange(len(centres)), len(directions))
     lengths = np.broadcast_to(length, (len(centres),))[star]
     tip = centres[star] + lengths[:, None] * np.tile(unit(directions), (len(centres), 1))
-    i, j = np.triu_indices(len(centres), 1)
-    apart = np.linalg.norm(centres[i] - centres[j], axis=1)
-    near = apart < 1.01 * np.linalg.norm(vectors, axis=1).min()
     return Layout(
         outline=np.asarray(border, dtype=float),
         centres=centres,
@@ -58,7 +55,6 @@ def layout(
         arm_tip=tip,
         arm_thickness=np.full((len(star), 2), 0.3),
         arm_width=np.full((len(star), 2), 1.2),
-        neighbours=np.column_stack([i[near], j[near]]),
         pins=pins,
         lattice_vectors=vectors,
         lattice_origin=np.zeros(2),

@@ -116,7 +116,7 @@ def bumps(shape: Shape) -> Floats:
 
 def contractions(found: Comparison, shape: Shape) -> tuple[Floats, Floats]:
     """(P,) distance of neighbouring star centres over the printed one, and (P, 2) mm, where on the print."""
-    pairs, printed = found.layout.neighbours, found.layout.centres
+    pairs, printed = found.layout.sample_pairs, found.layout.centres
     now, before = (
         np.linalg.norm(c[pairs[:, 0]] - c[pairs[:, 1]], axis=1) for c in (shape.positions[shape.star_vertices], printed)
     )

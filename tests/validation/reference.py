@@ -155,7 +155,6 @@ def model(data: dict[str, Array]) -> DiscreteModel:
         arm_tip=points[[path[-1] for path in rod_paths]],
         arm_thickness=np.repeat(data["rod_h"][:, None], 2, axis=1),
         arm_width=np.repeat(data["rod_w"][:, None], 2, axis=1),
-        neighbours=np.zeros((0, 2), dtype=np.int64),
         pins=(),
         lattice_vectors=SPACING * np.array([[np.sqrt(0.75), 0.5], [0.0, 1.0]]),
         lattice_origin=np.zeros(2),

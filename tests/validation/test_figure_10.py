@@ -17,7 +17,7 @@ MODELS = pytest.mark.parametrize("model", [0, 1], ids=["exact", "preview"])
 def contraction(found: Comparison, model: int, part: Callable[[Floats, Floats], Floats]) -> float:
     """Mean distance of neighbouring stars over the printed one, of the pairs in a part of the print."""
     centres = found.layout.centres
-    pairs = found.layout.neighbours
+    pairs = found.layout.sample_pairs
     pairs = pairs[part(*centres[pairs].mean(axis=1).T)]
     now = (found.reference, found.other)[model].at(centres)
     lengths = [np.linalg.norm(p[pairs[:, 0]] - p[pairs[:, 1]], axis=1).mean() for p in (now, centres)]

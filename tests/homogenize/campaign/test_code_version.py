@@ -20,11 +20,10 @@ ASIDE = (
         "design.section",
         "design.stars",
     ),
-    *("design.material_files", "design.user_files"),
+    "design.material_files",
     # sizes that vary, outlines, pins and drawings: a cell has none
     *(
         "design.border",
-        "layout.support_curve",
         "design.pins",
         "design.rods",
         "design.drawings",
@@ -33,8 +32,6 @@ ASIDE = (
         "drawing.records",
         "drawing.rhino",
         "drawing.svg",
-        "design.sizing.field",
-        "design.sizing.profile",
         "design.sizing.expression",
     ),
     *("design.sizing.grey_image", "design.sizing.profiles"),

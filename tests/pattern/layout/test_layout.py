@@ -28,8 +28,8 @@ def test_rings(rings):
     np.testing.assert_allclose(radius, (rings * np.sqrt(3) + 1.5) * 10)
     assert np.degrees(np.arctan2(*sheet.outline[0][::-1])) == pytest.approx(30)
     # 3 n (3 n + 1) nearest pairs on a hexagon of n rings
-    assert len(sheet.neighbours) == 3 * rings * (3 * rings + 1)
-    np.testing.assert_allclose(np.linalg.norm(np.diff(sheet.centres[sheet.neighbours], axis=1), axis=2), D)
+    assert len(sheet.sample_pairs) == 3 * rings * (3 * rings + 1)
+    np.testing.assert_allclose(np.linalg.norm(np.diff(sheet.centres[sheet.sample_pairs], axis=1), axis=2), D)
 
 
 def test_arms_point_at_neighbours():
@@ -76,7 +76,7 @@ def test_custom_lattice_is_reduced():
     clumsy = {"kind": "custom", "vectors_mm": [(a + 3 * b).tolist(), (2 * a + 7 * b).tolist()]}
     ours, theirs = lay(border={"rectangle_mm": [120, 90]}, lattice=clumsy), lay(border={"rectangle_mm": [120, 90]})
     np.testing.assert_allclose(ours.centres, theirs.centres, atol=1e-9)
-    np.testing.assert_array_equal(ours.neighbours, theirs.neighbours)
+    np.testing.assert_array_equal(ours.sample_pairs, theirs.sample_pairs)
 
 
 def test_layout_lies_on_its_lattice():
@@ -237,7 +237,7 @@ def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: 
 def test_tips_that_meet_are_fine():
     sheet = lay(lattice={"arms": 6}, stars={"length_fraction": 0.5}, border={"rings": 1})
     tips = sheet.arm_tip[:, None] - sheet.arm_tip
-    assert ((np.linalg.norm(tips, axis=2) < 1e-9).sum() - len(tips)) // 2 == len(sheet.neighbours)
+    assert ((np.linalg.norm(tips, axis=2) < 1e-9).sum() - len(tips)) // 2 == len(sheet.sample_pairs)
 
 
 @pytest.mark.parametrize("border", [{"rings": 2}, {"rectangle_mm": [100, 80]}])

@@ -8,7 +8,6 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
-from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances
 
 
 @pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])
@@ -31,11 +30,3 @@ def test_a_wave_is_no_roll(waves: float, is_roll: bool) -> None:
     normal = np.column_stack([np.sin(turn), 0.0 * turn, np.cos(turn)])
     for nearly in (False, True):
         assert (roll_axis_from_normals(plan, normal, nearly) is not None) is is_roll
-
-
-def test_a_star_of_the_second_shape_stands_where_the_symmetry_takes_it() -> None:
-    """A third of a turn takes star 0 to where star 1 was; the other way round it is another symmetry."""
-    first = np.random.default_rng(0).normal(size=(6, 3))
-    there, back = np.array([1, 2, 0, 4, 5, 3]), np.array([2, 0, 1, 5, 3, 4])
-    found = symmetric_distances(first, first[back], [Symmetry(np.eye(2), np.zeros(2), star) for star in (there, back)])
-    assert found[0] == pytest.approx(0.0, abs=1e-9) and found[1] > 0.1

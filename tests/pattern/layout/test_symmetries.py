@@ -1,14 +1,18 @@
-"""Symmetries of layouts: how many there are, and what breaks them."""
+"""Symmetries of layouts: how many there are, and what breaks them; distances of shapes up to them."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.layout.free_motions import free_motions
+from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances, symmetries
 
 HEXAGON = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
 
@@ -120,3 +124,117 @@ def test_arms_must_be_equally_wide() -> None:
 
 def test_no_weight_pulls_to_no_side() -> None:
     assert count(gravity={"on": False, "direction": [1.0, 0.0, 0.0]}) == (6, 3)
+
+
+RING = {"rods": {"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]}, "border": {"rods": "rim"}}
+LINES = [{"line_mm": [(-20, y), (20, y)]} for y in (-10, 0, 10)]
+NET = {
+    "lattice": {"kind": "square", "spacing_mm": 10.0},
+    "rods": {"motif": [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]},
+    "border": {"rectangle_mm": (42.0, 42.0)},
+}
+
+
+def sheet(lines: list[dict[str, Any]], **changes: Any) -> dict[str, Any]:
+    return {"rods": {"draw": lines}, "border": {"rectangle_mm": (50.0, 40.0)}} | changes
+
+
+def flower(turn_deg: float, lobes: int = 5) -> dict[str, Any]:
+    """A closed wavy line, turned."""
+    a = np.linspace(0.0, 2 * np.pi, 20 * lobes, endpoint=False)
+    r, a = 20.0 + 3.0 * np.cos(lobes * a), a + np.radians(turn_deg)
+    points = np.column_stack([r * np.cos(a), r * np.sin(a)]).tolist()
+    rim = {"name": "rim", "spline_mm": points, "closed": True}
+    return {"rods": {"draw": [rim]}, "border": {"rods": "rim"}}
+
+
+@pytest.mark.parametrize(
+    ("data", "expected"),
+    [
+        (RING, (24, 12)),  # of the rotations of a circle, those up to the order that is looked for
+        (sheet(LINES), (4, 2)),
+        (sheet(LINES[:2]), (2, 1)),
+        (sheet([*LINES, {"arc_mm": {"radius": 3.0, "from_deg": 0, "to_deg": 90, "centre": (0, 3)}}]), (1, 0)),
+        (sheet([{**LINES[0], "thickness_mm": 0.5}, *LINES[1:]]), (2, 1)),
+        (sheet([{**LINES[0], "kappa_bar_per_mm": 0.01}, *LINES[1:]]), (2, 1)),
+        (sheet(LINES, pins=[{"corners": [0]}]), (1, 0)),
+        (sheet(LINES, pins=[{"edges": [0, 2]}]), (4, 2)),
+        (sheet(LINES, fabric={"stretch": [1.35, 1.2]}), (4, 2)),
+        (NET, (8, 4)),
+        (NET | {"fabric": {"stretch": [1.35, 1.2]}}, (4, 2)),
+        (flower(0.0), (10, 5)),
+        (flower(17.0), (10, 5)),
+        (flower(17.0) | {"fabric": {"stretch": [1.35, 1.2]}}, (1, 0)),
+    ],
+)
+def test_count_of_drawings(data: dict[str, Any], expected: tuple[int, int]) -> None:
+    design = Design.from_dict(data)
+    found = symmetries(design, layout(design))
+    assert (len(found), sum(one.mirrors for one in found)) == expected
+    np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
+
+
+def test_each_symmetry_maps_every_rod_onto_a_rod() -> None:
+    design = Design.from_dict(flower(17.0))
+    plan = layout(design)
+    line = plan.graph.rods[0].points
+    for motion in symmetries(design, plan):
+        moved = line @ motion.turn.T + motion.shift
+        assert np.linalg.norm(moved[:, None] - line, axis=2).min(axis=1).max() < 1.0
+
+
+def test_sample_points_are_neighbours_on_the_sheet() -> None:
+    plan = layout(Design.from_dict(NET))
+    assert len(plan.sample_points) == 25 and len(plan.sample_pairs) == 40
+    steps = plan.sample_points[plan.sample_pairs[:, 1]] - plan.sample_points[plan.sample_pairs[:, 0]]
+    np.testing.assert_allclose(np.linalg.norm(steps, axis=1), 10.0)
+
+
+SCALE = 0.7
+
+
+def _on_needles() -> Design:
+    stars = {"length_mm": 8.0, "thickness_mm": 0.4}
+    return Design.from_dict({"stars": stars, "border": {"rings": 2}, "pins": [{"where": "corners", "scale": SCALE}]})
+
+
+def _tilted_bowl(points: np.ndarray) -> np.ndarray:
+    """(n, 3) mm."""
+    x, y = SCALE * points.T
+    return np.column_stack([x, y, 0.01 * (x**2 + y**2) + 0.1 * x])
+
+
+def test_a_swing_on_needles_counts_and_that_of_a_free_sheet_does_not() -> None:
+    design = _on_needles()
+    plan = layout(design)
+    supports, identity = plan.support_samples, symmetries(design, plan)[:1]
+    first = _tilted_bowl(plan.centres)
+    swung = first @ Rotation.from_rotvec([0.0, 0.2, 0.0]).as_matrix().T
+    held = free_motions(supports, _tilted_bowl(supports.printed))
+    assert held.count == 0
+    gap = np.sqrt(((first - swung) ** 2).sum(axis=1).mean())
+    assert symmetric_distances(first, swung, identity, held)[0] == pytest.approx(gap)
+    assert gap > 1.0
+    assert symmetric_distances(first, swung, identity)[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_symmetric_images_on_the_same_needles_are_one_shape() -> None:
+    design = _on_needles()
+    plan = layout(design)
+    supports, same = plan.support_samples, symmetries(design, plan)
+    held = free_motions(supports, _tilted_bowl(supports.printed))
+    first = _tilted_bowl(plan.centres)
+    assert len(same) == 6
+    for symmetry in same:
+        image = symmetry.in_space(_tilted_bowl(plan.centres @ symmetry.turn.T + symmetry.shift))
+        apart = symmetric_distances(first, image, same, held)
+        assert apart.min() == pytest.approx(0.0, abs=1e-9)
+        assert apart.max() > 0.5
+
+
+def test_a_star_of_the_second_shape_stands_where_the_symmetry_takes_it() -> None:
+    """A third of a turn takes star 0 to where star 1 was; the other way round it is another symmetry."""
+    first = np.random.default_rng(0).normal(size=(6, 3))
+    there, back = np.array([1, 2, 0, 4, 5, 3]), np.array([2, 0, 1, 5, 3, 4])
+    found = symmetric_distances(first, first[back], [Symmetry(np.eye(2), np.zeros(2), star) for star in (there, back)])
+    assert found[0] == pytest.approx(0.0, abs=1e-9) and found[1] > 0.1

@@ -221,32 +221,6 @@ def test_points_come_before_edges_in_a_pin_set():
     assert first not in rest and len(rest) == len(set(rest))
 
 
-@pytest.mark.parametrize(
-    ("sheet", "edge"),
-    [
-        (rings(1, 10.0, [0.0, 120.0, 240.0]), 2.0),  # arms between the lattice's directions
-        (layout(hexagon(1), [[1.0, 0.0]]), 2.0),  # a star beside the lattice
-        (rings(1, 12.0, SIX), 2.0),  # overlapping arms
-        (rings(1, 0.0), 2.0),
-        (rings(1, 0.1), 2.0),  # far shorter than an edge
-        (rings(1, 17.0), 2.0),  # over the border
-        (rings(1, 8.5, SIX), D / 2),  # no edge left for the gap
-        (rings(1), 0.0),
-        (rings(1), -1.0),
-        (rings(1), np.nan),
-        (rings(1), np.inf),
-        (rings(1), 1e-9),
-        (rings(1, pins=(pin([[100.0, 0.0]]),)), 2.0),
-        (layout(RECTANGLE, [[0.0, 0.0]], pins=(pin([[1.0, 40.0]]),)), 2.0),
-        (rings(1, 10.0, pins=(pin([[0.0, -5.1]]),)), 2.0),  # on an arm, between its vertices
-    ],
-)
-def test_refused(sheet, edge):
-    with pytest.raises(MeshError) as caught:
-        aligned_mesh(sheet, edge)
-    assert "\n" not in str(caught.value)
-
-
 def test_eight_arms_do_not_fit_a_square_grid():
     border = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]], dtype=float)
     sheet = layout(border, [[0.0, 0.0]], 6.0, list(45.0 * np.arange(8)), vectors=D * np.eye(2))
@@ -270,9 +244,3 @@ def test_sound_or_refused(n, length, edge, directions):
     obey(sheet, mesh)
     assert even_rods(mesh)
     assert smallest_angle(mesh) >= MIN_ALIGNED_ANGLE_DEG
-
-
-def test_fifty_thousand_points():
-    sheet = rings(9)
-    mesh = aligned_mesh(sheet, 1.2)
-    assert len(mesh.points) > 50_000

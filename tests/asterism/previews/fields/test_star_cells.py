@@ -48,7 +48,7 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
     assert weights.sum(axis=1) == pytest.approx(1.0)
     assert np.abs(np.diff(weights, axis=0)).max() < 0.01
     # equal neighbours have equal shares half way between them
-    middle = cells.shares(PLAN.centres[PLAN.neighbours].mean(axis=1)[:6]).wide.toarray()
+    middle = cells.shares(PLAN.centres[PLAN.sample_pairs].mean(axis=1)[:6]).wide.toarray()
     top = np.sort(middle, axis=1)[:, -2:]
     assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
 
