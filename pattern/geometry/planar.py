@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
@@ -99,9 +101,11 @@ def is_in_sorted(numbers: Int[np.ndarray, " n"], ordered: Int[np.ndarray, " m"])
     return np.asarray(ordered[np.minimum(np.searchsorted(ordered, numbers), len(ordered) - 1)] == numbers)
 
 
-def inside(points: Float[np.ndarray, "n 2"], polygon: Float[np.ndarray, "c 2"]) -> Bool[np.ndarray, " n"]:
-    """Which points (n, 2) lie in a simple polygon; either answer for points on its outline."""
-    region = shapely.polygons(polygon)
+def inside(
+    points: Float[np.ndarray, "n 2"], polygon: Float[np.ndarray, "c 2"], holes: Sequence[Floats] = ()
+) -> Bool[np.ndarray, " n"]:
+    """Which points (n, 2) lie in a simple polygon and in no hole; either answer for points on an edge."""
+    region = shapely.Polygon(polygon, holes)
     shapely.prepare(region)
     return np.asarray(shapely.contains_xy(region, points), dtype=bool)
 

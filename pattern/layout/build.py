@@ -277,7 +277,8 @@ def sheet_sites(design: Design) -> Ints:
 @lru_cache(maxsize=8)
 def _kept_sheet(border: Border, lattice: Lattice) -> tuple[Floats, tuple[Floats, ...], Ints]:
     """The outline, the holes and the sites of the stars, kept for edits, which rarely change them."""
-    corners, holes = outline(border, lattice), ()
+    corners = outline(border, lattice)
+    holes: tuple[Floats, ...] = ()
     if border.holes:
         from asterism.pattern.rods.curves import check_holes, hole_rings  # slow to import; most designs have none
 

@@ -103,10 +103,7 @@ class Layout:
 
     def is_on_sheet(self, points: Floats) -> np.ndarray:
         """(n,) bool, whether printed points (n, 2) mm are inside the outline and in no hole."""
-        on_sheet = inside(points, self.outline)
-        for hole in self.holes:
-            on_sheet &= ~inside(points, hole)
-        return on_sheet
+        return inside(points, self.outline, self.holes)
 
     @property
     def lattice(self) -> PlaneLattice:

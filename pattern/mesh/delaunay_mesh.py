@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.clusters import clusters
-from asterism.pattern.geometry.planar import distance_to_outline, inside, triangle_angles
+from asterism.pattern.geometry.planar import distance_to_outline, triangle_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
 from asterism.pattern.mesh.outline_points import (
@@ -147,9 +147,9 @@ def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Flo
     low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
     scattered = low + (high - low) * rng.random((max(len(layout.centres), 8), 2))
     clear = cKDTree(points).query(scattered)[0] > 1.5 * edge_mm
-    clear &= inside(scattered, layout.outline) & (distance_to_outline(scattered, layout.outline) > edge_mm)
-    for hole in layout.holes:
-        clear &= ~inside(scattered, hole) & (distance_to_outline(scattered, hole) > edge_mm)
+    clear &= layout.is_on_sheet(scattered)
+    for ring in layout.edges.rings:
+        clear &= distance_to_outline(scattered, ring) > edge_mm
     scattered = scattered[clear]
     close = cKDTree(scattered).query_pairs(edge_mm, output_type="ndarray")
     return np.delete(scattered, np.unique(close[:, 1]), axis=0)

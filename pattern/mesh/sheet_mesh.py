@@ -148,9 +148,7 @@ def _filling(rings: Sequence[Floats], fixed: Floats, edge_mm: float) -> Floats:
     basis = size * np.array([[x, y], [half * x - height * y, half * y + height * x]])
     lattice = PlaneLattice(basis, ring[longest])
     points = lattice.place(lattice.cells_within(ring.min(axis=0), ring.max(axis=0)))
-    points = points[inside(points, ring)]
-    for hole in holes:
-        points = points[~inside(points, hole)]
+    points = points[inside(points, ring, holes)]
     if not len(points):
         return np.empty((0, 2))
     away = np.min([cKDTree(fixed).query(points)[0], *(distance_to_outline(points, each) for each in rings)], axis=0)

@@ -130,7 +130,7 @@ def check_holes(rings: Sequence[tuple[str, Floats]], corners: Floats, margin_mm:
             parts = shapely.get_coordinates(shapely.difference(polygon, sheet))
             crossing = shapely.get_coordinates(shapely.intersection(polygon.exterior, outline))
             place = crossing[0] if len(crossing) else parts[0]
-            raise DesignError(name, f"must be inside the outline, and is not at {_at(place)}", place_mm=place)
+            raise DesignError(name, f"must be inside the outline, and is not at {shown_place(place)}", place_mm=place)
         _check_gap(name, "the outline", polygon.exterior, outline, margin_mm)
     first, second = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=margin_mm)
     for i, j in zip(first[first < second], second[first < second], strict=True):
@@ -138,7 +138,7 @@ def check_holes(rings: Sequence[tuple[str, Floats]], corners: Floats, margin_mm:
         if shapely.intersects(polygons[i], polygons[j]):
             place = shapely.get_coordinates(shapely.point_on_surface(shapely.intersection(polygons[i], polygons[j])))[0]
             raise DesignError(
-                names[1], f"must be apart from {names[0]}, which it meets at {_at(place)}", place_mm=place
+                names[1], f"must be apart from {names[0]}, which it meets at {shown_place(place)}", place_mm=place
             )
         _check_gap(names[1], names[0], polygons[j], polygons[i], margin_mm)
 
@@ -149,8 +149,9 @@ def _check_gap(name: str, other: str, shape: shapely.Geometry, beside: shapely.G
     if gap < margin_mm:
         place = shapely.get_coordinates(shapely.shortest_line(shape, beside)).mean(axis=0)
         problem = f"must leave {margin_mm:g} mm of fabric beside {other} (border.tip_margin_mm), leaves {gap:.3f} mm"
-        raise DesignError(name, f"{problem} at {_at(place)}", place_mm=place)
+        raise DesignError(name, f"{problem} at {shown_place(place)}", place_mm=place)
 
 
-def _at(place: Floats) -> str:
+def shown_place(place: Floats) -> str:
+    """A place (2,) mm as messages show it."""
     return f"[{place[0]:.2f}, {place[1]:.2f}]"

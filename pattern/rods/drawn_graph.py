@@ -16,7 +16,7 @@ from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.rods.curves import check_holes, hole_rings, polyline
+from asterism.pattern.rods.curves import check_holes, hole_rings, polyline, shown_place
 from asterism.pattern.rods.graph import Rod, RodGraph
 from asterism.pattern.rods.planar_lines import Piece, cut_lines, is_closed
 
@@ -253,7 +253,7 @@ def _check_rods(graph: RodGraph) -> None:
         if rod.length < MIN_ARM_MM and min(degree[rod.start], degree[rod.end]) < 2:
             place = rod.at(rod.points, np.array([0.5]))[0]
             raise _error(
-                f"{rod.name} has a piece of {rod.length:.2f} mm at {_at(place)}: {MIN_ARM_MM:g} or more", place
+                f"{rod.name} has a piece of {rod.length:.2f} mm at {shown_place(place)}: {MIN_ARM_MM:g} or more", place
             )
     _check_angles(graph)
     _check_clearance(graph)
@@ -267,7 +267,7 @@ def _check_angles(graph: RodGraph) -> None:
             angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
             if angle < MIN_ROD_ANGLE_DEG:
                 place = graph.nodes[node]
-                meet = f"{first.name} and {second.name} meet at {angle:.0f} deg at {_at(place)}"
+                meet = f"{first.name} and {second.name} meet at {angle:.0f} deg at {shown_place(place)}"
                 raise _error(f"{meet}: {MIN_ROD_ANGLE_DEG:g} or more, or draw them as one", place)
 
 
@@ -282,22 +282,14 @@ def _check_clearance(graph: RodGraph) -> None:
         if {first_rod.start, first_rod.end} & {second_rod.start, second_rod.end}:
             continue
         distance = float(shapely.distance(lines[i], lines[j]))
-        widths = _width(first_rod), _width(second_rod)
+        widths = float(first_rod.width.max()), float(second_rod.width.max())
         if distance < 0.5 * sum(widths):
             place = shapely.get_coordinates(shapely.shortest_line(lines[i], lines[j])).mean(axis=0)
             raise _error(
-                f"{first_rod.name} and {second_rod.name} are {distance:.2f} mm apart at {_at(place)} and would print "
-                f"as one (widths {widths[0]:g}, {widths[1]:g}): move them apart, or let them meet",
+                f"{first_rod.name} and {second_rod.name} are {distance:.2f} mm apart at {shown_place(place)} and would "
+                f"print as one (widths {widths[0]:g}, {widths[1]:g}): move them apart, or let them meet",
                 place,
             )
-
-
-def _width(rod: Rod) -> float:
-    return float(rod.width.max())
-
-
-def _at(place: Floats) -> str:
-    return f"[{place[0]:.2f}, {place[1]:.2f}]"
 
 
 def _error(problem: str, place: Floats) -> DesignError:
