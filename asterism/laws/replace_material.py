@@ -9,7 +9,7 @@ from asterism.homogenize.law.material import Material, load_material
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.material_files import material_path
-from asterism.pattern.design.residual_curvature import ResidualCurvature
+from asterism.pattern.design.materials import ResidualCurvature
 from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 

@@ -11,7 +11,7 @@ from asterism.draw.ribbons import ribbons
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.pattern.geometry.rigid_fit import rigid_fit
-from asterism.pattern.layout.off_sheet import off_sheet_mm
+from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
