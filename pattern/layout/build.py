@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -19,6 +18,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.stars import MIN_ARM_MM
 from asterism.pattern.geometry.planar import distance_to_outline, inside, polygon_area
 from asterism.pattern.layout.layout import Layout
@@ -78,7 +78,7 @@ def layout(design: Design) -> Layout:
     check_mesh_size(design.usual_edge_mm, drawn.outline)
     return Layout(
         outline=drawn.outline,
-        pins=_pins(design, drawn.outline, drawn.holes, drawn.graph.nodes, _lines(drawn.graph)),
+        pins=_pins(design, drawn.outline, drawn.graph, drawn.holes),
         lattice_vectors=design.lattice.vectors if design.rods.motif else scale * np.eye(2),
         lattice_origin=np.asarray(design.lattice.origin_mm, dtype=float),
         drawn=drawn.graph,
@@ -156,8 +156,13 @@ def _of_stars(design: Design) -> Layout:
     meeting = MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm
     check_clear(centres[star], tips, star, width, meeting)
 
-    lines = shapely.linestrings(np.stack([centres[star], tips], axis=1))
-    pins = _pins(design, corners, holes, np.concatenate([centres[star], tips]), lines)
+    lines, ends = shapely.linestrings(np.stack([centres[star], tips], axis=1)), np.concatenate([centres[star], tips])
+    kept_pins = _kept_pins(design.pins, design.border, lattice)
+    pins = tuple(snapped_to_lines(pin, corners, ends, lines) for pin in kept_pins)
+    if all(pin is place for pin, place in zip(pins, kept_pins, strict=True)):
+        _check_kept_pins(design.pins, design.border, lattice)
+    else:
+        _check_pins(pins, corners, holes)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
         outline=corners.copy(),  # layouts own their arrays
@@ -166,7 +171,7 @@ def _of_stars(design: Design) -> Layout:
         arm_tip=tips,
         arm_thickness=thickness,
         arm_width=width,
-        pins=pins,
+        pins=tuple(replace(pin, points=pin.points.copy()) for pin in pins),
         lattice_vectors=lattice.vectors,
         lattice_origin=np.asarray(lattice.origin_mm),
         star_branch=sizes.branch[kept],
@@ -180,12 +185,30 @@ def _of_stars(design: Design) -> Layout:
     )
 
 
-def _pins(
-    design: Design, corners: Floats, holes: Sequence[Floats], ends: Floats, lines: NDArray[np.object_]
-) -> tuple[PinSet, ...]:
-    """The pins of a design, those beside lines or their ends (n, 2) mm moved there."""
-    sets = [pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
-    pins = tuple(snapped_to_lines(pin, corners, ends, lines) for pin in sets)
+@lru_cache(maxsize=8)
+def _kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tuple[PinSet, ...]:
+    """The pins where the design places them, kept for edits of stars."""
+    corners, holes, _ = _kept_sheet(border, lattice)
+    return tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
+
+
+@lru_cache(maxsize=8)
+def _check_kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> None:
+    """The checks of pins that are not moved onto arms."""
+    corners, holes, _ = _kept_sheet(border, lattice)
+    _check_pins(_kept_pins(pins, border, lattice), corners, holes)
+
+
+def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats, ...]) -> tuple[PinSet, ...]:
+    """The pins of a design with drawn rods, moved onto rods beside them."""
+    sets = [pin_set(pin, outline, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
+    pins = tuple(snapped_to_lines(pin, outline, graph.nodes, _lines(graph)) for pin in sets)
+    _check_pins(pins, outline, holes)
+    return pins
+
+
+def _check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, ...]) -> None:
+    """Refuse pins in holes, and pins that contradict each other or pull too far."""
     for number, pin in enumerate(pins):
         for hole in holes:
             in_hole = inside(pin.points, hole) & (distance_to_outline(pin.points, hole) > ON_EDGE_MM)
@@ -197,7 +220,6 @@ def _pins(
         edges = SheetEdges.of(corners, holes)
         check_conflicts(pins, edges)
         check_reach(pins, edges)
-    return pins
 
 
 def _lines(graph: RodGraph) -> NDArray[np.object_]:
@@ -222,7 +244,7 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
     return replace(
         alone,
         outline=drawn.outline,
-        pins=_pins(design, drawn.outline, drawn.holes, graph.nodes, _lines(graph)),
+        pins=_pins(design, drawn.outline, graph, drawn.holes),
         drawn=graph,
         rim=tuple(rod + first for rod in drawn.rim),
         holes=drawn.holes,

@@ -150,13 +150,13 @@ def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray
         return pins
     places = shapely.points(pins.points)
     inside = shapely.distance(shapely.linearrings(corners), places) > 1e-6 * float(np.ptp(corners, axis=0).max())
-    end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
-    at_end = np.linalg.norm(pins.points - end, axis=1) <= PIN_TOLERANCE_MM
     line = lines[shapely.STRtree(lines).nearest(places)]
-    foot = shapely.get_coordinates(shapely.line_interpolate_point(line, shapely.line_locate_point(line, places)))
     beside = inside & (shapely.distance(line, places) <= PIN_TOLERANCE_MM)
     if not beside.any():
         return pins
+    foot = shapely.get_coordinates(shapely.line_interpolate_point(line, shapely.line_locate_point(line, places)))
+    end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
+    at_end = np.linalg.norm(pins.points - end, axis=1) <= PIN_TOLERANCE_MM
     on_line = np.where(at_end[:, None], end, foot)
     return replace(pins, points=np.where(beside[:, None], on_line, pins.points))
 

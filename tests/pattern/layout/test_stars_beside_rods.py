@@ -35,7 +35,7 @@ def test_the_stars_are_those_without_the_rods() -> None:
     border = {"rings": 1}
     both = layout(design(rods={"draw": [line]}, border=border))
     alone = layout(Design.from_dict({"stars": STARS, "border": border}))
-    for key in ("centres", "arm_tip", "arm_thickness", "outline", "star_number"):
+    for key in ("centres", "arm_tip", "arm_thickness", "outline", "star_number", "sample_pairs"):
         np.testing.assert_array_equal(getattr(both, key), getattr(alone, key))
 
 
