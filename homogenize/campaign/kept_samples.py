@@ -72,10 +72,10 @@ SAMPLE_SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
-        "rods/*.py", "mesh/free/*.py", "mesh/outline_points.py", "geometry/*.py",
+        "rods/*.py", "mesh/delaunay_mesh.py", "mesh/triangulate.py", "mesh/outline_points.py", "geometry/*.py",
         "design/lattice.py", "design/materials.py",
-        "design/residual_curvature.py", "layout/layout.py",
-        "mesh/grading.py", "mesh/aligned/lattice_grid.py", "layout/supports.py", "layout/sheet_edges.py",
+        "layout/layout.py",
+        "mesh/graded_mesh.py", "mesh/lattice_grid.py", "layout/supports.py", "layout/sheet_edges.py",
         "mesh/mesh.py", "design/rounding.py",
     ),
     homogenize: ("cell/*.py", "law/anisotropy.py"),

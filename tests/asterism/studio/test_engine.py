@@ -187,13 +187,13 @@ def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: p
 
 def test_a_sheet_without_stars_is_flat_and_released(engine: EnginePipe) -> None:
     engine.send(Edit(1, table(stars={"length_mm": 0.0})))
-    blank = engine.frame(1)
+    blank = engine.frame(1, "exact")
     outline = layout(asterism.Design.from_dict(table())).outline
     assert np.ptp(blank.positions, axis=0) == pytest.approx([*np.ptp(outline, axis=0) / 1.35, 0.0], rel=1e-5)
     assert blank.is_minimum and len(blank.arms) == 0 and "no stars" in engine.summary(1).warnings[0].text
     engine.send(Edit(2, table()))
     assert len(engine.frame(2).arms) == 37 * 3
     engine.send(Edit(3, removed=layout(asterism.Design.from_dict(table())).sheet_sites))
-    assert len(engine.frame(3).arms) == 0
+    assert len(engine.frame(3, "exact").arms) == 0
     engine.send(Edit(4, removed=np.empty((0, 2))))
     assert len(engine.frame(4).arms) == 37 * 3
