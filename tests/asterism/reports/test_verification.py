@@ -308,7 +308,7 @@ def test_page_in_a_browser(folder, tmp_path):
     for width in (1200, 500):  # a desk, a phone
         text = opened(page, tmp_path / "profile", "--dump-dom", f"--window-size={width},900")
         answer = json.loads(re.search("ANSWER(.*?)REWSNA", text)[1])
-        assert answer == [title.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"), 8, True, True]
+        assert answer == [title.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"), 9, True, True]
 
 
 def _ask(page: Path, question: str) -> None:
