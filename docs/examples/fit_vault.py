@@ -6,6 +6,6 @@ Picture: fit-ellipsoid-dome.webp
 import asterism
 
 target = asterism.TargetSurface.of_formula("10*(1 - (r/50)**2)", 80.0, name="vault")
-fitted = asterism.fit(target, exact=False)
+fitted = asterism.fit(target, asterism.FitSettings(exact=False))
 print(f"{fitted.summary.preview.mean_percent:.2f} % of the diameter away")
 asterism.save_design(fitted.design, "vault.toml")

@@ -74,7 +74,7 @@ def test_the_edge_of_a_hole_stands_where_its_pins_are() -> None:
     rim = away < 9.0 + 1e-6
     assert rim.sum() > 8
     assert shape.positions[rim] == pytest.approx(
-        np.column_stack([0.85 * shape.printed[rim], np.full(rim.sum(), 4.0)]), abs=0.02
+        np.column_stack([0.85 * shape.printed[rim], np.full(rim.sum(), 4.0)]), abs=0.05
     )
 
 

@@ -12,11 +12,12 @@ from tests.asterism.studio.browser import StudioPage
 
 
 def saved_height(page: StudioPage) -> float:
-    """Height (mm) of the preview of the file that the page saves."""
+    """Height (mm) of the exact shape that the preview of the saved file leads to; the page shows it too."""
     page.item("save").click()
     page.wait("studio.document.saved")
     design = asterism.load_design(Path(page.get("studio.document.path")).expanduser())
-    return float(asterism.preview(design).height_mm)
+    page.wait("studio.badge.kind === 'exact'")
+    return float(asterism.simulate(design, near=asterism.preview(design)).height_mm)
 
 
 def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_back(page: StudioPage) -> None:
@@ -29,7 +30,8 @@ def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_
     page.summarised()
     assert page.get("studio.sizes") != sizes
     assert abs(page.get("studio.height") - height) > 0.1
-    assert page.get("studio.height") == pytest.approx(saved_height(page), rel=1e-9)
+    height = saved_height(page)
+    assert page.get("studio.height") == pytest.approx(height, rel=1e-4)
 
     page.item("undo").click()
     page.wait("studio.document.can_redo")
@@ -49,7 +51,8 @@ def test_a_needle_is_dragged_and_lifted(page: StudioPage) -> None:
     page.item("needle-target-z").press("Enter")
     page.wait("studio.document.design.pins[0].target_mm[0][2] === 12")
     page.summarised()
-    assert page.get("studio.height") == pytest.approx(saved_height(page), rel=1e-9)
+    height = saved_height(page)
+    assert page.get("studio.height") == pytest.approx(height, rel=1e-4)
 
 
 def test_a_corner_is_moved_and_the_outline_stays_when_it_would_cross_itself(page: StudioPage) -> None:

@@ -14,7 +14,9 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_drawing_rises_by_the_exact_model_and_stays_grey_until_the_next(shared: StudioPage, folder: Path) -> None:
-    (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
+    (folder / "cross.toml").write_text(
+        CROSS.replace("edge_mm = 4.0", "edge_mm = 0.7"), encoding="utf-8"
+    )  # takes a while
     shared.open("file-cross.toml")
     assert not shared.item("tool-select").is_visible() and not shared.item("tool-weight").is_visible()  # for stars
     assert shared.item("stars").inner_text() == "4 rods"

@@ -119,7 +119,7 @@ def test_the_offer_of_unsaved_work_covers_no_control(browser: Any, tmp_path: Pat
     with studio_process(tmp_path) as (_, url):
         page = StudioPage(browser.new_page(viewport={"width": width, "height": height}), url)
         page.open_without_shape("file-leaf.toml")
-        page.item("compute").wait_for()  # of the note that drawings have no preview
+        page.wait("studio.state.engine === 'ready'")
         page.item("tab-shape").click()
         assert page.item("toast").count() == 1 and page.page.evaluate(COVERED) == []
         page.page.close()
