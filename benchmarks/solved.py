@@ -51,10 +51,12 @@ class Solved:
 
     def fine(self) -> Shape:
         """From `near`, with four times the vertices."""
-        return self._kept(
-            FINE,
-            lambda: exact_shape(self.design, near=self.near(), edge_mm=0.5 * self.near().summary["edge_mm"]),
-        )
+
+        def solve() -> Shape:
+            near = self.near()
+            return exact_shape(self.design, near=near, edge_mm=0.5 * near.summary["edge_mm"])
+
+        return self._kept(FINE, solve)
 
     @cached_property
     def right(self) -> Shape:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
@@ -15,7 +14,6 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PreviewModel
 from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.places import SheetLens
@@ -24,7 +22,6 @@ from asterism.previews.sheet import Sheet, sheet_of
 from asterism.previews.star_lens import StarLens
 from asterism.previews.state import StarState
 from asterism.previews.summary import summary
-from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
 
@@ -36,9 +33,6 @@ class StarKind(PatternKind):
 
     def layout(self, design: Design) -> Layout:
         return layout(design)
-
-    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law[Any]:
-        return serving_law(design, plan, known, say)
 
     def check_law(self, law: Any) -> None:
         check_type(law, StarLaw, "load_law reads one from a file")

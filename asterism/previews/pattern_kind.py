@@ -21,7 +21,6 @@ from asterism.previews.model import PreviewModel
 from asterism.previews.places import Places, SheetLens, ShownSheet
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.state import AnyPreviewState
-from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
@@ -45,21 +44,6 @@ class PatternKind(ABC):
         ------
         DesignError
             The design cannot be printed, or has no preview.
-        """
-
-    @abstractmethod
-    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Any:
-        """The law of a preview to which none is given.
-
-        Parameters
-        ----------
-        known : law of the preview before an edit, or None.
-        say : called with a line if the law takes long.
-
-        Raises
-        ------
-        LawError
-            No law serves.
         """
 
     @abstractmethod

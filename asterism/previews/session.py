@@ -22,6 +22,7 @@ from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.kinds import kind_of, serves
+from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.other_forms import OtherForm, other_forms
 from asterism.previews.pattern_kind import PatternKind
@@ -500,7 +501,7 @@ class Preview:
         law = self._given_law
         if law is None:
             with self._clock("law"):
-                law = kind.default_law(design, plan, known, self._said)
+                law = serving_law(design, plan, known, self._said)
         check_weight_is_supported(design, plan)
         with self._clock("law"):
             values = kind.values(design, plan, law, model)

@@ -62,7 +62,7 @@ def run_settling(connection: Connection) -> None:
     from asterism.pattern import gallery
 
     exact_shape(gallery.load("star"))  # loads the compiled loops
-    known: tuple[Settle, Shape] | None = None
+    known: tuple[Settle, Shape | None, Shape] | None = None  # with the preview, and the exact shape
     while True:
         order: Settle | None = connection.recv()
         if order is None or connection.poll():
@@ -71,33 +71,32 @@ def run_settling(connection: Connection) -> None:
         try:
             design = Design.from_dict(order.table, order.folder)
             if known is None or known[0].near != order.near or known[0].table != order.table:
-                known = order, _exact_shape(connection, order, design)
-            connection.send(_settled(order, known[1]))
+                near = None if order.near is None else pickle.loads(order.near)
+                known = order, near, _exact_shape(connection, order.job, design, near)
+            connection.send(_settled(order, *known[1:]))
         except _Newer:
             continue
         except Exception as error:
             connection.send(engine_problem(order.job, error, design))
 
 
-def _exact_shape(connection: Connection, order: Settle, design: Design) -> Shape:
+def _exact_shape(connection: Connection, job: int, design: Design, near: Shape | None) -> Shape:
     from asterism.exact.simulation import exact_shape
     from asterism.verification.progress import ExactProgress
 
-    counted = ExactProgress("exact shape", ProgressSender(connection, order.job))
+    counted = ExactProgress("exact shape", ProgressSender(connection, job))
 
     def watched(name: str, iteration: Any) -> None:
         if connection.poll():
             raise _Newer
         counted.report(name, iteration)
 
-    near = None if order.near is None else pickle.loads(order.near)
     return exact_shape(design, report=watched, near=near)
 
 
-def _settled(order: Settle, exact: Shape) -> Settled:
+def _settled(order: Settle, near: Shape | None, exact: Shape) -> Settled:
     from asterism.studio.engine_frames import TargetComparison
 
-    near = None if order.near is None else pickle.loads(order.near)
     message = settled(order.job, exact, near, order.pose, order.smooth)
     if order.target is None:
         return message

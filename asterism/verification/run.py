@@ -14,6 +14,7 @@ from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.kinds import kind_of
+from asterism.previews.law_choice import serving_law
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
@@ -69,11 +70,10 @@ def verify(
     step(STAGES[0], 0, 1)
     with clock_without_compiling() as clock:
         begun = clock()
-        kind = kind_of(design)
-        plan = kind.layout(design)
+        plan = kind_of(design).layout(design)
         layout_s = clock() - begun
         if law is None and ready is None:
-            law = kind.default_law(design, plan, None, tell)
+            law = serving_law(design, plan, say=tell)
         shared = shared_search(design, plan)
 
         def solve(stage: str, near: Shape | None = None) -> Shape:

@@ -1,4 +1,4 @@
-"""Where must a needle stand? Its place, for a place of the sheet that you want.
+"""Where must a needle stand, so that the sheet comes to a given place?
 
 Picture: canopy-4-needles.webp
 """

@@ -173,7 +173,7 @@ def prescribed(
         np.abs(places[at] - stations.places)[at >= 0].max(initial=0)
         > ON_LINE_TOLERANCE * patch.grid.edge_mm * patch.grid.k
     ):
-        raise MeshError("arms want the same grid points")
+        raise MeshError("two arms need the same grid point")
     taken = np.zeros_like(known)
     taken[ring] = True
     printed = patch.index(np.concatenate([stations.centres, *stations.arms]))

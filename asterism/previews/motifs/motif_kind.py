@@ -9,7 +9,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.fem.search.relax import is_collapsing
-from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
@@ -18,7 +17,6 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
-from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, holes_within_cells
 from asterism.previews.motifs.motif_sheet import MotifSheet, motif_sheet_of
@@ -26,7 +24,6 @@ from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.state import AnyPreviewState
 from asterism.previews.summary import common_numbers, count_crossings
 from asterism.previews.warnings import form_warnings, shape_warnings, side_warnings, support_warnings
-from asterism.process.listeners import Say
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
 
@@ -77,9 +74,6 @@ class MotifKind(PatternKind):
         if (refused := without_law(design)) is not None:
             raise refused
         return layout(design)
-
-    def default_law(self, design: Design, plan: Layout, known: Any, say: Say) -> Law[Any]:
-        return serving_law(design, plan, known, say)
 
     def check_law(self, law: Any) -> None:
         check_type(law, MotifLaw, "load_law reads the law of a motif from its file")
