@@ -16,6 +16,7 @@ from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any
 
+_END = object()  # the last in an outbox
 # The body of an engine's process.
 ENGINE = "asterism.studio.engine:run_engine"
 
@@ -84,14 +85,14 @@ class Child:
             threading.Thread(target=work, daemon=True).start()
 
     def send(self, message: Any) -> None:
-        """Send a message; does nothing if the process has ended."""
+        """Send a message, which may be None; does nothing if the process has ended."""
         self._outbox.put(message)
 
     def kill(self) -> None:
         """End the process at once. Its `ended` is not called."""
         self._ended = lambda child: None
         self._receive = lambda child, message: None
-        self._outbox.put(None)
+        self._outbox.put(_END)
         self._process.kill()
 
     def close(self) -> None:
@@ -113,7 +114,7 @@ class Child:
 
     def _write(self) -> None:
         with suppress(EOFError, OSError):
-            while (message := self._outbox.get()) is not None:
+            while (message := self._outbox.get()) is not _END:
                 self._connection.send(message)
 
     def _in_loop(self, call: Callable[[], None]) -> None:
