@@ -1,7 +1,6 @@
-"""The jobs of the studio: verification, fit, export, report and exact shapes, each in a process of its own.
+"""The jobs of the studio: verification, fit, export and report, each in a process of its own.
 
-To cancel a job, the server ends its process; that of exact shapes stays and waits for the next one. A function imports
-what its job needs: the solvers take most of a second.
+To cancel a job, the server ends its process. A function imports what its job needs: the solvers take most of a second.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.results.words import shape_in_words
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.messages import Fitted, JobProgress, Settle, Settled, Surface, Written
+from asterism.studio.messages import Fitted, JobProgress, Settled, Surface, Written
 from asterism.studio.requests import Hold
 from asterism.studio.weights import SheetWeights
 
@@ -44,65 +43,6 @@ class ProgressSender:
         if is_new or (done != self._last[1] and now - self._sent > 0.1):
             self._last, self._sent = (stage, done), now
             self._connection.send(JobProgress(self._job, stage, done, of, now - self._begun))
-
-
-class _Newer(BaseException):
-    """The exact shape is not wanted any more; no handler of errors on the way may keep it."""
-
-
-def run_settling(connection: Connection) -> None:
-    """Compute one exact shape after the other; a further message ends the one under way.
-
-    Parameters
-    ----------
-    connection : the process's end of a pipe. It gets `Settle`, or None for no shape, and gives `JobProgress` and at
-        the end `Settled` or `StudioProblem`.
-    """
-    from asterism.exact.simulation import exact_shape
-    from asterism.pattern import gallery
-
-    exact_shape(gallery.load("star"))  # loads the compiled loops
-    known: tuple[Settle, Shape | None, Shape] | None = None  # with the preview, and the exact shape
-    while True:
-        order: Settle | None = connection.recv()
-        if order is None or connection.poll():
-            continue
-        design: Design | None = None
-        try:
-            design = Design.from_dict(order.table, order.folder)
-            if known is None or known[0].near != order.near or known[0].table != order.table:
-                near = None if order.near is None else pickle.loads(order.near)
-                known = order, near, _exact_shape(connection, order.job, design, near)
-            connection.send(_settled(order, *known[1:]))
-        except _Newer:
-            continue
-        except Exception as error:
-            connection.send(engine_problem(order.job, error, design))
-
-
-def _exact_shape(connection: Connection, job: int, design: Design, near: Shape | None) -> Shape:
-    from asterism.exact.simulation import exact_shape
-    from asterism.verification.progress import ExactProgress
-
-    counted = ExactProgress("exact shape", ProgressSender(connection, job))
-
-    def watched(name: str, iteration: Any) -> None:
-        if connection.poll():
-            raise _Newer
-        counted.report(name, iteration)
-
-    return exact_shape(design, report=watched, near=near)
-
-
-def _settled(order: Settle, near: Shape | None, exact: Shape) -> Settled:
-    from asterism.studio.engine_frames import TargetComparison
-
-    message = settled(order.job, exact, near, order.pose, order.smooth)
-    if order.target is None:
-        return message
-    compared = TargetComparison(order.target, order.version)
-    distance = compared.distance(message.frame.positions, exact.weights)
-    return replace(message, frame=replace(message.frame, target=distance))
 
 
 def settled(

@@ -357,6 +357,7 @@ class Settle:
     near : the preview, pickled as in `Rested`; without one the sheet is released from the flat print.
     pose : printed (V, 2) and shown (V, 3) places of the sheet that pages show, mm.
     smooth, target, version : as in `Parts`.
+    release_mesh : number of the mesh of the release from the flat print, which follows; None for no release.
     """
 
     job: int
@@ -367,6 +368,7 @@ class Settle:
     smooth: bool
     target: Surface | None
     version: int
+    release_mesh: int | None = None
 
 
 @dataclass(frozen=True)
@@ -386,6 +388,25 @@ class Settled:
     shape: bytes
     summary: dict[str, Any] = field(default_factory=dict)
     files: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Released:
+    """Where the release from the flat print ends: it follows what a print does.
+
+    Attributes
+    ----------
+    is_same : whether that is the exact shape that followed the preview; None if the release ends in no minimum.
+    other : the shape, if it is another one.
+    energy_percent : its energy above that of the exact shape that followed the preview, in % of that.
+    apart_percent : rms distance of the two in % of the diameter.
+    """
+
+    job: int
+    is_same: bool | None
+    other: Settled | None = None
+    energy_percent: float = 0.0
+    apart_percent: float = 0.0
 
 
 @dataclass(frozen=True)

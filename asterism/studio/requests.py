@@ -217,6 +217,13 @@ class FormRequest(Request):
     index: WholeNumber
 
 
+class ExactFormRequest(Request):
+    """Show the exact shape that the release from the flat print leads to, or the one that followed the preview."""
+
+    type: Literal["exact-form"]
+    released: bool
+
+
 class SlotRequest(Request):
     """Keep the design in a slot, show the one that is there, or empty the slot."""
 
@@ -277,6 +284,7 @@ AnyRequest = Annotated[
     | PlaceDrawing
     | Weigh
     | FormRequest
+    | ExactFormRequest
     | SlotRequest
     | BumpsRequest
     | TargetRequest

@@ -1,4 +1,7 @@
-"""Settling: the exact shape of a design at rest follows its preview, from one process that stays."""
+"""Settling: the exact shape of a design at rest follows its preview, from one process that stays.
+
+The release from the flat print follows; it may end in another form, which is kept beside the first.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,10 @@ from typing import Any
 
 from asterism.studio.child import Child, StartedProcess
 from asterism.studio.engine_requests import StudioOwner
-from asterism.studio.messages import JobProgress, Rested, Settle, Settled, StudioProblem
+from asterism.studio.messages import JobProgress, Released, Rested, Settle, Settled, StudioProblem
 from asterism.studio.page_data import engine_problem_data
 
-PROCESS = "asterism.studio.job_processes:run_settling"
+PROCESS = "asterism.studio.settling_process:run_settling"
 # An exact shape that is estimated to take longer waits for a click.
 MAX_SECONDS = 20.0
 NICENESS = 5
@@ -30,8 +33,11 @@ class Settling:
         self._studio, self._process = studio, process
         self._child: Child | None = None
         self._rested: tuple[Rested, int] | None = None  # with the revision
-        self._order: tuple[Settle, int] | None = None  # that the process works on, with the revision
+        self._order: tuple[Settle, int] | None = None  # the last one, with the revision
         self._progress: JobProgress | None = None
+        self._settled: Settled | None = None  # the answers to the order
+        self._released: Released | None = None
+        self._shows_release = False
         self.waits_s: float | None = None
 
     def warm(self) -> None:
@@ -50,7 +56,7 @@ class Settling:
 
     def begin(self) -> None:
         """Compute the exact shape of what is at rest; does nothing if it is shown or under way."""
-        if self._order is None and not self._is_shown:
+        if not self._is_at_work and not self._is_shown:
             self._begin()
 
     def _begin(self) -> None:
@@ -61,6 +67,8 @@ class Settling:
         assert self._child is not None
         rested, revision = self._rested
         parts = studio.parts
+        # what drawn rods and large sheets show is a release, or took long enough
+        has_release = rested.shape is not None and rested.seconds <= MAX_SECONDS
         order = Settle(
             next(job_numbers),
             document.table,
@@ -70,9 +78,16 @@ class Settling:
             parts.is_smooth,
             None if parts.target is None else parts.target.surface,
             parts.version,
+            next(job_numbers) if has_release else None,
         )
         self._order, self._progress, self.waits_s = (order, revision), None, None
+        self._settled = self._released = None
         self._child.send(order)
+
+    @property
+    def _is_at_work(self) -> bool:
+        """Whether an exact shape is under way; its release does not count."""
+        return self._order is not None and self._settled is None
 
     @property
     def _is_shown(self) -> bool:
@@ -81,21 +96,29 @@ class Settling:
 
     def show_again(self) -> None:
         """Another target, or the sheet without its bumps: show the exact shape with that."""
-        if self._is_shown or self._order is not None:
+        if self._is_shown or self._is_at_work:
             self._begin()
+
+    def show_form(self, released: bool) -> None:
+        """Show the exact shape that the release led to, or the one that followed the preview."""
+        form = self._settled if not released or self._released is None else self._released.other
+        if form is not None and self._is_shown:
+            self._shows_release = released
+            self._show(form)
 
     def stop(self) -> None:
         """The person breaks it off; a click begins it again."""
-        rested, had = self._rested, self._order
+        rested, had = self._rested, self._is_at_work
         self.cancel()
-        if rested is not None and had is not None:
+        if rested is not None and had:
             self._rested, self.waits_s = rested, rested[0].seconds
 
     def cancel(self) -> None:
         """Something else is asked for: the exact shape under way is not wanted."""
         if self._order is not None and self._child is not None:
             self._child.send(None)
-        self._order = self._rested = self._progress = self.waits_s = None
+        self._order = self._rested = self._progress = self.waits_s = self._settled = self._released = None
+        self._shows_release = False
 
     def close(self) -> None:
         """End the process."""
@@ -104,32 +127,57 @@ class Settling:
 
     def data(self) -> dict[str, Any] | None:
         """How far the exact shape is, for the message `state`; None if none is under way."""
-        if self._order is None:
+        return self._progress_data if self._is_at_work else None
+
+    @property
+    def release(self) -> dict[str, Any] | None:
+        """How far the release is, or where it ended, for the message `state`."""
+        released = self._released
+        if not self._is_shown or self._order is None or self._order[0].release_mesh is None:
             return None
+        if released is None:
+            return {"progress": self._progress_data}
+        return {
+            "is_same": released.is_same,
+            "energy_percent": released.energy_percent,
+            "apart_percent": released.apart_percent,
+            "is_shown": self._shows_release,
+        }
+
+    @property
+    def _progress_data(self) -> dict[str, Any]:
         progress = self._progress
         return {"done": 0, "of": 0} if progress is None else {"done": progress.done, "of": progress.of}
 
+    def _show(self, form: Settled) -> None:
+        studio = self._studio
+        assert self._order is not None and self._rested is not None
+        studio.shown.show_exact(form, self._order[1], self._rested[0].seq, studio.tabs)
+
     def _message(self, child: Child, message: Any) -> None:
         studio = self._studio
-        if self._order is None or message.job != self._order[0].job:
+        number = message.seq if isinstance(message, StudioProblem) else message.job
+        if self._order is None or number != self._order[0].job:
             return  # about a design that has changed since
-        revision = self._order[1]
         match message:
             case JobProgress():
                 self._progress = message
             case Settled():
-                self._order = None
-                assert self._rested is not None
-                studio.shown.show_exact(message, revision, self._rested[0].seq, studio.tabs)
+                self._settled, self._progress = message, None
+                self._show(message)
+            case Released():
+                self._released = message
+                if self._shows_release and message.other is not None:  # it was shown with the parts of before
+                    self._show(message.other)
             case StudioProblem():
-                self._order = None
+                revision, self._order = self._order[1], None
                 studio.tell({**engine_problem_data(message), "revision": revision})
         studio.tell_state()
 
     def _died(self, child: Child) -> None:
-        self._child, had = None, self._order
+        self._child, had, had_work = None, self._order, self._is_at_work
         self._order = None
-        if had is not None:
+        if had is not None and had_work:
             studio = self._studio
             text = "the exact model ended unexpectedly; an edit starts it again"
             studio.tell({**engine_problem_data(StudioProblem(0, "engine", text)), "revision": had[1]})

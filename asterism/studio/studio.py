@@ -122,6 +122,7 @@ class Studio:
             "badge": self.badge(),
             "settling": self.settling.data(),
             "settle_s": self.settling.waits_s,
+            "release": self.settling.release,
             "unsaved_since": self._upkeep.unsaved_since,
             "slots": {slot: self._slots[slot][2] if slot in self._slots else None for slot in ("A", "B", "C")},
             "target": self.parts.data(),
@@ -255,6 +256,9 @@ class Studio:
                 await self.accept()
             case ask.Simple(type="flip") | ask.FormRequest():
                 self.engine.search(request)
+            case ask.ExactFormRequest():
+                self.settling.show_form(request.released)
+                self.tell_state()
             case ask.SlotRequest():
                 await self._slot(request, document)
             case ask.PrinterRequest():

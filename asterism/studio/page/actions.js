@@ -37,6 +37,7 @@ export function createActions(studio) {
     cancel: () => connection.send("cancel"),
     flip: () => search("flip"),
     showForm: (index) => search("form", { index }),
+    showExactForm: (released) => connection.send("exact-form", { released }),
     stop: () => connection.send("stop"),
     openHistory: () => openHistory(studio),
     openTable: () => store.get("document") && openTable(studio),

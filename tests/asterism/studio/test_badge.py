@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.jobs import JobRequests
-from asterism.studio.messages import Edit, Frame, Parts, Rested, ShapeSummary, ShownMesh, StudioProblem
+from asterism.studio.messages import Edit, Frame, Parts, Released, Rested, ShapeSummary, ShownMesh, StudioProblem
 from asterism.studio.studio import Studio
 from tests.asterism.studio.quick_engines import exact
 
@@ -217,6 +218,30 @@ def test_what_takes_long_waits_for_a_click_and_can_be_stopped(day: Day) -> None:
     assert day.said[0] == "preview"
 
 
+def test_an_exact_shape_that_fails_leaves_the_preview_and_is_over(day: Day) -> None:
+    day.preview()
+    day.studio.settling._message(day.child, StudioProblem(day.child.orders[-1].job, "no minimum", "no minimum"))  # type: ignore[arg-type]
+    assert day.studio.settling.data() is None and day.said[0] == "preview"
+
+
+def test_the_form_of_the_release_is_shown_on_request_and_goes_with_an_edit(day: Day) -> None:
+    settled(day)
+    order, settling = day.child.orders[-1], day.studio.settling
+    assert settling.release == {"progress": {"done": 0, "of": 0}} and settling.data() is None
+    other = replace(exact(order.release_mesh), shape=b"released")
+    settling._message(day.child, Released(order.job, False, other, -0.4, 5.0))  # type: ignore[arg-type]
+    assert settling.release is not None and not settling.release["is_shown"] and day.exact == b"exact"
+    settling.show_form(released=True)
+    assert settling.release["is_shown"] and day.exact == b"released"
+    settling.show_form(released=False)
+    assert not settling.release["is_shown"] and day.exact == b"exact"
+    settling.show_form(released=True)
+    day.edit()
+    assert settling.release is None and day.exact is None
+    settling.show_form(released=True)
+    assert day.exact is None
+
+
 def test_no_exact_shape_of_another_design_is_ever_shown_as_the_present_one(day: Day) -> None:
     random, exacts = np.random.default_rng(5), 0
     of_order: dict[int, dict[str, Any]] = {}
@@ -231,6 +256,7 @@ def test_no_exact_shape_of_another_design_is_ever_shown_as_the_present_one(day: 
         lambda: day.engine.fail(),
         lambda: day.studio.settling.stop(),
         lambda: day.studio.settling.begin(),
+        lambda: day.studio.settling.show_form(bool(random.integers(2))),
     ]
     for _ in range(1500):
         orders = [order for order in day.child.orders if order is not None]
@@ -239,6 +265,8 @@ def test_no_exact_shape_of_another_design_is_ever_shown_as_the_present_one(day: 
             job = int(random.choice([order.job for order in orders[-3:]]))
             before = day.exact
             day.studio.settling._message(day.child, exact(job))  # type: ignore[arg-type]
+            if random.random() < 0.5:  # and its release does
+                day.studio.settling._message(day.child, Released(job, False, exact(job)))  # type: ignore[arg-type]
             if before is None and day.exact is not None:
                 assert of_order[job] == day.document.table
                 exacts += 1

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import pickle
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +11,8 @@ import pytest
 
 import asterism
 from asterism.pattern.design.design import Design
-from asterism.studio.job_processes import run_fit, run_settling, run_verification
-from asterism.studio.messages import Fitted, JobProgress, Settle, Settled, StudioProblem, Surface
+from asterism.studio.job_processes import run_fit, run_verification
+from asterism.studio.messages import Fitted, JobProgress, Settled, StudioProblem, Surface
 from asterism.verification.run import STAGES
 from tests.asterism.fitting.surfaces import spherical_cap
 
@@ -122,34 +120,3 @@ def test_a_target_without_a_design_is_one_line() -> None:
     problem = sent.messages[-1]
     assert isinstance(problem, StudioProblem) and problem.seq == 2
     assert problem.text.startswith("cap.stl: has room for")
-
-
-@pytest.mark.slow
-def test_exact_shapes_come_in_the_pose_of_the_page_and_a_newer_one_ends_the_last() -> None:
-    ours, theirs = multiprocessing.Pipe()
-    threading.Thread(target=run_settling, args=(theirs,), daemon=True).start()
-    large = table(border={"rings": 3}, mesh={})
-    small = table(pins=[])
-    near = asterism.preview(Design.from_dict(small))
-    turned = near.positions @ np.diag([-1.0, -1.0, 1.0]) + [0.0, 0.0, 7.0]
-    orders = [
-        Settle(1, large, ".", None, None, False, None, 0),
-        Settle(2, small, ".", pickle.dumps(near), (near.printed, turned), True, None, 0),
-    ]
-    ours.send(orders[0])
-    first = ours.recv()
-    assert isinstance(first, JobProgress) and first.job == 1
-    ours.send(orders[1])
-    while not isinstance(message := ours.recv(), Settled):
-        pass
-    frame = message.frame
-    assert message.job == 2 and frame.stage == "exact" and frame.is_minimum
-    assert frame.before is not None and frame.smooth is not None
-    before = near.at(message.mesh.printed.astype(float), 0.1) @ np.diag([-1.0, -1.0, 1.0]) + [0.0, 0.0, 7.0]
-    assert frame.before.positions == pytest.approx(before, abs=0.05)
-    gaps = np.linalg.norm(frame.positions - frame.before.positions, axis=1)
-    assert gaps.max() < 0.1 * np.ptp(turned[:, 0])
-    assert np.ptp(frame.smooth.positions[:, 0]) == pytest.approx(np.ptp(frame.positions[:, 0]), rel=0.1)
-    exact = pickle.loads(message.shape)
-    assert message.shown.numbers["height_mm"] == exact.summary["height_mm"]
-    ours.close()

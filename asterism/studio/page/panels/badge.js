@@ -3,7 +3,7 @@
 import { MEANINGS, activityOf, dotOf } from "../badge.js";
 import { button, h, refresh, segments } from "../dom.js";
 
-export function buildBadge(element, { store, connection }) {
+export function buildBadge(element, { store, connection, actions }) {
   const state = h("div", { class: "state", role: "status", testid: "badge" });
   const shown = segments({
     label: "Shown shape",
@@ -25,9 +25,10 @@ export function buildBadge(element, { store, connection }) {
   element.append(state, shown.element, key);
   const update = () => {
     const badge = store.get("badge");
-    const { settling, settle_s: waits } = store.get("state");
+    const { settling, settle_s: waits, release } = store.get("state");
     element.hidden = !store.get("document");
-    refresh(state, [badge, settling, waits], () => [
+    const takesOther = release?.is_same === false && !release.is_shown;
+    refresh(state, [badge, settling, waits, takesOther], () => [
       h("i", { class: `dot ${dotOf(badge, settling)}`, "aria-hidden": "true" }),
       h("b", { title: MEANINGS[badge.kind], testid: "badge-words" }, badge.words),
       settling ? h("span", { class: "muted" }, activityOf({ state: { settling }, document: true })) : null,
@@ -37,6 +38,9 @@ export function buildBadge(element, { store, connection }) {
             testid: "settle",
             onclick: () => connection.send("settle"),
           })
+        : null,
+      takesOther
+        ? button({ text: "A print takes another form", testid: "show-released", onclick: () => actions.showExactForm(true) })
         : null,
     ]);
     const hasBoth = Boolean(store.get("frame")?.hasBefore);

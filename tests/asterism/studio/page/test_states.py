@@ -54,6 +54,23 @@ def test_the_sheet_settles_after_a_stroke_and_is_shown_beside_its_preview(shared
     assert shared.item("footer-state").inner_text().startswith("Exact, mesh error")
 
 
+def test_the_form_that_a_print_takes_is_offered_beside_the_one_of_the_preview(shared: StudioPage) -> None:
+    shared.open("gallery-star")
+    shared.item("tab-shape").click()
+    shared.wait("studio.state.release?.is_same === true")
+    assert "takes this form too" in shared.item("release").inner_text()
+    (socket,) = shared.live_sockets()
+    shared.item("tab-shape").click()
+    shared.wait("studio.badge.kind === 'exact'")
+    release = {"is_same": False, "energy_percent": -0.4, "apart_percent": 5.2, "is_shown": False}
+    socket.send(json.dumps({**shared.get("studio.state"), "release": release}))
+    shared.wait("document.querySelector('[data-testid=show-released]')")
+    assert "energy -0.4 %" in shared.item("exact-form-released").inner_text().replace("\u2212", "-")
+    socket.send(json.dumps({**shared.get("studio.state"), "release": {**release, "is_shown": True}}))
+    shared.wait("!document.querySelector('[data-testid=show-released]')")
+    assert "energy +0.4 %" in shared.item("exact-form-preview").inner_text()
+
+
 def test_a_report_of_a_settled_sheet_is_about_the_exact_shape(shared: StudioPage) -> None:
     shared.open("gallery-star")
     shared.wait("studio.badge.kind === 'exact'")
