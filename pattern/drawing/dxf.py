@@ -15,7 +15,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.drawing.records import MAX_DEPTH, MAX_ELEMENTS, DrawingError, FileLine, Source, checked
-from asterism.pattern.geometry.flattening import flattened
+from asterism.pattern.geometry.flattening import flattened_spline
 
 DXF_NEEDED = 'needs ezdxf: pip install "asterism-fabric[cad]"'
 _LINES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "HELIX")
@@ -30,8 +30,6 @@ _CIRCLE_CURVES, _ARC_PIECES = 16, 4
 _CURVE_PIECES = 16
 # handles from this number on are in no drawing
 _FREE_HANDLES = 0x7000000000
-# points of a spline in each span between its knots, at which its turn is measured
-_SPAN_SAMPLES = 24
 
 
 def open_dxf(path: Path) -> Source:
@@ -51,8 +49,8 @@ def open_dxf(path: Path) -> Source:
         number = drawing.header.get("$INSUNITS", 0)
     except (DXFError, OSError, ArithmeticError, ValueError, LookupError, TypeError, RecursionError) as error:
         raise DrawingError(f"cannot be read as DXF: {type(error).__name__}") from None
-    # such as inserts of blocks that are missing
-    deleted = sum(fix.message.startswith("Deleted entity") for fix in audit.fixes)
+    # such as inserts of blocks that are missing, and the end of a file
+    deleted = sum(fix.message.startswith("Deleted entity") for fix in audit.fixes) + (b"EOF" not in raw)
     known = "no" if number == 0 else "an unknown"
     problem = f"has {known} unit ($INSUNITS = {number}): set it to mm in the drawing"
     return Source(_MM_OF_INSUNITS.get(number), problem, number == 0, partial(_lines, drawing, deleted))
@@ -74,8 +72,9 @@ def _lines(drawing: Any, deleted: int, curve: float, left_out: Counter[str]) -> 
     from ezdxf.math import Matrix44
     from ezdxf.path import make_path
 
-    if deleted:
-        left_out["damaged part|s"] += deleted
+    left_out["damaged part|s"] += deleted
+    sheets = (entity for sheet in drawing.layouts if sheet.is_any_paperspace for entity in sheet)
+    left_out["object|s in paper space"] += sum(entity.dxftype() in (*_LINES, "INSERT") for entity in sheets)
     found = _entities(drawing.modelspace(), drawing.layers, ("0", False), Matrix44(), 0, itertools.count(), left_out)
     for entity, layer, matrix in found:
         kind = entity.dxftype()
@@ -128,9 +127,10 @@ def _entities(
         for one in entity.multi_insert() if kind == "INSERT" else (entity,):
             if next(count) > MAX_ELEMENTS:
                 raise DrawingError(f"holds more than {MAX_ELEMENTS} entities, counted in all copies of its blocks")
-            if kind == "INSERT":
+            if kind == "INSERT" and (block := one.block()) is not None:
+                left_out["external reference|s"] += block.block.is_xref
                 around, placed = (layer, is_frozen or is_hidden), one.matrix44() @ matrix
-                yield from _entities(one.block() or (), layers, around, placed, depth + 1, count, left_out)
+                yield from _entities(block, layers, around, placed, depth + 1, count, left_out)
             elif kind not in _LINES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
                 left_out[_NAMES.get(kind, f"{kind}|s" if kind not in _LINES else "mesh|es")] += 1
             elif is_frozen or is_off:
@@ -150,11 +150,9 @@ def _spline_points(spline: Any, matrix: Any, curve: float, layer: str, name: str
     weights = np.array(spline.weights() or np.ones(len(places)))[:, None]
     checked(np.column_stack([places, weights]), layer, name)
     function = BSpline(knots, np.column_stack([places[:, :2] * weights, weights]), degree)
-    spans = np.unique(knots[degree : len(knots) - degree])
-    samples = np.interp(np.linspace(0, len(spans) - 1, _SPAN_SAMPLES * (len(spans) - 1) + 1), range(len(spans)), spans)
 
     def at(parameters: Floats) -> Floats:
         value = function(parameters)
         return np.asarray(value[:, :2] / value[:, 2:])
 
-    return flattened(at, samples, curve)
+    return flattened_spline(at, np.unique(knots[degree : len(knots) - degree]), curve)

@@ -106,7 +106,7 @@ def read_drawing(
             lines.append(replace(line, points=points, layer=layer, width_mm=width))
             if len(lines) > _MAX_LINES:
                 raise DrawingError(f"holds more than {_MAX_LINES} lines")
-    parts = (f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items())
+    parts = (f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items() if n)
     rest = one_line(", ".join(parts))
     if not lines:
         raise DrawingError("holds no line with a stroke" + (f"; left out: {rest}" if rest else ""))
@@ -115,8 +115,10 @@ def read_drawing(
         units = ("mm", "px", "pt") if ending == ".svg" else ("mm", "cm", "in")
         sizes = ", ".join(f'"{unit}" makes it {_in_words(MM_OF_UNITS[unit] * size)}' for unit in units)
         raise NoUnitError(source.problem, sizes)
-    if size.max() > _MAX_SIZE_MM:
-        raise DrawingError(f"is {_in_words(size)} large: at most {_MAX_SIZE_MM / 1000:g} m are allowed")
+    # lines may be far apart: another layer is often beside the place of the first
+    if large := next((line for line in lines if _size([line]).max() > _MAX_SIZE_MM), None):
+        place = f"{large.name} in layer {large.layer!r} is {_in_words(_size([large]))} large"
+        raise DrawingError(f"{place}: at most {_MAX_SIZE_MM / 1000:g} m are allowed")
     if rest:
         layers = len({line.layer for line in lines})
         read = f"read {len(lines)} line{'s'[: len(lines) > 1]} in {layers} layer{'s'[: layers > 1]}, {_in_words(size)}"
@@ -167,10 +169,8 @@ def _in_words(size: Floats) -> str:
 
 def _cleaned(points: Floats) -> Floats:
     """The points without those that repeat the one before; a line that returns to its start ends with it exactly."""
-    kept = points[:1]
-    if len(points) > 1:
-        step = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        kept = points[np.concatenate([[True], step > _SAME_PLACE_MM])]
+    step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    kept = points[np.concatenate([[True], step > _SAME_PLACE_MM])[: len(points)]]
     if len(kept) > 3 and np.linalg.norm(kept[0] - kept[-1]) <= MEET_MM:
         kept[-1] = kept[0]
     return kept

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import count, pairwise
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.drawing.records import MAX_DEPTH, MAX_ELEMENTS, DrawingError, FileLine, Source, checked
-from asterism.pattern.geometry.flattening import flattened
+from asterism.pattern.geometry.flattening import flattened_spline
 
 RHINO_FORMAT = ".3dm"
 RHINO_NEEDED = 'needs rhino3dm: pip install "asterism-fabric[cad]"'
@@ -33,8 +33,6 @@ RHINO_UNITS_MM = {
     "None": 1.0,
     "Unset": 1.0,
 }
-# points of a curve in each span between its knots, at which its turn is measured
-_SPAN_SAMPLES = 24
 
 
 @dataclass(frozen=True)
@@ -181,8 +179,7 @@ def _pieces(geometry: Any, tolerance: float) -> Iterator[Floats]:
             table: Any = geometry.Knots
             knots = np.unique([table[number] for number in range(len(table))])
             ends = [float(knot) for knot in knots[(knots >= ends[0]) & (knots <= ends[1])]]
-        for start, end in pairwise(ends):
-            yield flattened(partial(_along, geometry), np.linspace(start, end, _SPAN_SAMPLES + 1), tolerance)
+        yield flattened_spline(partial(_along, geometry), np.array(ends), tolerance)
 
 
 def _along(curve: Any, parameters: Floats) -> Floats:

@@ -30,7 +30,7 @@ from asterism.pattern.geometry.flattening import flattened
 _LENGTH_UNITS = ("mm", "cm", "in", "pt", "pc")
 # all widths and heights that SVG allows
 _NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
-_SIZE = re.compile(rf"((?!-){_NUMBER}({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?|auto)?")
+_SIZE = re.compile(rf"((?!-){_NUMBER}({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?)?")
 # points of a curve at which its turn is measured
 _CURVE_SAMPLES = 64
 # a stroke is stretched unevenly if its widths along x and y differ by more than this part
@@ -63,11 +63,12 @@ def open_svg(path: Path, fills: bool) -> Source:
             root = ElementTree.fromstring(path.read_bytes())
             if _tag(root) != "svg":
                 raise DrawingError("is not a drawing in SVG")
-            said = {side: "".join(root.get(side, "").split()).lower() for side in ("width", "height")}
+            texts = {side: "".join(root.get(side, "").split()).lower() for side in ("width", "height")}
+            said = {side: text.removeprefix("auto") for side, text in texts.items()}
             if odd := next((text for text in said.values() if not _SIZE.fullmatch(text)), None):
                 hint = "; decimals have a point" if "," in odd else ""
                 raise DrawingError(f"has the size {odd!r}: must be a number and a unit, 120mm{hint}")
-            root.attrib |= {side: text for side, text in said.items() if text}
+            root.attrib |= {side: text or "100%" for side, text in said.items()}
             unfolded = _Unfolded(root, left_out).root
             drawing = svg.SVG.parse(
                 BytesIO(ElementTree.tostring(unfolded)), reify=False, ppi=96, parse_display_none=True
@@ -126,8 +127,6 @@ class _Unfolded:
             raise DrawingError(f"has groups more than {MAX_DEPTH} deep, or an element that uses itself")
         if next(self._count) > MAX_ELEMENTS:
             raise DrawingError(f"holds more than {MAX_ELEMENTS} elements, counted in all that uses them")
-        if re.search(r"clip-path:\s*url", f"{own.get('style')};clip-path:{own.get('clip-path')}"):
-            self._left_out["clip path|s, whose lines are whole"] += 1
         own |= {name: repr(_length(own, name, size[name in _UPWARDS])) for name in _PLACES if "%" in own.get(name, "")}
         if tag in _SHAPES:
             ElementTree.SubElement(parent, tag, own | ({_LAYER: layer[0]} if layer[0] else {}))
@@ -158,7 +157,8 @@ def _tag(element: Any) -> str:
 def _length(own: dict[str, str], name: str, whole: float, default: str = "0") -> float:
     import svgelements as svg
 
-    return float(svg.Length(own.get(name, default)).value(ppi=96, relative_length=whole))
+    text = own.get(name, "auto")
+    return float(svg.Length(default if text == "auto" else text).value(ppi=96, relative_length=whole))
 
 
 def _viewport(own: dict[str, str], size: tuple[float, float]) -> tuple[str, tuple[float, float]]:
@@ -183,7 +183,7 @@ def _lines(
     import svgelements as svg
 
     left_out.update(counted)
-    for shape, hidden in _shapes(drawing, ""):
+    for shape, hidden in _shapes(drawing, "", left_out):
         has_stroke = _is_seen(shape.stroke) and not _is_zero(shape.values.get("stroke-width"))
         has_fill = _is_seen(shape.fill) and not isinstance(shape, svg.SimpleLine)
         if hidden or not (has_stroke or has_fill) or shape.values.get("visibility") in ("hidden", "collapse"):
@@ -207,17 +207,19 @@ def _lines(
                 yield FileLine(points * [1.0, -1.0], layer, width, name, 1.0 if is_even else unevenness)
 
 
-def _shapes(element: Any, hidden: str) -> Iterator[tuple[Any, str]]:
-    """The shapes of a drawing, with the reason why they are hidden."""
+def _shapes(element: Any, hidden: str, left_out: Counter[str]) -> Iterator[tuple[Any, str]]:
+    """The shapes of a drawing, with the reason why they are hidden; what cuts them is counted."""
     import svgelements as svg
 
     own = element.values.get("attributes", {})
+    for cut in ("clip-path", "mask"):
+        left_out[f"{cut.replace('-', ' ')}|s, whose lines are whole"] += "url" in own.get(cut, "")
     is_hidden = own.get("display", "").strip() == "none" or _is_zero(own.get("opacity"))
     if isinstance(element, svg.Shape):
         yield element, hidden or ("hidden line|s" if is_hidden else "")
     elif isinstance(element, svg.Group):
         for child in element:
-            yield from _shapes(child, hidden or ("line|s in hidden layers" if is_hidden else ""))
+            yield from _shapes(child, hidden or ("line|s in hidden layers" if is_hidden else ""), left_out)
 
 
 def _is_seen(colour: Any) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +14,8 @@ MAX_PIECE_TURN_RAD = np.radians(4.0)
 SPARE_PIECES = 1.2
 # smallest distance of a curve from its polyline over the size of the curve
 MIN_PRECISION = 1e-8
+# points of a spline in each span between its knots, at which its turn is measured
+SPAN_SAMPLES = 24
 
 
 def flattened(
@@ -51,3 +54,13 @@ def flattened(
     at = np.interp(np.linspace(0.0, passed[-1], count + 1), passed, samples)
     at[[0, -1]] = samples[[0, -1]]
     return np.asarray(curve(at))
+
+
+def flattened_spline(
+    curve: Callable[[Float[np.ndarray, " k"]], Float[np.ndarray, "k 2"]],
+    knots: Float[np.ndarray, " s"],
+    curve_mm: float,
+) -> Float[np.ndarray, "n 2"]:
+    """(n, 2) points on a curve that may have corners at its knots: increasing parameters, without repeats."""
+    spans = (np.linspace(start, end, SPAN_SAMPLES + 1) for start, end in pairwise(knots))
+    return np.concatenate([flattened(curve, samples, curve_mm) for samples in spans])

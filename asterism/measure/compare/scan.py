@@ -116,9 +116,7 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
         The file is not a scan, or it is empty.
     """
     path = Path(path)
-    if path.suffix.lower() not in SCAN_FORMATS:
-        raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}, or in .svg or .csv for an outline")
-    vertices, triangles = _read(path)
+    vertices, triangles = _read(path, ", or in .svg or .csv for an outline")
     vertices = vertices * MM[unit]
     rng = np.random.default_rng(seed)
     if len(triangles) == 0:
@@ -139,8 +137,6 @@ def read_surface(path: str | Path) -> tuple[Floats, Ints]:
         The file holds no surface of triangles.
     """
     path = Path(path)
-    if path.suffix.lower() not in SCAN_FORMATS:
-        raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}")
     vertices, triangles = _read(path)
     if len(triangles) == 0:
         raise ScanError(path, "holds points without triangles: a surface is needed")
@@ -172,12 +168,17 @@ def surface_samples(vertices: Floats, triangles: Ints, count: int, rng: np.rando
     return a + u[:, None] * (b - a) + v[:, None] * (c - a), which
 
 
-def _read(path: Path) -> tuple[Floats, Ints]:
+def _read(path: Path, other_formats: str = "") -> tuple[Floats, Ints]:
     """Vertices and triangles of all parts of a file, polygons cut into triangles."""
+    from trimesh.geometry import triangulate_quads  # slow to import
+
+    if path.suffix.lower() not in SCAN_FORMATS:
+        raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}{other_formats}")
     check_file(path)
     read = {".obj": _read_obj, ".stl": _read_stl, ".ply": _read_ply}[path.suffix.lower()]
     try:
-        points, corners = read(path, path.read_bytes().removeprefix(b"\xef\xbb\xbf"))
+        points, faces = read(path, path.read_bytes().removeprefix(b"\xef\xbb\xbf"))
+        corners = np.asarray(triangulate_quads(faces), dtype=np.int64).reshape(-1, 3)
     except ScanError:
         raise
     except (ArithmeticError, LookupError, TypeError, ValueError):  # a list in place of a number, and the like
@@ -201,10 +202,8 @@ def _lines(content: bytes) -> Iterator[tuple[int, list[bytes]]]:
         number += 1 + line.count(b"\v")
 
 
-def _read_obj(path: Path, content: bytes) -> tuple[Floats, Ints]:
+def _read_obj(path: Path, content: bytes) -> tuple[Floats, list[list[int]]]:
     """Places and faces: groups, materials, normals and textures are read over."""
-    from trimesh.geometry import triangulate_quads  # slow to import
-
     if b"\0" in content:
         raise ScanError(path, "cannot be read as OBJ: it is not text")
     places: list[list[float]] = []
@@ -227,7 +226,7 @@ def _read_obj(path: Path, content: bytes) -> tuple[Floats, Ints]:
                 if not 0 <= face[-1] < count:
                     raise ScanError(path, f"line {line}: the face has the vertex {vertex}, but {allowed}")
             faces.append(face)
-    return np.array(places, dtype=float).reshape(-1, 3), np.asarray(triangulate_quads(faces)).reshape(-1, 3)
+    return np.array(places, dtype=float).reshape(-1, 3), faces
 
 
 def _place(path: Path, line: int, words: list[bytes]) -> list[float]:
@@ -275,10 +274,8 @@ def _read_stl(path: Path, content: bytes) -> tuple[Floats, Ints]:
     return vertices, np.arange(len(vertices)).reshape(-1, 3)
 
 
-def _read_ply(path: Path, content: bytes) -> tuple[Floats, Ints]:
+def _read_ply(path: Path, content: bytes) -> tuple[Floats, list[Any]]:
     """Places and faces of a text, or of a binary file; what else its header announces is read over."""
-    from trimesh.geometry import triangulate_quads  # slow to import
-
     parts = re.match(rb"(ply\s.*?[\r\n])end_header[ \t]*(?:\r\n|\r|\n|$)(.*)", content, re.DOTALL)
     if parts is None:
         raise ScanError(path, "cannot be read as PLY: it must begin with ply, and its header must end with end_header")
@@ -307,8 +304,7 @@ def _read_ply(path: Path, content: bytes) -> tuple[Floats, Ints]:
     )
     if len({len(column) for column in columns}) > 1:
         raise ScanError(path, "cannot be read as PLY: its vertices need x, y and z")
-    corners = triangulate_quads([face for face in faces if len(face) > 2])
-    return np.column_stack(columns).astype(float).reshape(-1, 3), np.asarray(corners, dtype=np.int64).reshape(-1, 3)
+    return np.column_stack(columns).astype(float).reshape(-1, 3), [face for face in faces if len(face) > 2]
 
 
 @dataclass(frozen=True)

@@ -76,6 +76,7 @@ def read(path: Path) -> Drawing:
             MM,
         ),
         ('<rect x="10%" y="12.5%" width="80%" height="75%" fill="none" stroke="url(#colours)"/>', MM),
+        (f'<svg width="auto" height="auto" viewBox="0 0 100 80">{RECTANGLE}</svg>', MM),
         (FOUR, MM),
         (f'{LINE} d="M10 10H90V70H10V10.004"/>', MM),
     ],
@@ -96,6 +97,9 @@ def test_a_size_in_pixels_names_what_it_may_be(tmp_path: Path) -> None:
     assert outline_size(path, units="px") == pytest.approx([80.0, 60.0], abs=1e-2)
     with pytest.raises(ScanError, match=r"size in px: give width and height in mm$"):
         read_outline(path)
+    sizeless = svg(tmp_path, RECTANGLE, 'width="auto" height="AUTO" viewBox="0 0 100 80"')
+    assert outline_size(sizeless, units="mm") == pytest.approx([80.0, 60.0])
+    path = svg(tmp_path, RECTANGLE, 'width="377.95" height="302.36" viewBox="0 0 100 80"')
     # Illustrator's points, with its entities
     text = path.read_text().replace(NAMES, 'xmlns="&ns;"').replace("377.95", "283.46").replace("302.36", "226.77")
     path.write_text(f'<!DOCTYPE svg [<!ENTITY ns "http://www.w3.org/2000/svg">]>{text}')
@@ -142,12 +146,12 @@ def test_all_that_is_left_out_is_counted(tmp_path: Path) -> None:
         f'<g id="a">{RECTANGLE}<text>a<tspan>b</tspan></text><text>c</text><image href="a.png"/></g>{LINE} d="M5 5H9"/>'
     )
     body += f'<g display="none">{3 * RECTANGLE}</g><rect width="5" height="5"/>'
-    body += f'<g clip-path="url(#c)">{LINE} d="M-50 40H150"/></g>'
+    body += f'<style>.cut{{clip-path:url(#c)}}</style><g class="cut" mask="url(#m)">{LINE} d="M-50 40H150"/></g>'
     with pytest.warns(DrawingWarning) as caught:
         read(svg(tmp_path, body))
     assert str(caught[0].message) == (
-        "x.svg: read 3 lines in 2 layers, 200 x 65 mm; left out: 2 texts, 1 picture, "
-        "1 clip path, whose lines are whole, 3 lines in hidden layers, 1 fill without a stroke"
+        "x.svg: read 3 lines in 2 layers, 200 x 65 mm; left out: 2 texts, 1 picture, 1 clip path, "
+        "whose lines are whole, 1 mask, whose lines are whole, 3 lines in hidden layers, 1 fill without a stroke"
     )
     with pytest.raises(DrawingError, match=r"holds no line with a stroke; left out: 1 text$"):
         read(svg(tmp_path, "<text>a</text>"))
@@ -304,10 +308,13 @@ def test_splines_are_read_over_their_domain(tmp_path: Path) -> None:
         circle = space.add_spline(degree=2)  # with weights: a quarter of a circle
         circle.control_points, circle.knots = [(9, 0, 0), (9, 9, 0), (0, 9, 0)], [0, 0, 0, 1, 1, 1]
         circle.weights = [1.0, np.sqrt(0.5), 1.0]
+        corner = space.add_spline(degree=1)
+        corner.control_points, corner.knots = [(0, 0, 0), (30, 0, 0), (30, 7, 0)], [0, 0, 0.3, 1, 1]
 
-    loose, circle = read(dxf(tmp_path, draw)).lines
+    loose, circle, corner = read(dxf(tmp_path, draw)).lines
     assert loose.points[[0, -1]] == pytest.approx(np.array([[35 / 3, 10], [40, -5 / 3]]), abs=1e-9)
     assert np.linalg.norm(circle.points, axis=1) == pytest.approx(9.0, abs=1e-9)
+    assert corner.points == pytest.approx(np.array([[0, 0], [30, 0], [30, 7]]))
 
 
 @pytest.mark.parametrize(
@@ -330,8 +337,27 @@ def test_unknown_units_of_dxf_can_be_given(tmp_path: Path) -> None:
 
 def test_a_drawing_far_from_its_origin_is_shifted(tmp_path: Path) -> None:
     places = [(x + 3.5e8, y + 5.6e8) for x, y in SQUARE]
-    path = dxf(tmp_path, lambda space: space.add_lwpolyline(places, close=True))
+    path = dxf(tmp_path, lambda space: (space.add_lwpolyline(places, close=True), space.add_line((0, 0), (9, 0))))
     assert outline_size(path) == pytest.approx([80.0, 60.0], abs=1e-6)
+
+
+def test_what_is_not_in_the_model_space_is_counted(tmp_path: Path) -> None:
+    """External references, lines in paper space, and the end of a file that is cut short."""
+
+    def draw(space: Any) -> None:
+        sides(space)
+        space.doc.add_xref_def("walls.dxf", "walls")
+        space.add_blockref("walls", (0, 0))
+        space.doc.layout("Layout1").add_circle((0, 0), 9)
+        space.doc.layout("Layout1").add_text("a")
+
+    path = dxf(tmp_path, draw)
+    with pytest.warns(DrawingWarning, match="read 4 lines.*left out: 1 object in paper space, 1 external reference$"):
+        assert read(path).size_mm == pytest.approx([80.0, 60.0])
+    text = path.read_text()
+    path.write_text(text[: text.rindex("\nLINE\n")])
+    with pytest.raises(DrawingError, match="holds no line with a stroke; left out: 1 damaged part"):
+        read(path)
 
 
 @pytest.mark.parametrize("place", [1e300, float("nan"), float("inf")])
@@ -343,7 +369,7 @@ def test_numbers_that_are_no_places_are_refused(place: float, tmp_path: Path) ->
         for d in (f"M0 0L{place} 1", f"M0 0C1 1 {place} 1 2 2"):
             with pytest.raises(DrawingError, match="no sensible numbers: p1 in layer 'ribs'"):
                 read(svg(tmp_path, f'<g id="ribs">{LINE} id="p1" d="{d}"/></g>'))
-    with pytest.raises(DrawingError, match="is 1e\\+06 x 0 mm large: at most 200 m"):
+    with pytest.raises(DrawingError, match=r"LINE \w+ in layer '0' is 1e\+06 x 0 mm large: at most 200 m"):
         read(dxf(tmp_path, lambda space: space.add_line((0, 0), (1e6, 0))))
 
 
