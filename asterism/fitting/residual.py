@@ -20,8 +20,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.geometry.rigid_fit import rigid_fit
-from asterism.previews.point_lens import PointLens
-from asterism.previews.session import Preview
+from asterism.previews.session import PointLens, Preview
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asterism.previews.state import AnyPreviewState
+from asterism.previews.state import PreviewState
 
 
 class ExpectedError(NamedTuple):
@@ -41,7 +41,7 @@ MOTIF = ExpectedError(17.0, 5.5)
 MAX_FOREIGN_SHARE = 0.1
 
 
-def expected_error(state: AnyPreviewState) -> ExpectedError | None:
+def expected_error(state: PreviewState) -> ExpectedError | None:
     """The estimated error of a state; None with many stars or rods that its law does not describe.
 
     A sheet that slides on all of its supports counts as free.

@@ -15,7 +15,7 @@ from asterism.fem.search.evidence import Trial
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.symmetries import distances_of_images, symmetric_distances
-from asterism.previews.state import AnyPreviewState
+from asterism.previews.state import PreviewState
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
 MIN_STARS = 3
@@ -42,7 +42,7 @@ class OtherForm:
     distance_percent: float
 
 
-def other_forms(state: AnyPreviewState) -> list[tuple[OtherForm, Trial]]:
+def other_forms(state: PreviewState) -> list[tuple[OtherForm, Trial]]:
     """Each form with the trial that found it, the lowest one first.
 
     It is another form than the last equilibrium, and than those before it.
@@ -62,7 +62,7 @@ def other_forms(state: AnyPreviewState) -> list[tuple[OtherForm, Trial]]:
     return forms
 
 
-def _distance(state: AnyPreviewState, first: Floats, second: Floats, free: FreeMotions) -> float:
+def _distance(state: PreviewState, first: Floats, second: Floats, free: FreeMotions) -> float:
     """mm, rms distance of two minima (N, 3) by their dofs, after the nearest symmetry and free motion."""
     points, space = state.layout.sample_points, state.sheet.space
     at = space.locate(points).value
@@ -75,7 +75,7 @@ def _distance(state: AnyPreviewState, first: Floats, second: Floats, free: FreeM
     return float(distances_of_images(points, at @ first, second_at, state.symmetries, free).min())
 
 
-def _free(state: AnyPreviewState, x: Floats) -> FreeMotions:
+def _free(state: PreviewState, x: Floats) -> FreeMotions:
     """The rigid motions that the supports leave to a minimum."""
     supports = state.layout.support_samples
     if len(supports.printed) == 0:

@@ -1,9 +1,12 @@
-"""Positions of printed points in space and on the smooth surface, and the lenses that compute them."""
+"""Positions of printed points in space and on the smooth surface, and the lenses that compute them.
+
+After an edit that keeps the print, a lens computes again only what depends on the changed stars.
+"""
 
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -91,26 +94,29 @@ class SheetLens:
     Raises
     ------
     ValueError
-        A point is outside of the sheet.
+        These are no points, or one is outside of the sheet.
     """
 
     def __init__(self, sheet: Any, points: Floats) -> None:
         self.points = np.atleast_2d(np.asarray(points, dtype=float))
+        if self.points.shape[1:] != (2,) or not np.isfinite(self.points).all():
+            wrong = f"got shape {self.points.shape}"
+            raise ValueError(f"points must be finite pairs of mm on the print, shape (n, 2), {wrong}")
         self._at = sheet.space.locate(self.points)
         self.sheet = sheet
 
     def renewed(self, sheet: Any) -> Self:
-        """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
+        """The lens of the same points on another sheet; after an edit that keeps the print, unchanged parts are shared.
 
         Raises
         ------
         ValueError
-            The sheet has another print.
+            A point is outside of that sheet.
         """
         if sheet is self.sheet:
             return self
         if sheet.space is not self.sheet.space:
-            raise ValueError("the sheet has another print: make a new lens")
+            return sheet.lens(self.points)  # type: ignore[no-any-return]
         lens = copy(self)
         lens._follow(sheet)
         return lens
@@ -122,7 +128,7 @@ class SheetLens:
     def _smooth(self, x: Floats) -> SmoothSurface:
         return smooth_surface(self._at, x)
 
-    def __call__(self, x: Floats, values: Any) -> Places:
+    def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth = self._smooth(x)
         return Places(smooth, np.zeros_like(smooth.places))
@@ -134,14 +140,3 @@ class ShownSheet:
 
     mesh: Mesh
     lens: SheetLens
-
-    def renewed(self, old: Any, sheet: Any) -> ShownSheet | None:
-        """The same triangles for a sheet with another pattern; None if that moves its rods or asks for another mesh.
-
-        Parameters
-        ----------
-        old, sheet : the sheet of these triangles, and another one of the same print.
-        """
-        if not (old.has_rods_of(sheet.layout) and old.design.mesh == sheet.design.mesh):
-            return None
-        return replace(self, lens=self.lens.renewed(sheet))

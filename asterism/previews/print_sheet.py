@@ -1,14 +1,17 @@
-"""The printed sheet of a design as supports and search need it, for any kind of pattern: outline, mesh, supports.
+"""The printed sheet of a design with its law, for any pattern: outline, mesh, supports, and the triangles to show.
 
-Kinds of patterns differ in their fields and their weight, which subclasses give.
+`with_pattern` makes the sheet of an edited design; what the edit leaves as it is, is shared. Sheets of stars
+(`asterism.previews.sheet`) and of motifs of rods (`asterism.previews.motifs.motif_sheet`) differ in their values of the
+law, fields, weight and bumps, which subclasses give. All else, from supports to search and shape, is common to both.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from skfem import MeshTri
@@ -24,8 +27,10 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.pattern.mesh.sheet_mesh import SheetMesh, sheet_mesh
 from asterism.previews.model import PreviewModel
+from asterism.previews.places import SheetLens, ShownSheet
 from asterism.previews.point_pins import softness
 from asterism.previews.supports import conditions
 
@@ -36,28 +41,47 @@ MIN_TRIANGLES = 24
 MAX_TRIANGLES = 600
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class PrintSheet(ABC):
-    """A printed sheet with its mesh and finite elements.
+    """A printed sheet with its law, its mesh and its finite elements. Once made, it does not change.
 
     Attributes
     ----------
-    design, layout, model : of the print, and the constants of the preview.
+    design, layout : of the print.
+    law : of the design's material.
+    model : constants of the preview.
+    asked_triangles : number of triangles that the caller asked for; None for the default.
     mesh : coarse triangles of the shell.
     space : C1 quintic elements on these triangles.
     table : shape functions at the quadrature points.
     shells : for each step a shell of this print, and the pins of its supports. Sheets of one print share them.
     softnesses : around the supported points, for each edge of the exact model's mesh; shared likewise.
+    shown_edge : least edge of the triangles to show, over the spacing of the lattice.
     """
+
+    shown_edge: ClassVar[float]
 
     design: Design
     layout: Layout
+    law: Any
     model: PreviewModel
+    asked_triangles: int | None
     mesh: SheetMesh
     space: Argyris
     table: Tabulation
     shells: dict[int, tuple[tuple[PinSet, ...], Shell]] = field(default_factory=dict, kw_only=True)
     softnesses: dict[float, Floats | None] = field(default_factory=dict, kw_only=True)
+
+    @property
+    @abstractmethod
+    def values(self) -> Any:
+        """The law at the stars, or at the sizes of the rods; computed once.
+
+        Raises
+        ------
+        LawError
+            The law is for another material, or its values are impossible for a sheet.
+        """
 
     @abstractmethod
     def fields(self, values: Any) -> Fields:
@@ -68,21 +92,37 @@ class PrintSheet(ABC):
         """(N, 3) N, the weight of fabric and plastic."""
 
     @abstractmethod
-    def with_pattern(self, design: Design, layout: Layout) -> Self:
-        """The same sheet with the pattern of another design and its layout; `is_same_print` must hold."""
+    def doubts(self) -> Iterator[str]:
+        """Warnings about the pattern: what the law does not describe."""
+
+    def lens(self, points: Floats) -> SheetLens:
+        """Computes the positions of printed points (n, 2) mm."""
+        return SheetLens(self, points)
+
+    def with_pattern(self, design: Design, layout: Layout, law: Any) -> Self:
+        """The same sheet with the pattern of another design, its layout and law; `is_same_print` must hold."""
+        new = replace(self, design=design, layout=layout, law=law)
+        new._follow(self)
+        return new
+
+    def _follow(self, before: Self) -> None:
+        """Take over what the new pattern leaves as it is: the triangles to show, if a shape was asked for."""
+        if "shown" in vars(before) and before.has_rods_of(self.layout) and before.design.mesh == self.design.mesh:
+            self.shown = replace(before.shown, lens=before.shown.lens.renewed(self))
 
     @abstractmethod
     def has_rods_of(self, layout: Layout) -> bool:
         """Whether another layout of this sheet has its rods at the same positions; thickness and width may differ."""
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
-        """Whether a design differs from this one only in its pattern, its material and the positions of its pins in
-        space.
+        """Whether a design differs from this one only in its stars, or in the sizes of its rods, in its material and
+        in the positions of its pins in space.
 
         Outline, holes, lattice, gravity and supported points are the same.
         """
         return (
-            layout.edges.equals(self.layout.edges)
+            (design.rods is None) == (self.design.rods is None)
+            and layout.edges.equals(self.layout.edges)
             and len(layout.pins) == len(self.layout.pins)
             # a pin beside a rod is moved onto the rod, so that it depends on the pattern
             and all(new.holds_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
@@ -98,6 +138,17 @@ class PrintSheet(ABC):
     def symmetries(self) -> list[Symmetry]:
         """Motions of the print that map the design to itself."""
         return symmetries(self.design, self.layout)
+
+    @cached_property
+    def shown(self) -> ShownSheet:
+        """Triangles to show, with rods along their edges, and the lens of their vertices.
+
+        Edges have the length of the design's, but at least `shown_edge` spacings.
+        """
+        design = self.design
+        edge = max(design.usual_edge_mm, self.shown_edge * design.lattice.spacing_mm)
+        mesh = mesh_layout(self.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+        return ShownSheet(mesh, self.lens(mesh.points))
 
     @property
     def pin_softness(self) -> Floats | None:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NoReturn
 
+import numpy as np
+
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.errors import Error
@@ -21,14 +23,13 @@ from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.previews.kinds import kind_of, serves
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.other_forms import OtherForm, other_forms
-from asterism.previews.pattern_kind import PatternKind
 from asterism.previews.places import Places
-from asterism.previews.point_lens import PointLens, checked_points, checked_positions
-from asterism.previews.print_cache import keep_print, kept_print
+from asterism.previews.print_sheet import PrintSheet
+from asterism.previews.sheets import keep_print, preview_layout, sheet_for
+from asterism.previews.shown_shape import shown_shape
 from asterism.previews.solve import (
     at_form,
     carried,
@@ -38,9 +39,10 @@ from asterism.previews.solve import (
     state_from_guesses,
     state_without_search,
     with_near_zero_modes,
-    with_pattern,
+    with_sheet,
 )
-from asterism.previews.state import AnyPreviewState
+from asterism.previews.state import PreviewState
+from asterism.previews.summary import summary
 from asterism.process.listeners import Say, ignore_line
 from asterism.shape.shape import Shape
 
@@ -137,17 +139,6 @@ MAX_ASKED_TRIANGLES = 10_000
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
-@dataclass(frozen=True, eq=False)
-class _EvaluatedDesign:
-    """A design with its layout, the kind of its pattern, its law, and the law's values."""
-
-    design: Design
-    plan: Layout
-    kind: PatternKind
-    law: Any
-    values: Any
-
-
 class Preview:
     """The homogenised shape of a design, with its state kept for edits.
 
@@ -214,7 +205,7 @@ class Preview:
         self._watch = Watch(check, max_seconds)
         self._clock = Clock()
         self._edits = 0
-        self.state = self._searched(self._evaluated(design, model, plan), side, model)
+        self.state = self._searched(self._sheet(design, model, plan=plan), side)
 
     def _begin(self) -> None:
         """Begin an edit: times and the limit of the search start anew."""
@@ -238,7 +229,7 @@ class Preview:
 
     @property
     def sheet(self) -> Any:
-        """The printed sheet and its mesh: a `PrintSheet`, for stars a `Sheet`."""
+        """The printed sheet with its law and mesh, for stars a `Sheet`."""
         return self.state.sheet
 
     @property
@@ -281,9 +272,7 @@ class Preview:
         ValueError
             `points` has another form, or a point is outside of the sheet, or x does not belong to this mesh.
         """
-        state = self.state
-        points, x = checked_points(points), checked_positions(x, state)
-        return kind_of(state.design).lens(state, points)(x, state.values)
+        return PointLens(self, points)(x)
 
     def lens(self, points: Floats) -> PointLens:
         """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.
@@ -300,7 +289,7 @@ class Preview:
         >>> lens().bumpy.shape
         (2, 3)
         """
-        return PointLens(lambda: self.state, points)
+        return PointLens(self, points)
 
     def edit(self, design: Design, keep_form: bool = False) -> Iterator[Stage]:
         """Change the design in two stages: first the linear response, then the equilibrium.
@@ -352,12 +341,12 @@ class Preview:
         with one_blas_thread():
             self._begin()
             state, response = self.state, None
-            new = self._evaluated(design, state.model, known=state.law)
-            if serves(state.sheet, design, new.plan):
-                state, response = respond(self._on_same_print(new), self._clock)
+            sheet = self._sheet(design, state.model, before=state.sheet)
+            if sheet.space is state.sheet.space:
+                state, response = respond(self._on_same_print(sheet), self._clock)
             else:
-                kept = self._kept_form(new) if keep_form else None
-                state = kept or self._searched(new, state.side, state.model)
+                kept = self._kept_form(sheet) if keep_form else None
+                state = kept or self._searched(sheet, state.side)
             self.state = state
             self._edits += 1
             number = self._edits
@@ -443,9 +432,9 @@ class Preview:
         """The equilibrium of a design near degrees of freedom x (N, 3) of the shell."""
         self._begin()
         self._edits += 1
-        new = self._evaluated(design, self.state.model, known=self.state.law)
-        same = serves(self.state.sheet, design, new.plan)
-        state = self._on_same_print(new) if same else self._printed(new)
+        sheet = self._sheet(design, self.state.model, before=self.state.sheet)
+        same = sheet.space is self.state.sheet.space
+        state = self._on_same_print(sheet) if same else self._printed(sheet)
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
@@ -468,18 +457,11 @@ class Preview:
     @one_blas_thread()
     def shape(self) -> Shape:
         """The shape, with the bumps of the stars, and its summary, as for files and pictures."""
-        kind, clock = kind_of(self.state.design), self._clock
-        self.state = with_near_zero_modes(self.state, clock)
-        self.state = kind.with_shown_sheet(self.state, clock)
-        keep_print(self.state, self._triangles)
-        state, shown = self.state, self.state.shown
-        assert shown is not None
-        with clock("shown"):
-            places = shown.lens(state.x, state.values)
-            shape = kind.shape(state.sheet, shown.mesh, places)
-        if not shape.held:
-            shape = shape.aligned()
-        return replace(shape, summary=kind.summary(state, shape, shown.mesh, self.seconds))
+        self.state = state = with_near_zero_modes(self.state, self._clock)
+        with self._clock("shown"):
+            shape = shown_shape(state)
+        keep_print(state.sheet)
+        return replace(shape, summary=summary(state, shape, self.seconds))
 
     def _said(self, text: str) -> None:
         """Pass on a line of a long computation, which the caller may end by the error of its check."""
@@ -487,61 +469,91 @@ class Preview:
             self._check()
         self._say(text)
 
-    def _evaluated(
-        self, design: Design, model: PreviewModel, plan: Layout | None = None, known: Any = None
-    ) -> _EvaluatedDesign:
-        """Layout, law and values of a design; `known` is the law of the preview before an edit."""
+    def _sheet(
+        self, design: Design, model: PreviewModel, before: PrintSheet | None = None, plan: Layout | None = None
+    ) -> PrintSheet:
+        """The sheet of a design, with the values of its law.
+
+        Parameters
+        ----------
+        before : sheet of the preview before an edit; one of the same print shares its mesh, and its law is extended.
+        """
         check_type(design, Design, "load_design reads one from a file")
-        kind = kind_of(design)
-        if self._given_law is not None:
-            kind.check_law(self._given_law)
         if plan is None:
             with self._clock("layout"):
-                plan = kind.layout(design)
+                plan = preview_layout(design)
         law = self._given_law
         if law is None:
             with self._clock("law"):
-                law = serving_law(design, plan, known, self._said)
+                law = serving_law(design, plan, None if before is None else before.law, self._said)
         check_weight_is_supported(design, plan)
-        with self._clock("law"):
-            values = kind.values(design, plan, law, model)
-        return _EvaluatedDesign(design, plan, kind, law, values)
-
-    def _searched(self, new: _EvaluatedDesign, side: Side, model: PreviewModel) -> AnyPreviewState:
-        """The state of a design from guesses, on a new sheet or on a kept one of the same print."""
-        kept = kept_print(new.design, new.plan, self._triangles, model)
         with self._clock("mesh"):
-            if kept is None:
-                sheet = new.kind.sheet(new.design, new.plan, self._triangles, model)
+            if before is not None and before.is_same_print(design, plan):
+                sheet = before.with_pattern(design, plan, law)
             else:
-                sheet = kept.sheet.with_pattern(new.design, new.plan)
-        count = sheet.space.mesh.nelements
+                sheet = sheet_for(design, plan, law, self._triangles, model)
+        with self._clock("law"):
+            _ = sheet.values  # errors of the law come before a search
+        return sheet
+
+    def _searched(self, sheet: PrintSheet, side: Side) -> PreviewState:
+        """The state of a sheet from guesses."""
+        count, rods, stars = sheet.space.mesh.nelements, len(sheet.layout.graph.rods), len(sheet.layout.centres)
+        pattern = f"{stars} star{'s' * (stars > 1)}" if stars else f"{rods} rod{'s' * (rods > 1)}"
         patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
-        self._say(f"{new.kind.size_in_words(new.plan)} on {count} triangles{patience}")
-        state = state_from_guesses(sheet, new.law, new.values, side, self._clock, self._watch)
-        if kept is not None:
-            with self._clock("shown"):
-                state = replace(state, shown=kept.shown_on(sheet))
-        keep_print(state, self._triangles)
+        self._say(f"{pattern} on {count} triangles{patience}")
+        state = state_from_guesses(sheet, side, self._clock, self._watch)
+        keep_print(sheet)
         return state
 
-    def _printed(self, new: _EvaluatedDesign) -> AnyPreviewState:
-        """The state of a design on a new sheet, before a search."""
-        state = self.state
-        with self._clock("mesh"):
-            sheet = new.kind.sheet(new.design, new.plan, self._triangles, state.model)
+    def _printed(self, sheet: PrintSheet) -> PreviewState:
+        """The state of a sheet before a search."""
         with self._clock("shell"):
-            return state_without_search(sheet, new.law, new.values, state.side, state.watch)
+            return state_without_search(sheet, self.state.side, self.state.watch)
 
-    def _kept_form(self, new: _EvaluatedDesign) -> AnyPreviewState | None:
-        """The state of a design on a new sheet, started from the old shape; None if that is impossible."""
-        printed = self._printed(new)
+    def _kept_form(self, sheet: PrintSheet) -> PreviewState | None:
+        """The state of a new sheet, started from the old shape; None if that is impossible."""
+        printed = self._printed(sheet)
         with self._clock("shell"):
             x = carried(self.state, printed)
         return None if x is None else at_form(printed, x, self._clock)
 
-    def _on_same_print(self, new: _EvaluatedDesign) -> AnyPreviewState:
-        """The state of a design on the present sheet, at its equilibrium."""
-        started = replace(self.state, law=new.law)
+    def _on_same_print(self, sheet: PrintSheet) -> PreviewState:
+        """The state of another sheet of the same print, at its present equilibrium."""
         with self._clock("fields"):
-            return with_pattern(started, new.design, new.plan, new.values)
+            return with_sheet(self.state, sheet)
+
+
+class PointLens:
+    """Fixed printed points on the sheet of a preview, followed over edits; `Preview.lens` makes one.
+
+    After an edit that keeps the print, only what depends on the changed stars is computed again.
+
+    Attributes
+    ----------
+    points : (n, 2) mm, on the sheet.
+
+    Raises
+    ------
+    ValueError
+        These are no points, or one is off the sheet.
+    """
+
+    def __init__(self, preview: Preview, points: Floats) -> None:
+        self._preview, self._lens = preview, preview.sheet.lens(points)
+        self.points = self._lens.points
+
+    def __call__(self, x: Floats | None = None) -> Places:
+        """The points in space, at positions `x` of a stage or else in the state that the preview shows.
+
+        Raises
+        ------
+        ValueError
+            `x` is not of a stage of the present design; or a point is off the sheet since its outline has changed.
+        """
+        state = self._preview.state
+        x = state.x if x is None else np.asarray(x, dtype=float)
+        if x.shape != state.x.shape:
+            raise ValueError(f"x must be a stage's, shape {state.x.shape}, got shape {x.shape}")
+        self._lens = self._lens.renewed(state.sheet)
+        return self._lens(x)

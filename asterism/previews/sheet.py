@@ -1,12 +1,11 @@
-"""The printed sheet of a design, ready for the fields of its stars: coarse mesh, smoothed cells, supports, weight.
-
-A sheet is a value. `with_pattern` makes the sheet of an edited design; what the edit leaves as it is, is shared.
-"""
+"""The sheet of a design with stars: the law at the stars, smoothed cells, fields, arms and weight."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.supports.loads import area_load
 from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.arms import Arms
@@ -22,10 +22,13 @@ from asterism.previews.fields.rim_arms import rim_curvature_share
 from asterism.previews.fields.sheet_fields import sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_places import StarPlaces
-from asterism.previews.fields.star_values import StarValues
+from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
+from asterism.previews.star_lens import StarLens
 from asterism.previews.supports import weight
+from asterism.results.words import PlacedWarning, star_numbers
+from asterism.shape.design_warnings import site_warnings, sizing_warnings
 
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
@@ -62,28 +65,40 @@ class StarShares:
         return cls(cells, shares, along, normals, part)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Sheet(PrintSheet):
     """A printed sheet of stars; made by `sheet_of`.
 
     Attributes
     ----------
     stars : shares of the stars at the quadrature points.
-    known_arms : the arms, if they follow from those of the sheet before an edit.
 
     For the others, see `PrintSheet`.
     """
 
-    stars: StarShares
-    known_arms: Arms | None = field(default=None, kw_only=True)
+    shown_edge = 1 / 6
 
-    def with_pattern(self, design: Design, layout: Layout) -> Sheet:
-        """The same sheet with the stars of another design and its layout; `is_same_print` must hold."""
-        stars = self.stars
-        if not np.array_equal(layout.centres, self.layout.centres):
-            stars = StarShares.at(self.table.points.reshape(-1, 2), design, layout, self.model)
-        arms = self.arms.with_layout(layout) if self.has_rods_of(layout) else self.arms.with_lengths(layout, self.space)
-        return replace(self, design=design, layout=layout, stars=stars, known_arms=arms)
+    law: StarLaw
+    stars: StarShares
+
+    @cached_property
+    def values(self) -> StarValues:
+        """The law at the stars."""
+        return star_values(self.design, self.layout, self.law, self.model)
+
+    def lens(self, points: Floats) -> StarLens:
+        """Computes the positions of printed points (n, 2) mm, with bumps."""
+        return StarLens(self, points)
+
+    def _follow(self, before: Self) -> None:
+        layout = self.layout
+        if not np.array_equal(layout.centres, before.layout.centres):
+            self.stars = StarShares.at(self.table.points.reshape(-1, 2), self.design, layout, self.model)
+        if before.has_rods_of(layout):
+            self.arms = before.arms.with_layout(layout)
+        elif (arms := before.arms.with_lengths(layout, self.space)) is not None:
+            self.arms = arms
+        super()._follow(before)
 
     def has_rods_of(self, layout: Layout) -> bool:
         """Whether another layout of this sheet has its arms at the same positions; thickness and width may differ."""
@@ -92,7 +107,7 @@ class Sheet(PrintSheet):
     @cached_property
     def arms(self) -> Arms:
         """Arms of the stars, for shells of this sheet."""
-        return self.known_arms or Arms(self.layout, self.space, self.model)
+        return Arms(self.layout, self.space, self.model)
 
     def fields(self, values: StarValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
@@ -135,11 +150,47 @@ class Sheet(PrintSheet):
 
         return area_load(self.space, weights)
 
+    def doubts(self) -> Iterator[str]:
+        """Stars that the law does not describe."""
+        values, count = self.values, len(self.layout.centres)
+        if len(values.outside) > 1:
+            yield PlacedWarning(
+                f"{len(values.outside)} of {count} stars are outside the law's range, such as {values.outside[0]}; "
+                "the preview takes the nearest star in the range",
+                values.outside_stars,
+            )
+        else:
+            yield from (PlacedWarning(line, values.outside_stars) for line in values.outside)
+        yield from site_warnings(self.layout)
+        yield from sizing_warnings(self.design, self.layout)
+        graph, number = self.layout.graph, self.layout.star_number
+        if graph.joints:  # the cells of the law have no bonds
+            ends = [end for node in graph.joints for end in graph.ends_at[node]]
+            stars = np.unique(number[[graph.rods[end.rod].group for end in ends]]).tolist()
+            yield PlacedWarning(
+                f"arms of different stars meet in {len(graph.joints)} places and print as one, but the law is of stars "
+                f"that do not touch; check with the exact model: {star_numbers(stars)}",
+                stars,
+            )
+        tight, uneven = values.not_scale_separated, values.strongly_anisotropic
+        if tight and not self.layout.is_supported_in_plane:  # supported sheets are as accurate with them
+            yield PlacedWarning(
+                f"{len(tight)} of {count} stars curl to a radius below two thirds of their spacing, "
+                f"too tightly for a smooth sheet; check with the exact model: {star_numbers(tight)}",
+                tight,
+            )
+        if uneven:
+            yield PlacedWarning(
+                f"{len(uneven)} of {count} stars curl far more in some directions than in others, "
+                f"which the law describes poorly; check with the exact model: {star_numbers(uneven)}",
+                uneven,
+            )
+
 
 def sheet_of(
-    design: Design, layout: Layout, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
+    design: Design, layout: Layout, law: StarLaw, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
 ) -> Sheet:
-    """The sheet of a design and its layout.
+    """The sheet of a design with stars, its layout and its law.
 
     Parameters
     ----------
@@ -153,4 +204,4 @@ def sheet_of(
     usual = usual_triangles(layout, EDGE_SPACINGS * design.lattice.spacing_mm)
     mesh, space, table = elements_of(layout, usual, triangles)
     stars = StarShares.at(table.points.reshape(-1, 2), design, layout, model)
-    return Sheet(design, layout, model, mesh, space, table, stars)
+    return Sheet(design, layout, law, model, triangles, mesh, space, table, stars)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -18,11 +17,10 @@ from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.linear_response import Response, linear_response
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.relax import factorise, follow, softest_shell_modes
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
+from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.search_minima import SheetTraits, apply_supports, find_equilibrium
-from asterism.previews.state import AnyPreviewState, LawT, PreviewState, SheetT, ShownResponse, ValuesT
+from asterism.previews.state import PreviewState, ShownResponse
 
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"
@@ -30,9 +28,7 @@ EDIT_START = "edit"
 FORM_START = "form"
 
 
-def state_from_guesses(
-    sheet: SheetT, law: LawT, values: ValuesT, side: Side, clock: Clock, watch: Callable[[], None]
-) -> PreviewState[SheetT, LawT, ValuesT]:
+def state_from_guesses(sheet: PrintSheet, side: Side, clock: Clock, watch: Callable[[], None]) -> PreviewState:
     """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
 
     `watch` is called at least once in each Newton iteration, here and in later searches from this state.
@@ -45,6 +41,7 @@ def state_from_guesses(
         The rest metric is not positive definite.
     """
     with clock("fields"):
+        values = sheet.values
         fields = sheet.fields(values)
     was_free = True
     for step in sheet.layout.pin_steps:
@@ -64,12 +61,10 @@ def state_from_guesses(
                 equilibrium = apply_supports(shell, factor, equilibrium.x, was_free)
         was_free = len(shell.fixed_points) == 0
     equilibrium = replace(equilibrium, x=shell.shifted_to_ground(equilibrium.x))
-    return PreviewState(sheet, law, side, values, shell, equilibrium, equilibrium, factor, watch)
+    return PreviewState(sheet, side, shell, equilibrium, equilibrium, factor, watch)
 
 
-def state_without_search(
-    sheet: SheetT, law: LawT, values: ValuesT, side: Side, watch: Callable[[], None]
-) -> PreviewState[SheetT, LawT, ValuesT]:
+def state_without_search(sheet: PrintSheet, side: Side, watch: Callable[[], None]) -> PreviewState:
     """The state of a sheet with all of its supports, at the printed sheet in place of an equilibrium.
 
     Raises
@@ -77,14 +72,14 @@ def state_without_search(
     DesignError, LawError
         As for `state_from_guesses`.
     """
-    shell = sheet.shell(sheet.fields(values), sheet.layout.pin_steps[-1])
+    shell = sheet.shell(sheet.fields(sheet.values), sheet.layout.pin_steps[-1])
     x = shell.flat
     printed = ShellEquilibrium(x, shell.strains(x), {}, np.inf, 0.0, False, np.empty(0), "printed")
     factor = WatchedFactor(shell.factor(), watch)
-    return PreviewState(sheet, law, side, values, shell, printed, printed, factor, watch, is_factor_resting=False)
+    return PreviewState(sheet, side, shell, printed, printed, factor, watch, is_factor_resting=False)
 
 
-def carried(state: AnyPreviewState, new: AnyPreviewState) -> Floats | None:
+def carried(state: PreviewState, new: PreviewState) -> Floats | None:
     """(N, 3) positions of the dofs of another sheet where the resting equilibrium of a state takes its points.
 
     None if the other sheet reaches far beyond that one.
@@ -96,10 +91,10 @@ def carried(state: AnyPreviewState, new: AnyPreviewState) -> Floats | None:
         return None
 
 
-def with_pattern(state: AnyPreviewState, design: Design, layout: Layout, values: Any) -> AnyPreviewState:
-    """The state with another pattern, and pins at other places in space, on the same print.
+def with_sheet(state: PreviewState, sheet: PrintSheet) -> PreviewState:
+    """The state with another sheet of the same print: another pattern, and pins at other places in space.
 
-    Its equilibrium is still that of the old ones.
+    Its equilibrium is still that of the old sheet.
 
     Raises
     ------
@@ -108,16 +103,14 @@ def with_pattern(state: AnyPreviewState, design: Design, layout: Layout, values:
     LawError
         The rest metric is not positive definite.
     """
-    sheet = state.sheet.with_pattern(design, layout)
-    fields = sheet.fields(values)
-    shell = state.shell.with_fields(fields, sheet.loads() if design.gravity.on else None)
-    if not state.sheet.has_pins_of(layout):
+    fields = sheet.fields(sheet.values)
+    shell = state.shell.with_fields(fields, sheet.loads() if sheet.design.gravity.on else None)
+    if not state.sheet.has_pins_of(sheet.layout):
         shell = shell.with_target(sheet.support_target())
-    shown = None if state.shown is None else state.shown.renewed(state.sheet, sheet)
-    return replace(state, sheet=sheet, values=values, shell=shell, shown=shown)
+    return replace(state, sheet=sheet, shell=shell)
 
 
-def respond(state: AnyPreviewState, clock: Clock) -> tuple[AnyPreviewState, Response | None]:
+def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response | None]:
     """The state after the linear response of its resting equilibrium to a change, and that response.
 
     The response is None if the factor had lost the resting equilibrium, and that is unstable after the change: the
@@ -134,7 +127,7 @@ def respond(state: AnyPreviewState, clock: Clock) -> tuple[AnyPreviewState, Resp
     return replace(state, result=shown), response
 
 
-def followed(state: AnyPreviewState, response: Response, clock: Clock) -> AnyPreviewState:
+def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewState:
     """The state at the equilibrium that the linear response leads to, or from guesses if that is no minimum."""
     start = response.x, state.factor, EDIT_START, response.strains
     with clock("equilibrium"):
@@ -145,13 +138,12 @@ def followed(state: AnyPreviewState, response: Response, clock: Clock) -> AnyPre
     return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
-def restarted(state: AnyPreviewState, clock: Clock, side: Side | None = None) -> AnyPreviewState:
+def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
     """The state of the same design from guesses, on another side if one is given."""
-    new = state_from_guesses(state.sheet, state.law, state.values, side or state.side, clock, state.watch)
-    return replace(new, shown=state.shown)
+    return state_from_guesses(state.sheet, side or state.side, clock, state.watch)
 
 
-def at_form(state: AnyPreviewState, x: Floats, clock: Clock) -> AnyPreviewState:
+def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
     """The state at the equilibrium near positions x (N, 3) of the shell's dofs, with the trials of the last one.
 
     The state is that from guesses if x leads to no minimum.
@@ -167,7 +159,7 @@ def at_form(state: AnyPreviewState, x: Floats, clock: Clock) -> AnyPreviewState:
     return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
-def with_near_zero_modes(state: AnyPreviewState, clock: Clock) -> AnyPreviewState:
+def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
     """The state whose equilibrium has its softest modes, if it is a minimum; edits do not wait for them."""
     shown = state.equilibrium
     if not shown.is_minimum:

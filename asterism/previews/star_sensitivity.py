@@ -20,7 +20,7 @@ from asterism.homogenize.law.axes import AXES
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.state import StarState
+from asterism.previews.state import PreviewState
 
 # lattice steps between stars that are changed together
 COLOUR_STEPS = 4
@@ -30,7 +30,7 @@ SIZE_STEPS = (0.005, 5e-4, 5e-4)
 SizeName = Literal["length_mm", "thickness_mm", "width_mm"]
 
 
-def star_sensitivity(state: StarState, size: SizeName) -> Floats:
+def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
     """(N, 3, S) change of the shell's degrees of freedom per mm of one size of each star, to first order.
 
     Sizes at the upper end of the law's range are changed downwards.
@@ -65,7 +65,7 @@ def star_sensitivity(state: StarState, size: SizeName) -> Floats:
     return result
 
 
-def _changed_values(state: StarState, size: SizeName) -> tuple[StarValues, Floats]:
+def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Floats]:
     """The law at the stars with one size of all of them changed, and these changes (S,) in mm.
 
     Lengths are changed with the rounding of the design in place, thicknesses and widths from their rounded values.
@@ -85,7 +85,7 @@ def _changed_values(state: StarState, size: SizeName) -> tuple[StarValues, Float
     return star_values(changed, layout(changed), state.law, state.model), steps
 
 
-def _colours(state: StarState) -> list[np.ndarray]:
+def _colours(state: PreviewState) -> list[np.ndarray]:
     """Numbers of the stars that are changed together."""
     colours = (state.layout.sites % COLOUR_STEPS) @ np.array([COLOUR_STEPS, 1])
     return [np.flatnonzero(colours == colour) for colour in np.unique(colours)]

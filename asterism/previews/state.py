@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -24,15 +24,11 @@ from asterism.fem.search.linear_response import Response
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.relax import energies_by_part
 from asterism.fem.shell.shell import Shell
-from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PreviewModel
-from asterism.previews.places import ShownSheet
 from asterism.previews.print_sheet import PrintSheet
-from asterism.previews.sheet import Sheet
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,53 +65,30 @@ class ShownResponse:
         )
 
 
-class SearchTraits(Protocol):
-    """What the values of a law say about the search."""
-
-    @property
-    def has_tight_curls(self) -> bool:
-        """Whether much of the sheet is not scale-separated, so that caps are among the initial guesses."""
-
-    @property
-    def is_uniform(self) -> bool:
-        """Whether the pattern has one size everywhere."""
-
-
-SheetT = TypeVar("SheetT", bound=PrintSheet)
-LawT = TypeVar("LawT")
-ValuesT = TypeVar("ValuesT", bound=SearchTraits)
-
-
 @dataclass(frozen=True, eq=False)
-class PreviewState(Generic[SheetT, LawT, ValuesT]):
-    """A design, its shell, and the shell's state, for any kind of pattern.
+class PreviewState:
+    """A design, its shell, and the shell's state, for any pattern.
 
     Attributes
     ----------
-    sheet : the print, its mesh and its model.
-    law : of the design's material.
+    sheet : the print with its law, its mesh and its model.
     side : to which the edges were asked to go.
-    values : the law at the stars, or at the places of a motif's sheet.
     shell : with the supports of all steps.
     result : what is shown: an equilibrium or, after the first stage of an edit, the linear response.
     resting : the last equilibrium, from which edits go on.
     factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
     watch : called at least once in each Newton iteration; an error that it raises ends the search.
     is_factor_resting : whether the factor holds the Hessian at `resting`.
-    shown : triangles to show and how to place them; None until a shape is asked for.
     """
 
-    sheet: SheetT
-    law: LawT
+    sheet: PrintSheet
     side: Side
-    values: ValuesT
     shell: Shell
     result: ShellEquilibrium | ShownResponse
     resting: ShellEquilibrium
     factor: Factor
     watch: Callable[[], None]
     is_factor_resting: bool = True
-    shown: ShownSheet | None = None
 
     @property
     def x(self) -> Floats:
@@ -138,6 +111,16 @@ class PreviewState(Generic[SheetT, LawT, ValuesT]):
         return self.sheet.layout
 
     @property
+    def law(self) -> Any:
+        """The law of its material, a `StarLaw` or a `MotifLaw`."""
+        return self.sheet.law
+
+    @property
+    def values(self) -> Any:
+        """The law at its stars, `StarValues`, or at the sizes of its rods, `MotifFieldValues`."""
+        return self.sheet.values
+
+    @property
     def model(self) -> PreviewModel:
         """The constants of the preview."""
         return self.sheet.model
@@ -151,7 +134,3 @@ class PreviewState(Generic[SheetT, LawT, ValuesT]):
     def is_supported(self) -> bool:
         """Whether supports act along the print; a sheet that slides on all of its supports counts as free."""
         return self.layout.is_supported_in_plane
-
-
-StarState: TypeAlias = PreviewState[Sheet, StarLaw, StarValues]
-AnyPreviewState: TypeAlias = PreviewState[Any, Any, Any]

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from scipy.spatial import cKDTree
 
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
-from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.expected_error import expected_error
 from asterism.previews.other_forms import other_forms
-from asterism.previews.state import AnyPreviewState, StarState
+from asterism.previews.state import PreviewState
 from asterism.previews.warnings import overstretched_stars, preview_warnings
 from asterism.process.version import __version__
-from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.preview import LawOriginRecord, OtherFormRecord, PreviewRecord, TrialRecord
 from asterism.shape.measures import contraction, needle_clearance, roll_radius
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
@@ -23,98 +21,73 @@ from asterism.shape.shape import Shape
 EQUAL_AXES_DEG = 2.0
 
 
-def summary(state: StarState, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> PreviewRecord:
-    """The record of a preview of stars. Keys that it shares with the record of an exact shape have the same meaning.
-
-    Parameters
-    ----------
-    mesh : mesh of the shape.
-    """
-    layout, law, values = state.layout, state.law, state.values
-    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
+def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> PreviewRecord:
+    """The record of a preview's shape. Keys that it shares with the record of an exact shape have the same meaning."""
+    equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
+    law, values, mesh = state.law, state.values, state.sheet.shown.mesh
+    nearest = shape.star_vertices if layout.has_stars else cKDTree(shape.printed).query(layout.sample_points)[1]
+    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
+    across, height = diameter(shape.positions), shape.height_mm
     crossings = count_crossings(shape)
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
-    numbers = common_numbers(state, shape, mesh, axis, seconds) | {
-        "is_minimum": state.equilibrium.is_minimum and not overstretched,
-        "law": {
-            "material": law.plan.design.name,
-            "stretch": law.check(state.design).stretch,
-            "edge_mm": law.edge_mm,
-            "made_by": law.made.get("command"),
-        },
-        "law_in_range": not values.outside,
-        "stars_outside_law": list(values.outside),
-        "stars_overstretched": overstretched,
-        "stars_tight": list(values.not_scale_separated),
-        "stars_uneven": list(values.strongly_anisotropic),
-        "smoothing_mm": state.sheet.stars.cells.width_mm,
-        "self_intersections": crossings,
-        "warnings": preview_warnings(state, shape, crossings, overstretched),
-    }
-    return PreviewRecord.from_json(numbers)
-
-
-def common_numbers(
-    state: AnyPreviewState,
-    shape: Shape,
-    mesh: Mesh,
-    axis_deg: float | None,
-    seconds: dict[str, float],
-) -> dict[str, Any]:
-    """The entries of the record that do not depend on the kind of the pattern.
-
-    Parameters
-    ----------
-    mesh : mesh of the shape.
-    axis_deg : direction of the axis of a rolled sheet, on the print; None for other shapes.
-    """
-    equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
-    across, height = diameter(shape.positions), shape.height_mm
-    forms = other_forms(state) if equilibrium.trials else []
     clearance = needle_clearance(layout, shape)
-    return {
-        "model": PreviewRecord.model_name,
-        "converged": equilibrium.converged,
-        "is_minimum": equilibrium.is_minimum,
-        "gradient_norm": equilibrium.gradient_norm,
-        "gradient_tolerance": equilibrium.tolerance,
-        "energy_n_mm": equilibrium.energy,
-        "energy_parts_n_mm": equilibrium.energies,
-        "soft_modes_n_mm3": [float(value) for value in equilibrium.soft_modes],
-        "stars": len(layout.centres),
-        "roll_axis_deg": axis_deg,
-        "equivalent_axes_deg": equivalent_axes_deg(state, axis_deg),
-        "roll_radius_mm": None if axis_deg is None else roll_radius(shape, layout),
-        "side": state.side,
-        "start": equilibrium.guess,
-        "starts": [
-            {name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")}
+    return PreviewRecord(
+        model=PreviewRecord.model_name,
+        converged=equilibrium.converged,
+        is_minimum=equilibrium.is_minimum and not overstretched,
+        gradient_norm=equilibrium.gradient_norm,
+        gradient_tolerance=equilibrium.tolerance,
+        energy_n_mm=equilibrium.energy,
+        energy_parts_n_mm=equilibrium.energies,
+        soft_modes_n_mm3=[float(value) for value in equilibrium.soft_modes],
+        stars=len(layout.centres),
+        **({} if layout.has_stars else {"rods_total": len(layout.graph.rods)}),
+        roll_axis_deg=axis,
+        equivalent_axes_deg=equivalent_axes_deg(state, axis),
+        roll_radius_mm=None if axis is None else roll_radius(shape, layout),
+        side=state.side,
+        start=equilibrium.guess,
+        starts=[
+            TrialRecord(**{name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")})
             for trial in equilibrium.trials
         ],
-        "other_forms": [vars(form) for form, _ in forms],
-        "expected_rms_percent": error and error.distance,
-        "expected_height_percent": error and error.height * across / height if height else None,
-        "shell_triangles": state.sheet.space.mesh.nelements,
-        "dofs": state.shell.reduction.map.shape[1],
-        "vertices": len(mesh.points),
-        "triangles": len(mesh.triangles),
-        "mesh": mesh.kind,
-        "iterations": equilibrium.iterations,
-        "factorisations": equilibrium.factorisations,
-        "saddles_left": equilibrium.saddles_left,
-        "load_steps": equilibrium.load_steps,
-        "wall_s": sum(seconds.values()),
-        "wall_s_by_stage": seconds,
-        "height_mm": shape.height_mm,
-        "extent_mm": list(shape.extent_mm),
-        "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
-        "above_needles_mm": clearance and clearance.above_mm,
-        "below_needles_mm": clearance and clearance.below_mm,
-        "diameter_mm": across,
-        "contraction": contraction(layout, shape),
-        "version": __version__,
-        "design": state.design.to_dict(),
-    }
+        other_forms=[OtherFormRecord(**vars(form)) for form, _ in other_forms(state)],
+        expected_rms_percent=error and error.distance,
+        expected_height_percent=error and error.height * across / height if height else None,
+        law=LawOriginRecord(
+            material=law.plan.design.name,
+            stretch=float(state.design.fabric.stretch_xy[0]),
+            edge_mm=law.edge_mm,
+            made_by=law.made.get("command"),
+        ),
+        law_in_range=not values.outside,
+        stars_outside_law=list(values.outside) if layout.has_stars else [],
+        stars_overstretched=overstretched,
+        stars_tight=list(values.not_scale_separated) if layout.has_stars else [],
+        stars_uneven=list(values.strongly_anisotropic) if layout.has_stars else [],
+        shell_triangles=state.sheet.space.mesh.nelements,
+        dofs=state.shell.reduction.map.shape[1],
+        vertices=len(mesh.points),
+        triangles=len(mesh.triangles),
+        mesh=mesh.kind,
+        iterations=equilibrium.iterations,
+        factorisations=equilibrium.factorisations,
+        saddles_left=equilibrium.saddles_left,
+        load_steps=equilibrium.load_steps,
+        wall_s=sum(seconds.values()),
+        wall_s_by_stage=seconds,
+        height_mm=height,
+        extent_mm=list(shape.extent_mm),
+        printed_mm=np.ptp(layout.outline, axis=0).tolist(),
+        above_needles_mm=clearance and clearance.above_mm,
+        below_needles_mm=clearance and clearance.below_mm,
+        diameter_mm=across,
+        contraction=contraction(layout, shape),
+        self_intersections=crossings,
+        warnings=list(preview_warnings(state, shape, crossings, overstretched)),
+        version=__version__,
+        design=state.design.to_dict(),
+    )
 
 
 def count_crossings(shape: Shape) -> int:
@@ -123,7 +96,7 @@ def count_crossings(shape: Shape) -> int:
     return self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
 
 
-def equivalent_axes_deg(state: AnyPreviewState, axis_deg: float | None) -> list[float]:
+def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[float]:
     """The axes (0 to 180 deg) to which the symmetries of the design map the roll axis; empty if it is None."""
     if axis_deg is None:
         return []

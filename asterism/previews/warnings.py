@@ -28,6 +28,7 @@ from scipy.spatial.distance import pdist
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.search.mean_fields import mean_fields, side_of
+from asterism.fem.search.relax import is_collapsing
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.geometry.diameter import diameter
@@ -35,9 +36,9 @@ from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
-from asterism.previews.state import AnyPreviewState, StarState
+from asterism.previews.state import PreviewState
 from asterism.results.words import PlacedWarning, star_numbers
-from asterism.shape.design_warnings import pin_warnings, site_warnings, sizing_warnings
+from asterism.shape.design_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import deformation_gradients
@@ -100,84 +101,33 @@ def support_ratio(layout: Layout) -> float:
     return float((in_space[apart] / in_print[apart]).max(initial=0.0))
 
 
-def preview_warnings(state: StarState, shape: Shape, crossings: int, overstretched: Sequence[int] = ()) -> list[str]:
-    """The warnings, in the order of their causes: stars, supports, equilibrium, shape.
+def preview_warnings(
+    state: PreviewState, shape: Shape, crossings: int, overstretched: Sequence[int] = ()
+) -> Iterator[str]:
+    """The warnings, in the order of their causes: pattern, supports, equilibrium, shape.
 
     Parameters
     ----------
     crossings : number of pairs of triangles of the shape that pass through each other.
     overstretched : numbers of the stars around which the shape is longer than its fabric can be.
     """
-    return [
-        *_about_stars(state),
-        *_about_supports(state, shape),
-        *form_warnings(state),
-        *shape_warnings(crossings),
-        *_about_lengths(overstretched, len(state.layout.centres)),
-    ]
-
-
-def _about_stars(state: StarState) -> Iterator[str]:
-    """Stars that the law does not describe."""
-    values, count = state.values, len(state.layout.centres)
-    if len(values.outside) > 1:
-        yield PlacedWarning(
-            f"{len(values.outside)} of {count} stars are outside the law's range, such as {values.outside[0]}; "
-            "the preview takes the nearest star in the range",
-            values.outside_stars,
+    collapses = not state.layout.has_stars and is_collapsing(state.shell, state.equilibrium)
+    if collapses:
+        yield (
+            "not an equilibrium: at wide rims the tension of the fabric bends the preview more than its rods resist; "
+            "make the rods thicker or wider, or use the exact model: asterism simulate"
         )
     else:
-        yield from (PlacedWarning(line, values.outside_stars) for line in values.outside)
-    yield from site_warnings(state.layout)
-    yield from sizing_warnings(state.design, state.layout)
-    yield from _about_bonds(state)
-    if values.not_scale_separated and not state.is_supported:  # supported sheets are as accurate with them
-        yield PlacedWarning(
-            f"{len(values.not_scale_separated)} of {count} stars curl to a radius below two thirds of their spacing, "
-            f"too tightly for a smooth sheet; check with the exact model: {star_numbers(values.not_scale_separated)}",
-            values.not_scale_separated,
-        )
-    if values.strongly_anisotropic:
-        yield PlacedWarning(
-            f"{len(values.strongly_anisotropic)} of {count} stars curl far more in some directions than in others, "
-            f"which the law describes poorly; check with the exact model: {star_numbers(values.strongly_anisotropic)}",
-            values.strongly_anisotropic,
-        )
-
-
-def _about_bonds(state: StarState) -> Iterator[str]:
-    """Arms of different stars that are bonded where they meet, which the cells of the law are not."""
-    graph, number = state.layout.graph, state.layout.star_number
-    if not graph.joints:
-        return
-    ends = [end for node in graph.joints for end in graph.ends_at[node]]
-    stars = np.unique(number[[graph.rods[end.rod].group for end in ends]]).tolist()
-    yield PlacedWarning(
-        f"arms of different stars meet in {len(graph.joints)} places and print as one, but the law is of stars that do "
-        f"not touch; check with the exact model: {star_numbers(stars)}",
-        stars,
-    )
-
-
-def _about_supports(state: StarState, shape: Shape) -> Iterator[str]:
-    """Pins that fix too little or stretch the sheet flat, inverted stars, and a requested side that was not reached."""
-    layout = state.layout
-    yield from support_warnings(state, shape)
-    if inverted := layout.star_number[layout.star_branch < 0].tolist():
-        yield PlacedWarning(
-            f"{len(inverted)} stars of the design are inverted (branch down), but the law describes bumps up; "
-            f"check with the exact model: {star_numbers(inverted)}",
-            inverted,
-        )
-    yield from side_warnings(state)
-
-
-def _about_lengths(overstretched: Sequence[int], count: int) -> Iterator[str]:
-    """A shape that is longer than its fabric can be."""
+        yield from state.sheet.doubts()
+    yield from _about_supports(state, shape)
+    if not collapses:
+        yield from _about_equilibrium(state)
+    if crossings:
+        yield f"{passing(crossings)}; the exact model can prevent that (solver.contact, --contact)"
     if overstretched:
         yield PlacedWarning(
-            f"not a shape of this sheet: around {len(overstretched)} of {count} stars it is longer than the fabric can "
-            f"stretch; use the exact model: {star_numbers(overstretched)}",
+            f"not a shape of this sheet: around {len(overstretched)} of {len(state.layout.centres)} stars it is longer "
+            f"than the fabric can stretch; use the exact model: {star_numbers(overstretched)}",
             overstretched,
         )
 
@@ -188,7 +138,7 @@ MAX_SIZE_RATIO = 1.1
 MIN_HEIGHT_RATIO = 0.03
 
 
-def size_ratio(state: AnyPreviewState) -> float:
+def size_ratio(state: PreviewState) -> float:
     """Size that the supports allow over the natural size; inf for a sheet that they do not hold along the print."""
     if not state.is_supported:
         return np.inf
@@ -196,24 +146,26 @@ def size_ratio(state: AnyPreviewState) -> float:
     return means.chord / means.stretch
 
 
-def support_warnings(state: AnyPreviewState, shape: Shape) -> Iterator[str]:
-    """Pins that fix too little, or stretch the sheet flat."""
+def _about_supports(state: PreviewState, shape: Shape) -> Iterator[str]:
+    """Pins that fix too little or stretch the sheet flat, inverted stars, and a requested side that was not reached."""
     layout, ratio = state.layout, size_ratio(state)
     yield from pin_warnings(layout, state.design.gravity.on)
     if MAX_SIZE_RATIO < ratio < np.inf and shape.height_mm / diameter(shape.positions) < MIN_HEIGHT_RATIO:
         scale = layout.common_pin_scale
         advice = "" if scale is None else f"; use a scale of about {scale / ratio:.2g} to let it rise"
         yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"
-
-
-def side_warnings(state: AnyPreviewState) -> Iterator[str]:
-    """A requested side that was not reached."""
+    if inverted := layout.star_number[layout.star_branch < 0].tolist():
+        yield PlacedWarning(
+            f"{len(inverted)} stars of the design are inverted (branch down), but the law describes bumps up; "
+            f"check with the exact model: {star_numbers(inverted)}",
+            inverted,
+        )
     side = side_of(state.shell, state.equilibrium.x) if state.side != "auto" else "auto"
     if side not in ("auto", state.side):
         yield f"the edges go {side}: the preview reached no equilibrium with edges {state.side}, as requested"
 
 
-def form_warnings(state: AnyPreviewState) -> Iterator[str]:
+def _about_equilibrium(state: PreviewState) -> Iterator[str]:
     """A form that an edit kept, and results that are not a stable equilibrium."""
     shown = state.equilibrium
     if shown.guess == EDIT_START and (not state.is_supported or size_ratio(state) < MIN_SIZE_RATIO):
@@ -222,9 +174,3 @@ def form_warnings(state: AnyPreviewState) -> Iterator[str]:
         yield f"not an equilibrium: gradient {shown.gradient_norm:.1e} N is above {shown.tolerance:.1e} N"
     elif not shown.definite:
         yield "an unstable equilibrium: a real sheet leaves this shape; start a new preview to search for a minimum"
-
-
-def shape_warnings(crossings: int) -> Iterator[str]:
-    """A sheet that passes through itself."""
-    if crossings:
-        yield f"{passing(crossings)}; the exact model can prevent that (solver.contact, --contact)"

@@ -13,9 +13,9 @@ from asterism.exact.simulation import exact_shape, shared_search
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.kinds import kind_of
 from asterism.previews.law_choice import serving_law
 from asterism.previews.run import preview
+from asterism.previews.sheets import preview_layout
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
@@ -70,7 +70,7 @@ def verify(
     step(STAGES[0], 0, 1)
     with clock_without_compiling() as clock:
         begun = clock()
-        plan = kind_of(design).layout(design)
+        plan = preview_layout(design)
         layout_s = clock() - begun
         if law is None and ready is None:
             law = serving_law(design, plan, say=tell)

@@ -7,7 +7,9 @@ the whole sheet: along the rim the fabric pulls, and the rods beside it resist. 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.shell.neo_hookean import neo_hookean
 from asterism.fem.supports.loads import area_load
 from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import rounded, source_of
 from asterism.homogenize.law.tensor_forms import TO_VOIGT
 from asterism.pattern.design.design import Design
@@ -25,7 +28,7 @@ from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.curves import polyline
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.motifs.motif_cover import MotifFieldValues, bare_share, reach_mm
+from asterism.previews.motifs.motif_cover import MotifFieldValues, bare_share, holes_within_cells, reach_mm
 from asterism.previews.motifs.rim_tension import Rims, rims_of
 from asterism.previews.point_pins import softened_fields
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
@@ -77,11 +80,13 @@ SMOOTHING_EDGES = 0.2
 MIN_MOTIF_SHARE = 1e-3
 # most of the modulus at which the bending energy becomes indefinite; only sheets with far wider rims have more
 MAX_GAUSSIAN_FACTOR = 5.0
+# largest Gaussian modulus over the one at which bending becomes indefinite without a warning
+MAX_RIM_SHARE = 1.5
 # keys of a drawn line that change the sizes of rods, not their places
 ROD_SIZES = {"name", "thickness_mm", "width_mm"}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class MotifSheet(PrintSheet):
     """A printed sheet of a motif; made by `motif_sheet_of`.
 
@@ -93,16 +98,21 @@ class MotifSheet(PrintSheet):
     For the others, see `PrintSheet`.
     """
 
+    shown_edge = 1 / 3
+
+    law: MotifLaw
     bare: Floats
     rims: Rims
 
-    def with_pattern(self, design: Design, layout: Layout) -> MotifSheet:
-        """The same sheet with other sizes of the rods; `is_same_print` must hold."""
-        return replace(self, design=design, layout=layout)
+    @cached_property
+    def values(self) -> MotifFieldValues:
+        """The law at the sizes of the rods."""
+        return MotifFieldValues.of(self.design, self.layout, self.law)
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
         """Whether a design differs only in the sizes of its rods, its material and the positions of its pins."""
-        return super().is_same_print(design, layout) and self.has_rods_of(layout) and _lines(design) == self._lines
+        same = super().is_same_print(design, layout) and self.has_rods_of(layout)
+        return same and _lines(design) == _lines(self.design)
 
     def has_rods_of(self, layout: Layout) -> bool:
         """Whether another layout of this sheet has its rods at the same positions; thickness and width may differ."""
@@ -110,10 +120,6 @@ class MotifSheet(PrintSheet):
         return len(ours) == len(theirs) and all(
             np.array_equal(one.points, other.points) for one, other in zip(ours, theirs, strict=True)
         )
-
-    @property
-    def _lines(self) -> object:
-        return _lines(self.design)
 
     def fields(self, values: MotifFieldValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
@@ -149,10 +155,31 @@ class MotifSheet(PrintSheet):
         low, high = gaussian_limits(stiffness[..., 3:, 3:])
         return np.asarray(np.clip(modulus, MAX_GAUSSIAN_FACTOR * low, MAX_GAUSSIAN_FACTOR * high))
 
-    def gaussian_share(self, values: MotifFieldValues) -> float:
+    def doubts(self) -> Iterator[str]:
+        """Rods that the law does not describe, and rims and holes that the preview describes roughly."""
+        values = self.values
+        if values.outside:
+            share = 100.0 * len(values.outside) / values.places
+            yield (
+                f"{share:.0f} % of the rods are outside the law's range, such as {values.outside[0]}; the preview "
+                "takes the nearest size in the range"
+            )
+        if self._gaussian_share > MAX_RIM_SHARE:
+            yield (
+                "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
+                "describes roughly; check with the exact model"
+            )
+        if cut := holes_within_cells(self.layout, self.design.border.tip_margin_mm):
+            which = f"hole {cut[0]} is" if len(cut) == 1 else f"hole {cut[0]} and {len(cut) - 1} more are"
+            yield (
+                f"{which} smaller than a cell of the motif, with rods cut off there, which the preview describes "
+                "roughly; check with the exact model"
+            )
+
+    @property
+    def _gaussian_share(self) -> float:
         """Largest Gaussian modulus over the one at which the bending energy becomes indefinite."""
-        at = values.at(self.table.points.reshape(-1, 2))
-        shape = self.bare.shape
+        at, shape = self.values.at(self.table.points.reshape(-1, 2)), self.bare.shape
         stiffness = at.stiffness.reshape(*shape, 6, 6)
         modulus = self.gaussian(at.metric.reshape(*shape, 3), stiffness)
         low, high = gaussian_limits(stiffness[..., 3:, 3:])
@@ -191,9 +218,9 @@ class MotifSheet(PrintSheet):
 
 
 def motif_sheet_of(
-    design: Design, layout: Layout, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
+    design: Design, layout: Layout, law: MotifLaw, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
 ) -> MotifSheet:
-    """The sheet of a design with a motif, and its layout.
+    """The sheet of a design with a motif, its layout and its law.
 
     Parameters
     ----------
@@ -210,7 +237,7 @@ def motif_sheet_of(
     smoothing = SMOOTHING_EDGES * float(np.sqrt(layout.area_mm2 / len(mesh.triangles)))
     reach = reach_mm(design)
     bare = bare_share(layout, reach, smoothing, table.points.reshape(-1, 2)).reshape(table.weights.shape)
-    return MotifSheet(design, layout, model, mesh, space, table, bare, rims_of(design, layout, reach))
+    return MotifSheet(design, layout, law, model, triangles, mesh, space, table, bare, rims_of(design, layout, reach))
 
 
 def _lines(design: Design) -> object:

@@ -139,7 +139,6 @@ class PreviewRecord(ShapeRecord):
     stars_uneven: list[int] = key(
         "Numbers of the strongly anisotropic stars: they curl far more in some directions than in others."
     )
-    smoothing_mm: float = key("Width over which the properties of the stars are averaged.", unit="mm")
     shell_triangles: int = key(
         "Triangles of the mesh of the shell.", label="shell", show="{shell_triangles} triangles, {dofs} unknowns"
     )

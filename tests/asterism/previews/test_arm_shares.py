@@ -13,6 +13,7 @@ from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.arm_shares import CREASE_ROUNDING, DECAY_LENGTHS, arm_shares
 from asterism.previews.arms import Arms
 from asterism.previews.sheet import sheet_of
+from tests.asterism.previews.laws import plain_law
 
 DESIGN = Design.from_dict(
     {
@@ -22,7 +23,7 @@ DESIGN = Design.from_dict(
     }
 )
 PLAN = layout(DESIGN)
-SHEET = sheet_of(DESIGN, PLAN)
+SHEET = sheet_of(DESIGN, PLAN, plain_law())
 POINTS = np.random.default_rng(0).uniform(-30.0, 30.0, (400, 2))
 
 

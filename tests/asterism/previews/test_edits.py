@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import asterism.previews.pattern_kind as pattern_kind
+import asterism.previews.print_sheet as print_sheet
 import asterism.previews.solve as solve_module
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -18,8 +18,8 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.previews.print_cache import forget_prints
 from asterism.previews.session import Preview
+from asterism.previews.sheets import forget_prints
 
 
 def edited(name: str, **sections: Any) -> Design:
@@ -129,7 +129,7 @@ def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) 
         meshed.append(plan)
         return mesh_layout(plan, *how, **more)
 
-    monkeypatch.setattr(pattern_kind, "mesh_layout", counted)
+    monkeypatch.setattr(print_sheet, "mesh_layout", counted)
     forget_prints()
     preview = Preview(edited("dome"))
     preview.shape()

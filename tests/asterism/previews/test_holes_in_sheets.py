@@ -65,7 +65,7 @@ def test_arms_towards_a_hole_end_at_its_rim() -> None:
 def test_a_sheet_with_a_hole_is_certified_and_compared_with_its_images() -> None:
     design = holed([ROUND])
     plan = layout(design)
-    sheet = sheet_of(design, plan)
+    sheet = sheet_of(design, plan, plain_law())
     assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
     preview = Preview(design, plain_law())
     shape = preview.shape()

@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-import asterism.previews.kinds as star_kind
+import asterism.previews.sheets as sheets
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -62,7 +62,7 @@ def test_an_edit_keeps_the_model() -> None:
 def test_a_preview_lays_out_its_design_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """And not at all if it is given the layout; an edit once more."""
     count = []
-    monkeypatch.setattr(star_kind, "layout", lambda design: count.append(design) or layout(design))
+    monkeypatch.setattr(sheets, "layout", lambda design: count.append(design) or layout(design))
     dome = gallery.load("dome")
     preview = Preview(dome, plain_law())
     preview.shape()

@@ -10,7 +10,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.motifs import motif_kind
+from asterism.previews import session as preview_session
 from asterism.studio.document import Document
 from asterism.studio.messages import Edit, Limits, Rested, ShownMesh
 from asterism.studio.page_data import document_data
@@ -89,7 +89,7 @@ def test_a_pattern_without_a_preview_is_left_to_the_exact_model(engine: EnginePi
 
 @pytest.mark.slow
 def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motif_kind, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
+    monkeypatch.setattr(preview_session, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
     engine.send(Edit(1, net().to_dict()))
     frame = engine.frame(1)
     (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
@@ -107,7 +107,7 @@ def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatc
 def test_a_sheet_rises_around_a_held_hole_whose_size_is_edited(
     engine: EnginePipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(motif_kind, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
+    monkeypatch.setattr(preview_session, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
 
     def holed(radius: float) -> dict[str, Any]:
         border = {"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": (0.0, 0.0), "radius": radius}}]}

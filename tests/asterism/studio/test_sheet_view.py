@@ -62,7 +62,7 @@ def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(
         painted = with_painted_stars(DESIGN, SITES[list(stroke)], list(stroke.values()))
         stage = next(preview.edit(painted))
         state = preview.state
-        followed, anew = lens(stage.x), StarLens(state.sheet, state.law.waves, view.printed)(stage.x, state.values)
+        followed, anew = lens(stage.x), StarLens(state.sheet, view.printed)(stage.x)
         assert np.abs(followed.bumpy - anew.bumpy).max() <= 1e-12
         fresh = copy(view)  # a new view may have another mesh
         fresh._follow(preview)

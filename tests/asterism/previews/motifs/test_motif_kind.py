@@ -11,7 +11,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.previews.motifs import motif_kind
+from asterism.previews import session as preview_session
 from asterism.previews.run import preview
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
@@ -75,7 +75,7 @@ def test_another_motif_has_other_cells(monkeypatch: pytest.MonkeyPatch) -> None:
         laws.append(net_law(design, known, say))
         return laws[-1]
 
-    monkeypatch.setattr(motif_kind, "serving_law", counted)
+    monkeypatch.setattr(preview_session, "serving_law", counted)
     session = Preview(net())
     session.update(net(pins=PINS))
     assert laws[1] is laws[0]
@@ -111,7 +111,7 @@ def test_a_session_returns_to_its_snapshot_and_turns_over() -> None:
 
 @pytest.mark.slow
 def test_one_session_takes_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motif_kind, "serving_law", lambda design, *others: net_law(design))
+    monkeypatch.setattr(preview_session, "serving_law", lambda design, *others: net_law(design))
     session = Preview(net())
     session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
     assert len(session.values.sizes) == 7

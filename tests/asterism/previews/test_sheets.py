@@ -11,10 +11,10 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews import print_cache
+from asterism.previews import sheets
 from asterism.previews.model import PREVIEW_MODEL
-from asterism.previews.print_cache import KEPT_PRINTS, forget_prints, kept_print
 from asterism.previews.session import Preview
+from asterism.previews.sheets import KEPT_PRINTS, forget_prints, kept_print
 
 
 @pytest.fixture(autouse=True)
@@ -65,10 +65,8 @@ def test_the_same_print_shares_its_elements_and_the_shape_its_triangles() -> Non
     assert second.state.shell.assembly is first.state.shell.assembly
     assert second.state.factor is not first.state.factor
     first.shape()
-    shown = first.state.shown
-    assert shown is not None
     third = Preview(small())
-    assert third.state.shown is not None and third.state.shown.mesh is shown.mesh
+    assert third.sheet.shown.mesh is first.sheet.shown.mesh
 
 
 def test_other_prints_share_nothing() -> None:
@@ -76,7 +74,7 @@ def test_other_prints_share_nothing() -> None:
     assert is_kept(small(), triangles=30)
     assert not is_kept(small())
     assert not is_kept(small(border={"rings": 2}), triangles=30)
-    assert kept_print(small(), layout(small()), 30, PREVIEW_MODEL) is print_cache._kept[-1]
+    assert kept_print(small(), layout(small()), 30, PREVIEW_MODEL) is sheets._kept[-1]
 
 
 def test_few_prints_are_kept() -> None:
