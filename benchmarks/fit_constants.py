@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import LawError
-from asterism.previews.model import PARTS, PREVIEW_MODEL, PreviewModel, describe, without
+from asterism.previews.model import FITTED, PARTS, PREVIEW_MODEL, PreviewModel, without
 from benchmarks.frozen.draw import CHOSEN_ON, SEALED, WORKING, frozen
 from benchmarks.report import markdown, write_report
 from benchmarks.solved import NEAR, Solved
@@ -75,12 +75,6 @@ def parts(designs: Sequence[Solved]) -> str:
     return f"{len(designs)} designs.\n\n{markdown(PARTS_HEADER, rows)}"
 
 
-def shape_constants() -> list[str]:
-    """Names of the constants that are fitted to sheets."""
-    names = [each.name for each in fields(PreviewModel)]
-    return [name for name in names if describe(name).origin == "fitted to sheets"]
-
-
 def logarithms(designs: Sequence[Solved], model: PreviewModel) -> Floats:
     """(n,) logarithm of the distances of the previews with a model, in % of the diameter."""
     return np.log(np.clip([_distance(design, model) for design in designs], FLOOR_PERCENT, 100.0))
@@ -99,7 +93,7 @@ def chosen(halves: Mapping[str, Sequence[Solved]]) -> tuple[PreviewModel, list[R
     while is_better:
         is_better, rows = False, []
         base = {half: logarithms(designs, model) for half, designs in halves.items()}
-        for name in shape_constants():
+        for name in FITTED:
             tried = [tried_value(name, factor, model, base, halves) for factor in FACTORS]
             best = max(tried, key=lambda row: row["gains"][WORKING][0])
             print("  ".join(_line(best)), flush=True)
@@ -129,7 +123,7 @@ def tried_value(
 
 def section(rows: Sequence[Row], model: PreviewModel, counts: Mapping[str, int]) -> str:
     """Markdown."""
-    values = [f"{name} = {getattr(model, name):.3g}" for name in shape_constants()]
+    values = [f"{name} = {getattr(model, name):.3g}" for name in FITTED]
     kept = "as they are" if model == PREVIEW_MODEL else "not as they are in the preview"
     head = f"{counts[WORKING]} and {counts[SEALED]} designs. Chosen values, {kept}: {', '.join(values)}."
     return f"{head}\n\n{markdown(HEADER, [_line(row) for row in rows])}"

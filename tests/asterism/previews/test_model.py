@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.fields.sheet_fields import CORRECTIONS
-from asterism.previews.model import PARTS, PREVIEW_MODEL, PreviewModel, describe, without
+from asterism.previews.model import PARTS, PREVIEW_MODEL, without
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 
@@ -30,13 +28,6 @@ FREE = {
     "border": {"rings": 2},
     "mesh": {"edge_mm": 4.0},
 }
-
-
-@pytest.mark.parametrize("name", [each.name for each in fields(PreviewModel)])
-def test_each_constant_has_unit_meaning_and_origin(name: str) -> None:
-    constant = describe(name)
-    assert constant.unit and constant.meaning
-    assert constant.origin == "derived" or (constant.command and constant.designs)
 
 
 @pytest.mark.parametrize("part", PARTS)
