@@ -24,7 +24,9 @@ def exact_warnings(summary: Mapping[str, Any], design: Design, layout: Layout) -
     elif not summary["is_minimum"]:
         eigenvalue = summary["smallest_eigenvalue"]
         lines.append(f"not a minimum: smallest eigenvalue {eigenvalue:.1e} N/mm is not positive")
-    lines += passes_through(summary)
+    if pairs := summary["self_intersections"]:
+        remedy = "; --contact prevents this" if summary.get("self_contact", {}) is None else ""
+        lines.append(f"{passing(pairs)}{remedy}")
     lines += _mesh(summary)
     rolls = not layout.is_supported_in_plane and summary["roll_axis_deg"] is not None
     if rolls and design.fabric.bending_follows_mesh and summary["edge_mm"] > MAX_ROLL_EDGE_FACTOR * layout.spacing_mm:
@@ -45,12 +47,6 @@ def _mesh(summary: Mapping[str, Any]) -> Iterator[str]:
     elif tolerance is not None and summary["mesh_forms_differ"]:
         change = summary["mesh_change_percent"]
         yield f"the last two meshes have different forms, {change:.1f} % of the diameter apart: {ended}"
-
-
-def passes_through(summary: Mapping[str, Any], sheet: str = "the sheet") -> Iterator[str]:
-    """Yield a line if an exact shape passes through itself; it names the remedy if the model ran without contact."""
-    if pairs := summary["self_intersections"]:
-        yield passing(pairs, sheet) + ("; --contact prevents this" if summary.get("self_contact", {}) is None else "")
 
 
 def off_branch(summary: Mapping[str, Any]) -> Iterator[str]:

@@ -61,9 +61,9 @@ def meets_itself(
     return bool((_lengths(printed, near) > MIN_REMOTE_EDGES * _lengths(printed, edges).max()).any())
 
 
-def passing(pairs: int, sheet: str = "the sheet") -> str:
+def passing(pairs: int) -> str:
     """Warning text for a number of pairs of triangles that pass through each other."""
-    return f"{sheet} passes through itself ({pairs} pairs of triangles)"
+    return f"the sheet passes through itself ({pairs} pairs of triangles)"
 
 
 def _lengths(points: Floats, pairs: Ints) -> Floats:

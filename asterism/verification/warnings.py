@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asterism.exact.warnings import off_branch, passes_through
+from asterism.exact.warnings import off_branch
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
@@ -44,18 +44,13 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
 
 
 def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str]:
-    """The warnings of the exact shape that the preview's warnings do not contain, in any wording."""
-    if not exact["is_minimum"]:
-        yield "the exact shape is not certified to be a minimum"
-    yield from passes_through(exact, "the exact sheet")
-    down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
+    """The warnings of the exact shape that the preview's warnings do not contain, and the stars that bump down."""
+    down, off = exact["stars_down"], exact["stars_off_branch"]
     if down:
-        yield f"{len(down)} of {total} stars of the exact shape bump down: {star_numbers(down)}"
-    named = list(off_branch(exact))
-    if set(off) - set(down):  # stars that are up although the design asks for down
-        yield from named
-    repeated = {*known, *named, *passes_through(exact)}
-    yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in repeated)
+        yield f"{len(down)} of {exact['stars_total']} stars of the exact shape bump down: {star_numbers(down)}"
+    # stars that are off because they are down have been named
+    named = set() if set(off) - set(down) else {*off_branch(exact)}
+    yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in {*known, *named})
 
 
 def two_minima_warnings(exact: Mapping[str, Shape], result: str, apart_percent: float) -> Iterator[str]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
+from asterism.exact.warnings import off_branch
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.shape.comparison import compare_shapes
@@ -23,6 +24,8 @@ EXACT = {
     "is_minimum": True, "self_intersections": 0, "stars_total": 7, "stars_down": [], "stars_off_branch": [],
     "mesh_error_percent": None, "mesh_change_percent": None, "energy_n_mm": 1.0,
 }  # fmt: skip
+
+OFF = "1 of 7 stars of the exact shape are not on the side that the design asks for: star 3"
 
 
 def bowl(depth: float) -> Any:
@@ -93,16 +96,21 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
     [
         ([2, 5], [2, 5], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
         ([2, 5], [], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
-        ([], [3], "1 of 7 stars of the exact shape are not on the side that the design asks for: star 3"),
+        (
+            [],
+            [3],
+            "the exact model: 1 of 7 stars of the exact shape are not on the side that the design asks for: star 3",
+        ),
     ],
 )
 def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], line: str) -> None:
-    assert said(stars_down=down, stars_off_branch=off) == [line]
+    warnings = list(off_branch({"stars_off_branch": off, "stars_total": 7}))
+    assert said(stars_down=down, stars_off_branch=off, warnings=warnings) == [line]
 
 
-def test_an_exact_shape_that_cannot_be_is_told() -> None:
-    assert said(is_minimum=False) == ["the exact shape is not certified to be a minimum"]
-    assert said(self_intersections=4) == ["the exact sheet passes through itself (4 pairs of triangles)"]
+def test_an_exact_shape_that_is_no_minimum_has_no_other_warnings() -> None:
+    line = "not a minimum: smallest eigenvalue -1.0e-03 N/mm is not positive"
+    assert said((0.01, 0.0115), is_minimum=False, warnings=[line]) == [f"the exact model: {line}"]
 
 
 def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list[str]:
@@ -139,16 +147,15 @@ def test_how_high_a_sheet_hangs_makes_two_minima_no_more_alike() -> None:
 def test_what_the_exact_model_said_is_passed_on_once() -> None:
     """But what the preview said of the same pins, and what is said here in other words."""
     roll, pins = "the radius of a free roll depends on the mesh", "the pins let the sheet swing"
-    off = "1 of 7 stars of the exact shape are not on the side that the design asks for: star 3"
     crossing = "the sheet passes through itself (4 pairs of triangles); --contact prevents this"
     lines = said(
         preview={"warnings": [pins]}, self_intersections=4, self_contact=None, stars_down=[3], stars_off_branch=[3],
-        warnings=[crossing, roll, off, pins],
+        warnings=[crossing, roll, OFF, pins],
     )  # fmt: skip
     assert lines == [
         pins,
-        "the exact sheet passes through itself (4 pairs of triangles); --contact prevents this",
         "1 of 7 stars of the exact shape bump down: star 3",
+        f"the exact model: {crossing}",
         f"the exact model: {roll}",
     ]
 
