@@ -64,11 +64,6 @@ def corrugation_heights(
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 
-def support_factor(far: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n,) factor of the corrugation at distances (n,) mm from the supports: 0 at supports, 1 far from them."""
-    return np.asarray(np.minimum(far / (model.fabric_beyond_tip * spacing), 1.0))
-
-
 def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) factor by which the stretch of a supported sheet reduces the height of its bumps.
 

@@ -8,7 +8,8 @@ law, fields, weight and bumps, which subclasses give. All else, from supports to
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -22,6 +23,7 @@ from asterism.fem.elements.tabulation import Tabulation
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
 from asterism.fem.supports.conditions import ConditionError, impose_conditions
+from asterism.fem.supports.loads import area_load
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
@@ -88,8 +90,20 @@ class PrintSheet(ABC):
         """Rest metric, rest curvature and stiffness at the quadrature points, from the values of the law."""
 
     @abstractmethod
+    def plastic_mm(self) -> Callable[[Floats], Floats]:
+        """Mean height in mm of the plastic at printed points (n, 2) mm, as a function that gives (n,)."""
+
     def loads(self) -> Floats:
         """(N, 3) N, the weight of fabric and plastic."""
+        design, plastic_mm = self.design, self.plastic_mm()
+        direction = np.asarray(design.gravity.direction, dtype=float)
+        pull = design.gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)
+
+        def weights(points: Floats) -> Floats:
+            plastic = 1e-9 * design.plastic.density_kg_m3 * plastic_mm(points)
+            return np.asarray((design.fabric.printed_mass + plastic)[:, None] * pull)
+
+        return area_load(self.space, weights)
 
     @abstractmethod
     def doubts(self) -> Iterator[str]:
@@ -172,10 +186,8 @@ class PrintSheet(ABC):
         loads = self.loads() if self.design.gravity.on and is_carried else np.zeros((self.space.size, 3))
         if step in self.shells and _stand_alike(self.layout.pins, self.shells[step][0]):
             return self.shells[step][1].with_fields(fields, loads)
-        try:
+        with _named_pins():
             shell = Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
-        except ConditionError as error:
-            raise DesignError("pins", f"cannot all hold: {error}") from None
         self.shells[step] = self.layout.pins, shell
         return shell
 
@@ -187,11 +199,18 @@ class PrintSheet(ABC):
         DesignError
             The supports contradict each other.
         """
-        held = conditions(self.layout, self.mesh, self.space.mesh, self.layout.pin_steps[-1])
-        try:
+        with _named_pins():
+            held = conditions(self.layout, self.mesh, self.space.mesh, self.layout.pin_steps[-1])
             return impose_conditions(self.space, held).target
-        except ConditionError as error:
-            raise DesignError("pins", f"cannot all hold: {error}") from None
+
+
+@contextmanager
+def _named_pins() -> Iterator[None]:
+    """Supports that contradict each other become an error of the design's pins."""
+    try:
+        yield
+    except ConditionError as error:
+        raise DesignError("pins", f"cannot all hold: {error}") from None
 
 
 def _stand_alike(pins: tuple[PinSet, ...], others: tuple[PinSet, ...]) -> bool:
@@ -199,29 +218,25 @@ def _stand_alike(pins: tuple[PinSet, ...], others: tuple[PinSet, ...]) -> bool:
     return all(one.stands_as(other) for one, other in zip(pins, others, strict=True))
 
 
-def elements_of(layout: Layout, usual: float, triangles: int | None) -> tuple[SheetMesh, Argyris, Tabulation]:
+def elements_of(
+    layout: Layout, edge_mm: float, triangles: int | None, most: int = MAX_TRIANGLES
+) -> tuple[SheetMesh, Argyris, Tabulation]:
     """Mesh, elements and shape functions of the sheet of a layout.
 
     Parameters
     ----------
-    usual : number of triangles if `triangles` is None.
+    edge_mm : about the length of the edges if `triangles` is None, within limits of the number of triangles.
+    triangles : approximate number of triangles.
+    most : triangles if their number is not given.
 
     Raises
     ------
     MeshError
         The outline cannot be meshed.
     """
-    edge = float(np.sqrt(layout.area_mm2 / (triangles or usual) / equilateral_area(1.0)))
+    equilateral = np.sqrt(3.0) / 4.0  # area over the squared edge
+    count = triangles or np.clip(layout.area_mm2 / (equilateral * edge_mm**2), MIN_TRIANGLES, most)
+    edge = float(np.sqrt(layout.area_mm2 / count / equilateral))
     mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups, layout.holes)
     space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
     return mesh, space, space.tabulate(QUADRATURE_ORDER)
-
-
-def usual_triangles(layout: Layout, edge_mm: float, most: int = MAX_TRIANGLES) -> float:
-    """Number of triangles with edges of about a length in mm, within limits."""
-    return float(np.clip(layout.area_mm2 / equilateral_area(edge_mm), MIN_TRIANGLES, most))
-
-
-def equilateral_area(edge: float) -> float:
-    """mm^2, area of an equilateral triangle."""
-    return float(np.sqrt(3.0) / 4.0 * edge**2)

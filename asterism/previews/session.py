@@ -22,7 +22,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.other_forms import OtherForm, other_forms
@@ -100,17 +99,11 @@ class Snapshot:
     Attributes
     ----------
     design : the design.
-    side : requested side of the edges.
-    triangles : requested number of triangles; None for the default.
     x : (N, 3) degrees of freedom of the shell; read-only.
-    energy_n_mm : energy of the equilibrium.
     """
 
     design: Design
-    side: Side
-    triangles: int | None
     x: Floats
-    energy_n_mm: float
 
     def __post_init__(self) -> None:
         own = self.x.copy()
@@ -223,19 +216,9 @@ class Preview:
         return self.state.law
 
     @property
-    def side(self) -> Side:
-        """The requested side of the edges."""
-        return self.state.side
-
-    @property
     def sheet(self) -> Any:
         """The printed sheet with its law and mesh, for stars a `Sheet`."""
         return self.state.sheet
-
-    @property
-    def values(self) -> Any:
-        """The law at the stars of the design, `StarValues`; for a motif `MotifFieldValues`."""
-        return self.state.values
 
     @property
     def shell(self) -> Shell:
@@ -246,11 +229,6 @@ class Preview:
     def equilibrium(self) -> ShellEquilibrium:
         """The state of the shell with its certificate."""
         return self.state.equilibrium
-
-    @property
-    def symmetries(self) -> list[Symmetry]:
-        """Motions of the print that map the design to itself."""
-        return self.state.symmetries
 
     @property
     def forms(self) -> list[OtherForm]:
@@ -396,8 +374,7 @@ class Preview:
 
         After the first stage of an edit, this is the design of the edit with the equilibrium before the edit.
         """
-        state = self.state
-        return Snapshot(state.design, state.side, self._triangles, state.resting.x, state.resting.energy)
+        return Snapshot(self.state.design, self.state.resting.x)
 
     def restore(self, snapshot: Snapshot) -> Stage:
         """Return to a snapshot of this preview, or of another one with the same law and model.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -11,7 +11,6 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.fields import FieldError, Fields
-from asterism.fem.supports.loads import area_load
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
@@ -24,9 +23,8 @@ from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
+from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of
 from asterism.previews.star_lens import StarLens
-from asterism.previews.supports import weight
 from asterism.results.words import PlacedWarning, star_numbers
 from asterism.shape.design_warnings import site_warnings, sizing_warnings
 
@@ -140,15 +138,11 @@ class Sheet(PrintSheet):
             raise LawError(message, [self.layout.star_number[star]], (x, y)) from None
         return fields
 
-    def loads(self) -> Floats:
-        """(N, 3) N, the weight of fabric and plastic."""
-        # the outline cuts the cells near it: the weight of a star is distributed over the rest of its cell
+    def plastic_mm(self) -> Callable[[Floats], Floats]:
+        """Mean height of the plastic. Where the outline cuts a star's cell, it is spread over the rest of the cell."""
         covered = self.stars.shares.wide.T @ self.table.weights.ravel()
-
-        def weights(points: Floats) -> Floats:
-            return weight(self.design, self.layout, self.stars.cells.shares(points).wide, covered)
-
-        return area_load(self.space, weights)
+        volume = np.bincount(self.layout.arm_star, [rod.volume_mm3 for rod in self.layout.graph.rods], len(covered))
+        return lambda points: np.asarray(self.stars.cells.shares(points).wide @ (volume / covered))
 
     def doubts(self) -> Iterator[str]:
         """Stars that the law does not describe."""
@@ -201,7 +195,6 @@ def sheet_of(
     MeshError
         The outline cannot be meshed.
     """
-    usual = usual_triangles(layout, EDGE_SPACINGS * design.lattice.spacing_mm)
-    mesh, space, table = elements_of(layout, usual, triangles)
+    mesh, space, table = elements_of(layout, EDGE_SPACINGS * design.lattice.spacing_mm, triangles)
     stars = StarShares.at(table.points.reshape(-1, 2), design, layout, model)
     return Sheet(design, layout, law, model, triangles, mesh, space, table, stars)

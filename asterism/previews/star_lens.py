@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.previews.arm_shares import arm_shares
-from asterism.previews.bumps import corrugation_heights, flattening, support_factor
+from asterism.previews.bumps import corrugation_heights, flattening
 from asterism.previews.places import Places, SheetLens
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class StarLens(SheetLens):
         super().__init__(sheet, points)
         self._waves = sheet.law.waves(self.points - sheet.layout.lattice_origin)
         far = sheet.layout.distance_to_supports(self.points)
-        self._stays = support_factor(far, sheet.layout.spacing_mm, sheet.model)
+        self._stays = np.minimum(far / (sheet.model.fabric_beyond_tip * sheet.layout.spacing_mm), 1.0)
         self._follow_stars(sheet)
 
     def _follow_stars(self, sheet: Sheet) -> None:

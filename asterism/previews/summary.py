@@ -28,7 +28,8 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
     nearest = shape.star_vertices if layout.has_stars else cKDTree(shape.printed).query(layout.sample_points)[1]
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
     across, height = diameter(shape.positions), shape.height_mm
-    crossings = count_crossings(shape)
+    surface = shape.positions, shape.triangles
+    crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
     clearance = needle_clearance(layout, shape)
     return PreviewRecord(
@@ -51,7 +52,7 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
             TrialRecord(**{name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")})
             for trial in equilibrium.trials
         ],
-        other_forms=[OtherFormRecord(**vars(form)) for form, _ in other_forms(state)],
+        other_forms=[OtherFormRecord(**vars(form)) for form, _ in (other_forms(state) if equilibrium.trials else ())],
         expected_rms_percent=error and error.distance,
         expected_height_percent=error and error.height * across / height if height else None,
         law=LawOriginRecord(
@@ -88,12 +89,6 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
         version=__version__,
         design=state.design.to_dict(),
     )
-
-
-def count_crossings(shape: Shape) -> int:
-    """Pairs of triangles that pass through each other."""
-    surface = shape.positions, shape.triangles
-    return self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
 
 
 def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[float]:

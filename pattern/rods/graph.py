@@ -56,6 +56,12 @@ class Rod:
         return float(self.arc_lengths[-1])
 
     @property
+    def volume_mm3(self) -> float:
+        """mm^3, length times thickness times width, both of which change linearly between the points."""
+        (a, b), (c, d) = ((each[:-1], each[1:]) for each in (self.thickness, self.width))
+        return float(np.diff(self.arc_lengths) @ (2.0 * (a * c + b * d) + a * d + b * c) / 6.0)
+
+    @property
     def turn(self) -> float:
         """rad, by which the rod turns along its length, to either side."""
         step = np.diff(self.points, axis=0)

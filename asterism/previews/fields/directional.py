@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields
 from asterism.homogenize.law.anisotropy import tensors
@@ -24,22 +23,8 @@ def directions(fields: Fields, at: StarPlaces) -> Fields:
         return fields
     assert isinstance(fields.density, Density)
     q, m = tensors(at.mean("kappa"), np.asarray(at.weights @ anisotropy[:-1]).reshape(*at.shape, -1))
-    stiffness = with_bending_tensor(fields.density.stiffness, at.log_mean("bending") / at.lam**4, q)
-    return replace(
-        fields,
-        density=replace(fields.density, stiffness=stiffness),
-        curvature=rest_curvature_tensor(at.lam, q, m),
-    )
-
-
-def with_bending_tensor(stiffness: Floats, bending: Floats, q: Floats) -> Floats:
-    """(..., 6, 6) stiffness with the bending part `bending Q` in place of an isotropic one; bending (...) in N mm."""
-    anisotropic = stiffness.copy()
-    anisotropic[..., 3:, 3:] = bending[..., None, None] * q
-    return anisotropic
-
-
-def rest_curvature_tensor(lam: Floats, q: Floats, m: Floats) -> Floats:
-    """(..., 3) rest curvature `-lam^2 Q^-1 m` in 1/mm, components 11, 22, 12, for contractions lam (...)."""
-    voigt = np.linalg.solve(q, m[..., None])[..., 0]
-    return np.asarray(-(lam**2)[..., None] * voigt * np.array([1.0, 1.0, 0.5]))
+    stiffness = np.array(fields.density.stiffness)
+    stiffness[..., 3:, 3:] = (at.log_mean("bending") / at.lam**4)[..., None, None] * q
+    # -lam^2 Q^-1 m with components 11, 22, 12
+    bend = -(at.lam**2)[..., None] * np.linalg.solve(q, m[..., None])[..., 0] * np.array([1.0, 1.0, 0.5])
+    return replace(fields, density=replace(fields.density, stiffness=stiffness), curvature=bend)

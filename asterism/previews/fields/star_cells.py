@@ -11,8 +11,7 @@ way to the next star. The grid resolves widths from `MIN_WIDTH` on. For widths i
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -173,33 +172,26 @@ class Shares:
 
     Parameters
     ----------
-    by_width : function of a width of the Gaussian in mm; returns (n, S) shares, bare fabric has the rest to 1.
-    widths : wide and narrow width in mm.
-    spacing : mm, spacing of the stars.
+    cells : smoothed cells of the stars.
+    points : (n, 2) mm, the places.
     """
 
-    def __init__(
-        self,
-        by_width: Callable[[float], sp.csr_matrix],
-        widths: tuple[float, float],
-        spacing: float,
-        model: PreviewModel = PREVIEW_MODEL,
-    ) -> None:
-        self._by_width, self._widths, self.spacing_mm, self._model = by_width, widths, spacing, model
+    def __init__(self, cells: StarCells, points: Floats) -> None:
+        self._cells, self._points = cells, np.asarray(points, dtype=float)
 
     @cached_property
     def wide(self) -> sp.csr_matrix:
         """(n, S) shares with the largest width."""
-        return self._by_width(self._widths[0])
+        return self._cells.weights(self._points, self._cells.widths_mm[0])
 
     @cached_property
     def narrow(self) -> sp.csr_matrix:
         """(n, S) shares with the smallest width."""
-        return self._by_width(self._widths[1])
+        return self._cells.weights(self._points, self._cells.widths_mm[1])
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
         """(n, S) share of each star, for arm lengths (S,) in mm."""
-        long = long_arms(length, self.spacing_mm, self._model)
+        long = long_arms(length, self._cells.spacing_mm, self._cells.model)
         if (long == 1.0).all():
             return self.wide
         like, row, wide, narrow, total = self._both
@@ -265,26 +257,25 @@ class StarCells:
 
     Attributes
     ----------
-    width_mm : the larger width.
+    widths_mm : the larger and the smaller width.
+    spacing_mm, model : of the stars, and the widths.
     """
 
     def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:
-        self._spacing = lattice.spacing_mm
-        self._model = model
-        self._widths = HALF_WAY * model.smoothing_per_arm * lattice.spacing_mm, MIN_WIDTH * lattice.spacing_mm
-        self.width_mm = self._widths[0]
+        self.spacing_mm, self.model = lattice.spacing_mm, model
+        self.widths_mm = HALF_WAY * model.smoothing_per_arm * lattice.spacing_mm, MIN_WIDTH * lattice.spacing_mm
         self._stars = len(layout.centres)
-        step = min(lattice.spacing_mm / GRID_POINTS_PER_SPACING, self._widths[1] / 1.5)
-        self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.width_mm)
+        step = min(lattice.spacing_mm / GRID_POINTS_PER_SPACING, self.widths_mm[1] / 1.5)
+        self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.widths_mm[0])
 
     def shares(self, points: Floats) -> Shares:
         """The shares of the stars at printed points (n, 2) mm."""
-        return Shares(partial(self._weights, points), self._widths, self._spacing, self._model)
+        return Shares(self, points)
 
-    def _weights(self, points: Floats, width: float) -> sp.csr_matrix:
+    def weights(self, points: Floats, width: float) -> sp.csr_matrix:
         """(n, S) share of each star at points (n, 2) mm, for a width in mm."""
         grid = self._grid
-        place = (np.asarray(points, dtype=float) - grid.origin) / grid.step
+        place = (points - grid.origin) / grid.step
         star, share = np.empty(len(place) * MAX_STARS, dtype=np.int32), np.empty(len(place) * MAX_STARS)
         ends = np.zeros(len(place) + 1, dtype=np.int32)
         reach = int(np.ceil(GAUSSIAN_REACH * width / grid.step))

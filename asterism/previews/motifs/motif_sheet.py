@@ -7,7 +7,7 @@ the whole sheet: along the rim the fabric pulls, and the rods beside it resist. 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,7 +17,6 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.density import Density, EnergyTerm, gaussian_limits, on_metric
 from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.shell.neo_hookean import neo_hookean
-from asterism.fem.supports.loads import area_load
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import rounded, source_of
@@ -31,7 +30,7 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, bare_share, holes_within_cells, reach_mm
 from asterism.previews.motifs.rim_tension import Rims, rims_of
 from asterism.previews.point_pins import softened_fields
-from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of, usual_triangles
+from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of
 
 
 def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
@@ -185,25 +184,13 @@ class MotifSheet(PrintSheet):
         low, high = gaussian_limits(stiffness[..., 3:, 3:])
         return float(np.maximum(modulus / low, modulus / high).max())
 
-    def loads(self) -> Floats:
-        """(N, 3) N, the weight of fabric and plastic: as much plastic as is printed, where the motif is."""
-        gravity, fabric = self.design.gravity, self.design.fabric
-        direction = np.asarray(gravity.direction, dtype=float)
-        pull = gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)
-        printed = sum(
-            float(np.diff(rod.arc_lengths) @ _mean_of_product(rod.thickness, rod.width))
-            for rod in self.layout.graph.rods
-        )
-        smeared = float(self.table.weights.ravel() @ self._plastic_mm(self.table.points.reshape(-1, 2)))
-        share = printed / smeared
+    def plastic_mm(self) -> Callable[[Floats], Floats]:
+        """Mean height of the plastic: as much as is printed, where the motif is."""
+        smeared = float(self.table.weights.ravel() @ self._motif_mm(self.table.points.reshape(-1, 2)))
+        share = sum(rod.volume_mm3 for rod in self.layout.graph.rods) / smeared
+        return lambda points: share * self._motif_mm(points)
 
-        def weights(points: Floats) -> Floats:
-            plastic = 1e-9 * self.design.plastic.density_kg_m3 * share * self._plastic_mm(points)
-            return np.asarray((fabric.printed_mass + plastic)[:, None] * pull)
-
-        return area_load(self.space, weights)
-
-    def _plastic_mm(self, points: Floats) -> Floats:
+    def _motif_mm(self, points: Floats) -> Floats:
         """(n,) mm, mean height of the plastic of the motif around printed points (n, 2) mm."""
         design, rods = self.design, self.design.required_rods
         area = abs(float(np.linalg.det(np.asarray(design.lattice.vectors))))
@@ -232,8 +219,7 @@ def motif_sheet_of(
         The outline cannot be meshed.
     """
     edge = EDGE_SPACINGS * design.lattice.spacing_mm
-    usual = usual_triangles(layout, edge, MAX_MOTIF_TRIANGLES)
-    mesh, space, table = elements_of(layout, usual, triangles)
+    mesh, space, table = elements_of(layout, edge, triangles, MAX_MOTIF_TRIANGLES)
     smoothing = SMOOTHING_EDGES * float(np.sqrt(layout.area_mm2 / len(mesh.triangles)))
     reach = reach_mm(design)
     bare = bare_share(layout, reach, smoothing, table.points.reshape(-1, 2)).reshape(table.weights.shape)
@@ -264,9 +250,3 @@ def fabric_bending(fabric: Fabric) -> Floats:
     stiffness = np.zeros((6, 6))
     stiffness[3:, 3:] = [[d11, d12, 0.0], [d12, d22, 0.0], [0.0, 0.0, d66]]
     return on_metric(stiffness, metric)[3:, 3:]
-
-
-def _mean_of_product(first: Floats, second: Floats) -> Floats:
-    """(n - 1,) mean along each piece of the product of two values (n,) that change linearly."""
-    (a, b), (c, d) = ((each[:-1], each[1:]) for each in (first, second))
-    return np.asarray((2.0 * (a * c + b * d) + a * d + b * c) / 6.0)

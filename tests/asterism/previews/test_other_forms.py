@@ -38,7 +38,7 @@ def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
 
 def test_forms_that_symmetry_makes_equal_are_one() -> None:
     preview = Preview(design(0.3), plain_law())
-    assert len(preview.symmetries) == 6
+    assert len(preview.state.symmetries) == 6
     assert preview.shape().summary["other_forms"] == []
 
 

@@ -38,7 +38,7 @@ def test_a_wide_rim_is_bare() -> None:
     assert (np.diff(share) < 1e-9).all()
     outermost = plan.centres[:, 0].max() + design.lattice.spacing_mm
     assert share[0] == pytest.approx(1.0)
-    assert (share[x > outermost + 3 * cells.width_mm] == 0.0).all()
+    assert (share[x > outermost + 3 * cells.widths_mm[0]] == 0.0).all()
 
 
 def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
