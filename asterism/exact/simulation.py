@@ -186,16 +186,11 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
     np.add.at(touched, net.stencil_edges[own], 1.0)
     return {
         "arm": net.rod,
-        "star": _star_of_rods(model.layout)[net.rod],
+        "star": model.layout.star_of_rods[net.rod],
         "thickness_mm": model.edge_thickness,
         "width_mm": model.edge_width,
         "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
     }
-
-
-def _star_of_rods(layout: Layout) -> np.ndarray:
-    """(rods,) number of the star of every rod; -1 for drawn rods."""
-    return np.concatenate([layout.star_number[layout.arm_star], np.full(len(layout.drawn_rods), -1)])
 
 
 def _record(

@@ -19,10 +19,18 @@ from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.deformation import affine
 from asterism.fem.elements.tabulation import Tabulation
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
-from asterism.fem.supports.conditions import ConditionError, impose_conditions
+from asterism.fem.supports.conditions import (
+    Condition,
+    ConditionError,
+    EdgeSupport,
+    PointSupport,
+    impose_conditions,
+    vertices_at,
+)
 from asterism.fem.supports.loads import area_load
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -34,7 +42,6 @@ from asterism.pattern.mesh.sheet_mesh import SheetMesh, sheet_mesh
 from asterism.previews.model import PreviewModel
 from asterism.previews.places import SheetLens, ShownSheet
 from asterism.previews.point_pins import softness
-from asterism.previews.supports import conditions
 
 # edge length of the shell's mesh, in spacings of the lattice
 EDGE_SPACINGS = 1.3
@@ -199,9 +206,9 @@ class PrintSheet(ABC):
         DesignError
             The supports contradict each other.
         """
+        step = self.layout.pin_steps[-1]
         with _named_pins():
-            held = conditions(self.layout, self.mesh, self.space.mesh, self.layout.pin_steps[-1])
-            return impose_conditions(self.space, held).target
+            return impose_conditions(self.space, conditions(self.layout, self.mesh, self.space.mesh, step)).target
 
 
 @contextmanager
@@ -216,6 +223,32 @@ def _named_pins() -> Iterator[None]:
 def _stand_alike(pins: tuple[PinSet, ...], others: tuple[PinSet, ...]) -> bool:
     """Whether pins of one print hold it at the same positions in space."""
     return all(one.stands_as(other) for one, other in zip(pins, others, strict=True))
+
+
+def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
+    """Conditions of the shell from the pins that are active at a step of the release.
+
+    Parameters
+    ----------
+    sheet, mesh : the coarse mesh of the sheet, and the same mesh as a `MeshTri`.
+    """
+    active: list[Condition] = []
+    low, high = np.sort(mesh.facets, axis=0)
+    codes = low * mesh.nvertices + high
+    order = np.argsort(codes)
+    low, high = np.sort(sheet.rim, axis=1).T
+    facets = order[np.searchsorted(codes[order], low * mesh.nvertices + high)]
+    for number, pin in enumerate(layout.pins):
+        if not pin.is_active(step):
+            continue
+        directions, name = pin.directions, f"pins[{number}]"
+        if len(pin.points):
+            active.append(PointSupport(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
+        if pin.edges:
+            placement, shift = affine(*pin.affine_motion), None if pin.curve is None else pin.curve.shift
+            its = facets[np.isin(sheet.side, pin.edges)]
+            active.append(EdgeSupport(its, placement, directions, shift=shift, name=name))
+    return active
 
 
 def elements_of(

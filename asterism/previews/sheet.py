@@ -1,4 +1,4 @@
-"""The sheet of a design with stars: the law at the stars, smoothed cells, fields, arms and weight."""
+"""The sheet of a design with stars: the law at the stars, smoothed cells, fields, arms, weight and bumps."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.fields import FieldError, Fields
@@ -15,7 +16,9 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
+from asterism.previews.arm_shares import arm_shares
 from asterism.previews.arms import Arms
+from asterism.previews.bumps import corrugation_heights, flattening
 from asterism.previews.fields.free_sides import free_normals
 from asterism.previews.fields.rim_arms import rim_curvature_share
 from asterism.previews.fields.sheet_fields import sheet_fields
@@ -23,8 +26,8 @@ from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.places import Places, SheetLens
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of
-from asterism.previews.star_lens import StarLens
 from asterism.results.words import PlacedWarning, star_numbers
 from asterism.shape.design_warnings import site_warnings, sizing_warnings
 
@@ -179,6 +182,50 @@ class Sheet(PrintSheet):
                 f"which the law describes poorly; check with the exact model: {star_numbers(uneven)}",
                 uneven,
             )
+
+
+class StarLens(SheetLens):
+    """Computes the positions of a fixed set of printed points (n, 2) mm with bumps, for shells of one sheet."""
+
+    sheet: Sheet
+
+    def __init__(self, sheet: Sheet, points: Floats) -> None:
+        super().__init__(sheet, points)
+        self._waves = sheet.law.waves(self.points - sheet.layout.lattice_origin)
+        far = sheet.layout.distance_to_supports(self.points)
+        self._stays = np.minimum(far / (sheet.model.fabric_beyond_tip * sheet.layout.spacing_mm), 1.0)
+        self._follow_stars(sheet)
+
+    def _follow_stars(self, sheet: Sheet) -> None:
+        """Compute everything that depends on the stars or on the positions of the pins in space."""
+        self._shares = sheet.stars.cells.shares(self.points)
+        self._nearest = cKDTree(sheet.layout.centres).query(self.points)[1]
+        self._arm_shares = arm_shares(sheet.arms, self.points)
+
+    def _follow(self, sheet: Sheet) -> None:
+        before = self.sheet
+        super()._follow(sheet)
+        if sheet.law is not before.law:
+            self._waves = sheet.law.waves(self.points - sheet.layout.lattice_origin)
+        if sheet.stars is not before.stars or not before.has_pins_of(sheet.layout):
+            self._follow_stars(sheet)
+        elif not before.has_rods_of(sheet.layout):
+            self._arm_shares = arm_shares(sheet.arms, self.points, self._arm_shares)
+
+    def __call__(self, x: Floats) -> Places:
+        """The positions of the points for degrees of freedom x (N, 3) of the shell."""
+        smooth, sheet = self._smooth(x), self.sheet
+        values, model = sheet.values, sheet.model
+        if "bumps" not in model.parts:
+            return Places(smooth, np.zeros_like(smooth.places))
+        weights = self._shares(values.sizes[:, 0])
+        curvature = 2.0 * smooth.mean_curvature
+        rim = self._nearest, sheet.layout.spacing_mm, model
+        heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
+        if sheet.layout.pins:
+            heights *= flattening(values, weights, smooth.area, model)
+        moves = self._arm_shares.along @ sheet.arms.moves(x)
+        return Places(smooth, smooth.moved(moves) + heights[:, None] * smooth.normals)
 
 
 def sheet_of(

@@ -53,10 +53,9 @@ def _rod_fields(layout: Layout, mesh: Mesh) -> dict[str, np.ndarray]:
     # all rods on one line, each from its number to the next
     places, knots = number + middle, np.add(*_parts_along([rod.points for rod in rods]))
     thickness, width = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
-    star = np.concatenate([layout.star_number[layout.arm_star], np.full(len(layout.drawn_rods), -1)])
     return {
         "arm": number,
-        "star": star[number],
+        "star": layout.star_of_rods[number],
         "thickness_mm": np.interp(places, knots, thickness),
         "width_mm": np.interp(places, knots, width),
     }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
@@ -13,7 +12,7 @@ from asterism.previews.state import PreviewState
 from asterism.previews.warnings import overstretched_stars, preview_warnings
 from asterism.process.version import __version__
 from asterism.results.records.preview import LawOriginRecord, OtherFormRecord, PreviewRecord, TrialRecord
-from asterism.shape.measures import contraction, needle_clearance, roll_radius
+from asterism.shape.measures import contraction, needle_clearance, roll_radius, sample_vertices
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
 
@@ -25,8 +24,7 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
     """The record of a preview's shape. Keys that it shares with the record of an exact shape have the same meaning."""
     equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
     law, values, mesh = state.law, state.values, state.sheet.shown.mesh
-    nearest = shape.star_vertices if layout.has_stars else cKDTree(shape.printed).query(layout.sample_points)[1]
-    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][nearest])
+    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][sample_vertices(layout, shape)])
     across, height = diameter(shape.positions), shape.height_mm
     surface = shape.positions, shape.triangles
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0

@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.diameter import diameter
@@ -26,7 +25,7 @@ from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.shape.cell_mean import CellMean
-from asterism.shape.measures import tube_radius
+from asterism.shape.measures import sample_vertices, tube_radius
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
 
@@ -205,10 +204,7 @@ class Comparison:
 
     @cached_property
     def _star_vertices(self) -> Ints:
-        """(S,) vertices at the star centres, or nearest to the sites of a drawing's lattice."""
-        if self.layout.has_stars:
-            return self.reference.star_vertices
-        return np.asarray(cKDTree(self.reference.printed).query(self.layout.sample_points)[1])
+        return sample_vertices(self.layout, self.reference)
 
     def _at(self, shape: Shape, printed: Floats) -> Floats:
         return shape.at(printed, off_curves_mm(self.layout, len(shape.printed)))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.shape.cell_mean import CellMean
@@ -30,18 +30,21 @@ def contraction(layout: Layout, shape: Shape) -> float | None:
     return float(in_space.mean() / in_print.mean())
 
 
+def sample_vertices(layout: Layout, shape: Shape) -> Ints:
+    """(n,) vertices at the star centres, or nearest to the sites of a drawing's lattice."""
+    if layout.has_stars:
+        return shape.star_vertices
+    return np.asarray(cKDTree(shape.printed).query(layout.sample_points)[1])
+
+
 # a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane
 MAX_TUBE_RESIDUAL_FACTOR = 0.9
 
 
 def roll_radius(shape: Shape, layout: Layout) -> float | None:
-    """Radius in mm of the cylinder that fits the cell means at the star centres; None as for `tube_radius`.
-
-    Of a drawing, at the vertices that are nearest to the `sample_points` of its layout.
-    """
-    stars = shape.star_vertices
-    if not layout.has_stars:
-        stars = np.unique(cKDTree(shape.printed).query(layout.sample_points)[1])
+    """Radius in mm of the cylinder that fits the cell means at `sample_vertices`; None as for `tube_radius`."""
+    stars = sample_vertices(layout, shape)
+    stars = stars if layout.has_stars else np.unique(stars)  # sites may share a vertex
     middles = CellMean(shape.printed, shape.weights, layout.lattice_vectors, stars)(shape.positions)
     return tube_radius(middles, vertex_normals(shape.positions, shape.triangles)[stars])
 

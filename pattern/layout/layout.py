@@ -148,6 +148,11 @@ class Layout:
         """The drawn rods, without the arms of stars."""
         return () if self.drawn is None else self.drawn.rods[len(self.arm_star) :]
 
+    @property
+    def star_of_rods(self) -> Ints:
+        """(rods,) number of the star of each rod of the graph; -1 for drawn rods."""
+        return np.concatenate([self.star_number[self.arm_star], np.full(len(self.drawn_rods), -1)])
+
     @cached_property
     def points_on_rods(self) -> Floats:
         """(n, 2) mm, points at equal parts of every drawn rod, at which shapes are compared."""

@@ -31,8 +31,8 @@ from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.point_pins import amounts_of, around, softened, spot, stretched_fabric
+from asterism.previews.print_sheet import conditions
 from asterism.previews.session import Preview
-from asterism.previews.supports import conditions
 from asterism.shape.comparison import compare_shapes
 
 ANGLES_DEG, LACK, GAIN = PREVIEW_MODEL.point_angles_deg, PREVIEW_MODEL.point_lack, PREVIEW_MODEL.point_gain

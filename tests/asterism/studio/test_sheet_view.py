@@ -17,7 +17,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
-from asterism.previews.star_lens import StarLens
+from asterism.previews.sheet import StarLens
 from asterism.studio.sheet_view import SheetView
 from tests.asterism.previews.laws import plain_law
 
