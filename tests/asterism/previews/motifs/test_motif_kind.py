@@ -111,7 +111,8 @@ def test_a_session_returns_to_its_snapshot_and_turns_over() -> None:
 
 @pytest.mark.slow
 def test_one_session_takes_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(preview_session, "serving_law", lambda design, *others: net_law(design))
+    laws = {True: net_law(net()), False: plain_law()}
+    monkeypatch.setattr(preview_session, "serving_law", lambda design, *others: laws[design.rods is not None])
     session = Preview(net())
     session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
     assert len(session.state.values.sizes) == 7
