@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
+from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import Size, stretch_text
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
 from asterism.laws.directional_values import stretch_axes, values_along
-from asterism.laws.law_text import middle_sizes, table_title
 
 STAR_CHARTS = {
     "lam": "length over printed length, flat",
@@ -67,7 +67,9 @@ def _star_figure(law: StarLaw) -> Figure:
             _star_curves(axes, table, name)
             style_axes(axes, label, "length of the arms, mm", size=9, side="right")
             if column == 0:
-                title = f"{table_title(table)}; thickness"
+                sizes = zip(AXES[2:], _middle_sizes(table), strict=True)
+                others = "".join(f", {axis.name} {size:g} mm" for axis, size in sizes)
+                title = f"stretch {stretch_text(table.stretch)}{others}; thickness"
                 axes.legend(title=title, fontsize=7, title_fontsize=7, frameon=False)
         errors = charts[number][-1]
         _star_errors(errors, table, law.residuals[stretch_text(table.stretch)]["held_out"])
@@ -99,7 +101,7 @@ def _star_curves(axes: Axes, table: StarTable, name: str) -> None:
     many = np.linspace(lengths[0], lengths[-1], 300)
     for j, thickness in enumerate(thicknesses):
         colour = _colour(j, len(thicknesses))
-        row = table(many, thickness, *middle_sizes(table))
+        row = table(many, thickness, *_middle_sizes(table))
         value = row.value[name]
         stated = row.inside & ~row.not_scale_separated
         label = f"{thickness:g} mm"
@@ -115,6 +117,11 @@ def _star_curves(axes: Axes, table: StarTable, name: str) -> None:
             axes.set_yscale("symlog", linthresh=LINEAR_CURVATURE_PER_MM, linscale=0.4)
         else:
             axes.set_ylim(-LINEAR_CURVATURE_PER_MM, LINEAR_CURVATURE_PER_MM)
+
+
+def _middle_sizes(table: StarTable) -> tuple[float, ...]:
+    """The middle node of each axis after the first two, which the charts vary."""
+    return tuple(float(nodes[len(nodes) // 2]) for nodes in table.axis_nodes[2:])
 
 
 def _star_errors(axes: Axes, table: StarTable, held_out: dict[str, Any]) -> None:

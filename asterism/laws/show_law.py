@@ -1,4 +1,4 @@
-"""`asterism law show`: a law as text, picture and numbers."""
+"""`asterism law show`: a law as text and picture."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from pathlib import Path
 
 from asterism.homogenize.law.law_file import PAPER_LAW, load_law
 from asterism.laws.law_picture import draw_law
-from asterism.laws.law_text import cells_csv, law_lines, law_record
-from asterism.laws.law_warnings import held_out_warning
+from asterism.laws.law_text import held_out_warning, law_lines, law_record
 from asterism.results.files import check_writable, staged_result
 
 
 def show_law(path: Path | None, output: Path | None) -> list[str]:
-    """Write law.png, cells.csv and summary.json; the lines to print.
+    """Write law.png and summary.json; the lines to print.
 
     Parameters
     ----------
@@ -30,10 +29,9 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
     check_writable(directory)
     with staged_result(directory) as folder:
         draw_law(law, folder / "law.png")
-        (folder / "cells.csv").write_text(cells_csv(law), encoding="utf-8")
         text = json.dumps(law_record(law).to_json(), indent=1, allow_nan=False) + "\n"
         (folder / "summary.json").write_text(text, encoding="utf-8")
-    return [*law_lines(law), f"{directory}: law.png, cells.csv, summary.json"]
+    return [*law_lines(law), f"{directory}: law.png, summary.json"]
 
 
 def law_doubts(path: str | Path | None = None) -> list[str]:

@@ -24,7 +24,7 @@ SUMMARY_COMPANIONS = "|".join(
         r"shape\.(vtu|png|obj)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
         r"report\.html|(exact|preview)\.(vtu|obj)",  # verify
         r"compare\.png",  # compare
-        r"law\.png|cells\.csv",  # law show
+        r"law\.png",  # law show
         r"fit\.png|target\.obj",  # fit
         r"sweep\.(html|csv)",  # sweep
     )

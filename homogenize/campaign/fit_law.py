@@ -62,23 +62,6 @@ def held_out_errors(table: LawTable, tests: Sequence[tuple[CellTask, Floats | No
     }
 
 
-def unstable_tubes(samples: Sequence[dict[str, Any]]) -> dict[str, int]:
-    """Count of the cells with arms and an answer, and of those whose natural tubes are unstable on 2 x 2 stars."""
-    solved = _with_arms(samples)
-    return {"count": len(solved), "unstable": sum(min(s["natural_supercell_eigenvalue"]) <= 0.0 for s in solved)}
-
-
-def broken_symmetry(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Count of the cells with arms and an answer, and the largest `Sample.asymmetry` among them, in percent."""
-    solved = _with_arms(samples)
-    largest = max((sample.get("asymmetry") or 0.0 for sample in solved), default=0.0)
-    return {"count": len(solved), "largest_percent": 100.0 * largest}
-
-
-def _with_arms(samples: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [each["sample"] for each in samples if each["problem"] is None and each["length_mm"] > 0]
-
-
 def _summary(table: LawTable, percent: Floats) -> dict[str, dict[str, float]]:
     return {
         name: {
@@ -120,11 +103,7 @@ def fit_law(plan: LawPlan, records: Sequence[SampleRecord], made: dict[str, Any]
             for task, cell in cells.items()
             if task.held_out and task.stretch == table.stretch
         ]
-        errors = {"held_out": held_out_errors(table, tests)}
-        if not plan.is_motif:
-            own = [each for each in samples if each["stretch"] == table.stretch]
-            errors |= {"tubes": unstable_tubes(own), "symmetry": broken_symmetry(own)}
-        law.residuals[stretch_text(table.stretch)] = errors
+        law.residuals[stretch_text(table.stretch)] = {"held_out": held_out_errors(table, tests)}
     return law
 
 

@@ -32,6 +32,8 @@ MAX_CIRCUMRADIUS_RATIO = 0.85
 EDGE_GROWTH = 0.4
 # smallest angle that ends the sweeps
 GOOD_ANGLE_DEG = 35.0
+# smallest angle of a triangle
+MIN_CELL_ANGLE_DEG = 20.0
 # sweeps without a better smallest angle
 MAX_IDLE_SWEEPS = 6
 # margin around the cell in which images count, in edges
@@ -76,7 +78,8 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
     Raises
     ------
     MeshError
-        No sweep has all segments as edges, and the symmetry of the group.
+        No sweep has all segments as edges, the symmetry of the group, and angles of `MIN_CELL_ANGLE_DEG`: arms nearly
+        touch, or meet at a small angle.
     """
     beside, vectors, group = _Beside(frame, edge_mm), frame.vectors, frame.group
     seeds = _grid(vectors, edge_mm)
@@ -104,6 +107,8 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
         seeds = seeds[~beside.too_near(seeds)]
     if best is None:
         raise MeshError("no mesh follows the arms: use a shorter edge")
+    if best_angle < MIN_CELL_ANGLE_DEG:
+        raise MeshError(f"the mesh of the cell would have angles of {best_angle:.1f} degrees: use a shorter edge")
     return best
 
 

@@ -25,8 +25,6 @@ from asterism.homogenize.cell.point_group import POINT_GROUP_TOLERANCE, MirrorLi
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
 
-# smallest angle of a triangle
-MIN_CELL_ANGLE_DEG = 20.0
 # stars whose arms, up to the spacing long, may come close, as numbers of lattice vectors
 NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 # steps along an arm, for the distance to other arms
@@ -67,18 +65,14 @@ def free_cell_mesh(
     Raises
     ------
     MeshError
-        There is no mesh with all angles above `MIN_CELL_ANGLE_DEG`: arms nearly touch, or meet at a small angle.
+        See `conforming_triangulation`.
     """
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     frame, arms = _frame(vectors, directions, length, edge_mm)
     if group is not None:
         frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
-    triangulation = conforming_triangulation(frame, edge_mm)
-    least = float(triangulation.angles.min())
-    if least < MIN_CELL_ANGLE_DEG:
-        raise MeshError(f"the mesh of the cell would have angles of {least:.1f} degrees: use a shorter edge")
-    return Tiles(triangulation, repeat).star_mesh(arms, surrounded)
+    return Tiles(conforming_triangulation(frame, edge_mm), repeat).star_mesh(arms, surrounded)
 
 
 def _frame(

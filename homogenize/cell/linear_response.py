@@ -1,6 +1,6 @@
-"""Linear responses of a cell in equilibrium: the membrane stiffness, and the stability on 2 x 2 cells.
+"""The linear response of a cell in equilibrium: its membrane stiffness.
 
-The membrane stiffness is the response of the sheet to small strains of its mean surface. These are given, and all other
+It is the response of the sheet to small strains of its mean surface. These are given, and all other
 variables are in equilibrium:
 
     A = (L H^-1 L^T)^-1 / |cell|,
@@ -11,16 +11,9 @@ flat stiffness says little about the sheet in use. On the natural tube the stars
 (hoop strain) and the axial shifts (axial strain and shear) give the strains, in the axes of the tube (along, around),
 then in those of the print. A change of the radius at constant tube angle also changes the curvature. The bending energy
 of that, `D k^2` beside A, is part of the result and small.
-
-Stability is that on the cell itself and on a supercell of 2 x 2 stars. A displacement of the supercell is a sum of four
-kinds (Bloch waves): those that repeat from cell to cell, and those that change their sign along A1, along A2 or along
-both. The Hessian does not couple them. So the spectrum of the supercell is that of four matrices of the size of one
-cell.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -28,18 +21,12 @@ from scipy.sparse.linalg import splu
 
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
-from asterism.equilibrium.linear.backends import make_factor
-from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.equilibrium.newton.certificate import smallest_eigenvalue
 from asterism.homogenize.cell.flat_cell import FlatCell
-from asterism.homogenize.cell.periodic_images import PeriodicImages
 from asterism.homogenize.cell.rolling import Tube
 from asterism.homogenize.cell.unit_cell import UnitCell
 
 # 1: added to the diagonal over its largest entry. A straight line in a flat sheet turns about itself without energy.
 NEUTRAL_SHIFT = 1e-12
-# signs along A1 and A2 of the displacements that do not repeat from cell to cell
-SIGN_CHANGES = ((-1, 1), (1, -1), (-1, -1))
 
 
 def flat_membrane_stiffness(cell: UnitCell, flat: FlatCell) -> Array:
@@ -68,7 +55,7 @@ def tube_membrane_stiffness(cell: UnitCell, tube: Tube) -> Array:
     """
     cell.set_tube(tube.curvature, tube.angle)
     along = _stiffness(cell, tube.state, _strain_rates(cell, tube))
-    turn = _voigt_turn(cell.turn)
+    turn = voigt_turn(cell.turn)
     return np.asarray(turn.T @ along @ turn)
 
 
@@ -101,69 +88,7 @@ def _strain_rates(cell: UnitCell, tube: Tube) -> Array:
     return rates
 
 
-def _voigt_turn(turn: Array) -> Array:
-    """(3, 3) Voigt strains in the tube's axes from those in the print's."""
+def voigt_turn(turn: Array) -> Array:
+    """(3, 3) T: Voigt strains in turned axes from those in the print's, where a stiffness C of theirs is `T^T C T`."""
     (a, b), (c, d) = turn
     return np.array([[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]])
-
-
-def reduction_matrix(images: PeriodicImages, signs: Array, n_twists: int, turned: bool = True) -> sp.csr_matrix:
-    """(3 U + R + 3 K, 3 V + R + 3 J) unfolded degrees of freedom from those of the cell.
-
-    Parameters
-    ----------
-    images : of the points and joints.
-    signs : (U,) factors of the images.
-    n_twists : R.
-    turned : the images turn; otherwise they move as their base points.
-    """
-
-    def block(base: Array, factors: Array, turn: Array, n_base: int) -> sp.bsr_matrix:
-        blocks = factors[:, None, None] * (turn if turned else np.eye(3))
-        rows = np.arange(len(base) + 1)
-        return sp.bsr_matrix((blocks, base, rows), shape=(3 * len(base), 3 * n_base))
-
-    parts = [block(images.base, signs, images.turn, images.n_base), sp.identity(n_twists)]
-    if images.n_joints:
-        parts.append(block(images.joint, signs[images.joint_point], images.joint_turn, images.n_joints))
-    return sp.block_diag(parts, format="csr")
-
-
-@dataclass(frozen=True)
-class CellStability:
-    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm.
-
-    Attributes
-    ----------
-    cell : of displacements that repeat from cell to cell.
-    supercell : of all displacements of 2 x 2 stars.
-    """
-
-    cell: float
-    supercell: float
-
-
-def cell_stability(cell: UnitCell, state: State) -> CellStability:
-    """Smallest eigenvalues at an equilibrium.
-
-    Parameters
-    ----------
-    state : equilibrium of the cell with its present images (flat or tube).
-    """
-    factor, modes = cell.factor(), cell.rigid_modes(state)
-    own = smallest_eigenvalue(cell.pattern, cell.hessian(state, 0.0), factor, modes)
-    lowest = own
-    hessian, torus = cell.unfolded_hessian(state), cell.mesh
-    for signs in SIGN_CHANGES:
-        change = np.prod(np.array(signs) ** np.abs(torus.image), axis=1)
-        inner = reduction_matrix(cell.images, change, len(cell.edges))
-        low = sp.tril(inner.T @ hessian @ inner, format="csc")
-        low.sort_indices()
-        pattern = SparsePattern.from_lower(low)
-        own_factor = make_factor(pattern)
-        try:
-            supercell_pair = smallest_eigenvalue(pattern, low.data, own_factor, np.empty((pattern.size, 0)))
-        finally:
-            own_factor.close()
-        lowest = min(lowest, supercell_pair, key=lambda pair: pair.value)
-    return CellStability(own.value, lowest.value)

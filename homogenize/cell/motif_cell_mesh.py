@@ -7,7 +7,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MeshConstraints, conforming_triangulation
-from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG, graded_steps
+from asterism.homogenize.cell.free_cell_mesh import graded_steps
 from asterism.homogenize.cell.periodic_mesh import MeshPath, PeriodicMesh, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.mesh.outline_points import least_pieces
@@ -36,16 +36,12 @@ def motif_cell_mesh(
     Raises
     ------
     MeshError
-        There is no mesh with all angles above `MIN_CELL_ANGLE_DEG`.
+        See `conforming_triangulation`.
     """
     vectors = motif.vectors
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / MIN_EDGES_A_CELL)
     constraints, paths = _constraints(motif, edge_mm)
-    triangulation = conforming_triangulation(constraints, edge_mm)
-    least = float(triangulation.angles.min())
-    if least < MIN_CELL_ANGLE_DEG:
-        raise MeshError(f"the mesh of the cell would have angles of {least:.1f} degrees: use a shorter edge")
-    return Tiles(triangulation, repeat).rod_mesh(paths, surrounded)
+    return Tiles(conforming_triangulation(constraints, edge_mm), repeat).rod_mesh(paths, surrounded)
 
 
 def _constraints(motif: MotifGraph, edge_mm: float) -> tuple[MeshConstraints, list[MeshPath]]:

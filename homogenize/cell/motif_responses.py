@@ -54,14 +54,9 @@ class CellComparison:
         return (self.energy - self.larger_energy) / abs(self.larger_energy)
 
     @property
-    def has_law(self) -> bool:
-        """Whether one cell stands for the sheet."""
-        return self.excess <= MAX_ENERGY_EXCESS
-
-    @property
     def reason(self) -> str | None:
         """Why the motif has no law, in one line; None if it has one."""
-        if self.has_law:
+        if self.excess <= MAX_ENERGY_EXCESS:
             return None
         one, four = (" and ".join(f"{value:.3f}" for value in each) for each in (self.stretches, self.larger_stretches))
         less = f"2 x 2 cells relax to {100 * self.excess:.1f} % less energy"
@@ -136,7 +131,6 @@ class MotifResponses:
     failed_directions : rad from x, those without an equilibrium, and why.
     comparison : with 2 x 2 cells.
     spacing_mm : length of the shorter lattice vector.
-    vertices : of the mesh.
     """
 
     deformation: Array
@@ -146,7 +140,6 @@ class MotifResponses:
     failed_directions: tuple[tuple[float, str], ...]
     comparison: CellComparison
     spacing_mm: float
-    vertices: int
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON, with the `doubts`."""
@@ -203,6 +196,4 @@ def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = 
     comparison = compare_with_larger_cell(design, edge_mm, flat)
     ordered = tuple(sorted(directions, key=lambda tube: tube.direction_rad))
     rods = rod_bending(design, flat.deformation)
-    return MotifResponses(
-        flat.deformation, membrane, rods, ordered, tuple(failed), comparison, cell.spacing, cell.mesh.n_base
-    )
+    return MotifResponses(flat.deformation, membrane, rods, ordered, tuple(failed), comparison, cell.spacing)

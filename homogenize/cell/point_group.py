@@ -34,12 +34,7 @@ def tube_angles(lattice: Lattice) -> tuple[float, ...]:
 
 def averaged_directions(tubes: Sequence[object] | Floats) -> list[int]:
     """Indices of the directions whose mean the law holds."""
-    return list(range(len(ALL_ANGLES_RAD))) if covers_all_directions(tubes) else [0, -1]
-
-
-def covers_all_directions(tubes: Sequence[object] | Floats) -> bool:
-    """Whether these tubes are those of stars without threefold symmetry."""
-    return len(tubes) == len(ALL_ANGLES_RAD)
+    return list(range(len(ALL_ANGLES_RAD))) if len(tubes) == len(ALL_ANGLES_RAD) else [0, -1]
 
 
 def is_threefold(lattice: Lattice) -> bool:
@@ -48,29 +43,6 @@ def is_threefold(lattice: Lattice) -> bool:
     turn = np.array([[-0.5, np.sqrt(0.75)], [-np.sqrt(0.75), -0.5]])
     steps = vectors @ turn @ np.linalg.inv(vectors)
     return lattice.arms % 3 == 0 and bool(np.abs(steps - np.round(steps)).max() < LATTICE_ANGLE_TOLERANCE)
-
-
-def curvature_misfit(curvatures: Sequence[float] | Floats) -> float:
-    """Largest distance of natural curvatures from their mean and sixfold part, over their mean.
-
-    Parameters
-    ----------
-    curvatures : at `THREEFOLD_ANGLES_RAD`.
-    """
-    measured = np.asarray(curvatures, dtype=float)
-    mean, sixfold = 0.5 * (measured[0] + measured[-1]), 0.5 * (measured[0] - measured[-1])
-    return float(np.abs(measured - mean - sixfold * np.linspace(1.0, -1.0, len(measured))).max() / abs(mean))
-
-
-def omitted_anisotropy(lattice: Lattice) -> str | None:
-    """What the law of such stars leaves out, in one line; None if it is complete."""
-    if not is_threefold(lattice):
-        return "the stars curl and bend differently in each direction, which previews model in part"
-    lines = np.vstack([np.asarray(lattice.arm_directions)[:1], np.asarray(lattice.vectors)[:1]])
-    angle = np.degrees(np.arctan2(lines[:, 1], lines[:, 0])) / 30.0
-    if np.abs(angle - np.round(angle)).max() < LATTICE_ANGLE_TOLERANCE:
-        return None
-    return "turned stars may roll about any axis, and the law has multiples of 30 degrees only"
 
 
 # of unit vectors, and of lattice coordinates

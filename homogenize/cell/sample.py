@@ -17,7 +17,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.flat_cell import FlatCell, mean_height, relax_flat_cell
-from asterism.homogenize.cell.linear_response import CellStability, cell_stability, tube_membrane_stiffness
+from asterism.homogenize.cell.linear_response import tube_membrane_stiffness, voigt_turn
 from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
 from asterism.homogenize.cell.point_group import is_threefold, point_group, tube_angles
 from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
@@ -38,8 +38,6 @@ SCALAR_KEYS = (
     "natural_axial",
     "natural_bump_mm",
     "natural_centre_offset_mm",
-    "natural_eigenvalue",
-    "natural_supercell_eigenvalue",
     "bending",
 )
 
@@ -57,11 +55,8 @@ class Sample:
 
     Attributes
     ----------
-    length_mm, thickness_mm, width_mm : mm, size of the star's arms.
-    stretch : of the fabric, the same along x and y.
-    edge_mm : mm, edges of the mesh.
+    length_mm : mm, of the star's arms.
     spacing_mm : mm, distance of the star centres.
-    vertices : of the mesh.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates.
     lam : sqrt(det F), its contraction.
     angles_rad : (D,) rad, directions of the tubes on the print.
@@ -79,21 +74,11 @@ class Sample:
     bump_mm : mm, star's centre over its tips on the flat cell; it may be negative, and the side of the star is that of
         `natural_bump_mm`.
     natural_bump_mm : (D,) mm, the same on the natural tubes.
-    eigenvalue : N/mm, smallest of the flat cell's Hessian.
-    supercell_eigenvalue : N/mm, the same for 2 x 2 stars.
-    natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
-    asymmetry : largest difference of natural curvatures in directions that are equal by symmetry, before they were made
-        equal (`symmetric_responses`), over the largest curvature; 0 if the star keeps its symmetry.
     iterations : iterations of Newton's method in all solves.
     """
 
     length_mm: float
-    thickness_mm: float
-    width_mm: float
-    stretch: float
-    edge_mm: float
     spacing_mm: float
-    vertices: int
     rest_metric: Array
     lam: float
     angles_rad: Array
@@ -109,11 +94,6 @@ class Sample:
     natural_centre_offset_mm: Array
     bump_mm: float
     natural_bump_mm: Array
-    eigenvalue: float
-    supercell_eigenvalue: float
-    natural_eigenvalue: Array
-    natural_supercell_eigenvalue: Array
-    asymmetry: float
     iterations: int
 
     def to_dict(self) -> dict[str, Any]:
@@ -156,16 +136,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     finally:
         cell.close()
     responses = symmetric_responses(responses, point_group(design.lattice), (sx, sy))
-    return Sample(
-        length_mm=star_size(design, "length_mm"),
-        thickness_mm=star_size(design, "thickness_mm"),
-        width_mm=star_size(design, "width_mm"),
-        stretch=sx,
-        edge_mm=edge_mm,
-        spacing_mm=cell.spacing,
-        vertices=cell.mesh.n_base,
-        **responses,
-    )
+    return Sample(length_mm=star_size(design, "length_mm"), spacing_mm=cell.spacing, **responses)
 
 
 def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
@@ -175,8 +146,6 @@ def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]
     response["bump_mm"] = float(flat.bump[0])
     response["centre_offset_mm"] = -mean_height(cell, flat.state)
     response["iterations"] = flat.iterations
-    own = cell_stability(cell, flat.state)
-    response["eigenvalue"], response["supercell_eigenvalue"] = own.cell, own.supercell
     curves: list[TubeBranch] = []
     sx, sy = cell.design.fabric.stretch_xy
     threefold = is_threefold(cell.design.lattice)
@@ -192,9 +161,6 @@ def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]
     response["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
     response["natural_membrane"] = np.array([tube_membrane_stiffness(cell, tube) for tube in ends])
     response["relief"] = _relief(cell, flat, ends)
-    lowest = [_tube_stability(cell, tube) for tube in ends]
-    response["natural_eigenvalue"] = np.array([one.cell for one in lowest])
-    response["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
 
 
 def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
@@ -207,11 +173,6 @@ def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
         offsets, np.mean([heights_over_mean_surface(cell, tube) for tube in tubes], axis=0), cell.weights
     )
     return np.array([lying, (rolled - lying) / np.mean([tube.contracted_curvature for tube in tubes])])
-
-
-def _tube_stability(cell: UnitCell, tube: Tube) -> CellStability:
-    cell.set_tube(tube.curvature, tube.angle)
-    return cell_stability(cell, tube.state)
 
 
 def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[str, Any]:
@@ -251,13 +212,13 @@ def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[
 def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tuple[float, float]) -> dict[str, Any]:
     """Responses of `homogenize.cell.sample.Sample` with the symmetry of the point group (G, 2, 2).
 
-    The result has `asymmetry`, see `Sample`. Elements that the stretches in x and y do not share are left out.
+    Elements that the stretches in x and y do not share are left out.
     """
     stretch = np.diag(stretch_xy)
     kept = np.abs(group @ stretch @ group.transpose(0, 2, 1) - stretch).max(axis=(1, 2)) < DIRECTION_TOLERANCE
     group = group[kept]
     out = dict(responses)
-    turns = np.array([_voigt_strain_turn(element) for element in group])
+    turns = np.array([voigt_turn(element.T) for element in group])
     metric = (group @ responses["rest_metric"] @ group.transpose(0, 2, 1)).mean(axis=0)
     if np.abs(metric - responses["rest_metric"]).max() > RESPONSE_TOLERANCE * np.abs(metric).max():
         out["rest_metric"] = metric
@@ -267,9 +228,6 @@ def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tu
             out[name] = np.asarray(responses[name])[source]
     turned = turns[element]
     out["natural_membrane"] = turned.transpose(0, 2, 1) @ np.asarray(responses["natural_membrane"])[source] @ turned
-    kappa = np.asarray(responses["natural_curvature"])
-    largest = float(np.abs(kappa).max())
-    out["asymmetry"] = float(np.abs(out["natural_curvature"] - kappa).max()) / largest if largest else 0.0
     return out
 
 
@@ -288,12 +246,3 @@ def _lowest_of_equals(angles: Array, energy: Array, group: Floats) -> tuple[Ints
         if energy[best] < energy[target] - RESPONSE_TOLERANCE * abs(energy[target]):
             source[target], element[target] = best, elements[equals == best][0]
     return source, element
-
-
-def _voigt_strain_turn(element: Floats) -> Floats:
-    """(3, 3) the strains (11, 22, 2 x 12) in print axes, before a sheet is moved by an orthogonal matrix (2, 2).
-
-    A sheet with the stiffness C becomes one with `T^T C T`.
-    """
-    (a, b), (c, d) = element.T
-    return np.array([[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]])

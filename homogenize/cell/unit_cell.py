@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.bending.plate_patches import patches
@@ -151,7 +150,6 @@ class UnitCell(System):
         self._joint_images, self._base_joints = (points, joint), vertices
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
         self._factors: dict[bool, Factor] = {}
-        self._unfolded_pattern: SparsePattern | None = None
         self.curvature: float | None = None
         self.angle = 0.0
         self._set_images(self._flat_images())
@@ -318,16 +316,6 @@ class UnitCell(System):
         for part in self.model.parts.values():
             force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), size)
         return force
-
-    def unfolded_hessian(self, state: State) -> sp.csr_matrix:
-        """(n, n) N/mm, Hessian by the n = 3 U + R + 3 K dofs of `unfolded_gradient`, both triangles."""
-        size = self.n_unfolded_dofs
-        if self._unfolded_pattern is None:
-            dofs = [part.dofs for part in self.model.parts.values()]
-            self._unfolded_pattern = SparsePattern(dofs, size, np.arange(size))
-        packed = self.unfolded(state).packed
-        data = self._unfolded_pattern.assemble(part.hessians(packed) for part in self.model.parts.values())
-        return self._unfolded_pattern.full(data).tocsr()
 
     def moment(self, state: State) -> float:
         """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state.

@@ -196,18 +196,6 @@ def mean_q12(q: Floats) -> Floats:
     return np.asarray((q[..., 0, 0] + q[..., 1, 1] + 6.0 * q[..., 0, 1] - 4.0 * q[..., 2, 2]) / 8.0)
 
 
-def min_bending_ratio(q: Floats) -> Floats:
-    """(...) smallest ratio of the bending energy in Q (..., 3, 3) to that in the isotropic plate, over all curvatures.
-
-    Examples
-    --------
-    >>> float(min_bending_ratio(0.5 * ISOTROPIC_PLATE).round(12))
-    0.5
-    """
-    half = np.linalg.inv(np.linalg.cholesky(ISOTROPIC_PLATE))
-    return np.asarray(np.linalg.eigvalsh(half @ q @ half.T)[..., 0])
-
-
 def _squares(directions: Floats) -> Floats:
     """(..., 3) Voigt vector of n n: its product with the 11, 22, 12 of a tensor is the component along n."""
     c, s = np.cos(directions), np.sin(directions)

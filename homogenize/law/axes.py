@@ -33,7 +33,6 @@ class Axis:
     Attributes
     ----------
     name : in sentences.
-    symbol : in tables.
     key : in designs, samples and law files.
     nodes_key : in material files.
     limits : smallest and largest value that can be printed. The spacing of the stars limits lengths further.
@@ -45,7 +44,6 @@ class Axis:
     """
 
     name: str
-    symbol: str
     key: str
     nodes_key: str
     limits: tuple[float, float]
@@ -73,7 +71,6 @@ def _mean_along_arms(layout: Layout, arms: int, ends: Floats) -> Floats:
 
 LENGTH = Axis(
     name="length",
-    symbol="l",
     key="length_mm",
     nodes_key="lengths_mm",
     limits=(MIN_ARM_MM, math.inf),
@@ -86,7 +83,6 @@ LENGTH = Axis(
 
 THICKNESS = Axis(
     name="thickness",
-    symbol="h",
     key="thickness_mm",
     nodes_key="thicknesses_mm",
     limits=THICKNESS_RANGE_MM,
@@ -99,7 +95,6 @@ THICKNESS = Axis(
 
 WIDTH = Axis(
     name="width",
-    symbol="w",
     key="width_mm",
     nodes_key="widths_mm",
     limits=WIDTH_RANGE_MM,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, Self
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +17,9 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.law.anisotropy import anisotropy_size
-from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.hermite_grid import SlopeRule
 from asterism.homogenize.law.law import CellErrors, Law, LawTable
-from asterism.homogenize.law.plan import LawPlan, Stretch
+from asterism.homogenize.law.plan import LawPlan
 from asterism.pattern.design.design import Design
 
 
@@ -281,75 +280,3 @@ class StarLaw(Law[StarTable]):
     def anisotropy(self, design: Design, *sizes: ArrayLike) -> Floats:
         """(N, K) `StarTable.anisotropy` for the stars of a design; half a turn does not change it."""
         return self.check(design).anisotropy(*sizes)
-
-    def cell_stability(self, stretch: Stretch) -> CellStabilityTable:
-        """The stability of the cells at the stretch of a table. The first call unpacks the samples.
-
-        Raises
-        ------
-        ForeignLaw
-            The law has no table for this stretch.
-        """
-        stretch = self.at(stretch).stretch
-        if stretch not in self._cell_stability:
-            self._cell_stability[stretch] = CellStabilityTable.of(self.samples, stretch)
-        return self._cell_stability[stretch]
-
-    @cached_property
-    def _cell_stability(self) -> dict[Stretch, CellStabilityTable]:
-        return {}
-
-
-@dataclass(frozen=True)
-class CellStabilityTable:
-    """Smallest eigenvalues on 2 x 2 stars of the cells at one stretch. A law from other sources may have no such cells.
-
-    Attributes
-    ----------
-    sizes : (n, A) of the stars, in the order of `homogenize.law.axes.AXES`.
-    flat, rolled : (n,) N/mm, of the flat cell and of its natural tubes (smallest over the directions).
-
-    Examples
-    --------
-    >>> table = CellStabilityTable(np.array([[10.0, 0.3, 1.2]]), np.array([-15.0]), np.array([7.0]))
-    >>> table.eigenvalues(np.array([[10.0, 0.3, 1.2]] * 3), np.array([0.0, 0.5, 1.0])).tolist()
-    [-15.0, -4.0, 7.0]
-    """
-
-    sizes: Floats
-    flat: Floats
-    rolled: Floats
-
-    @classmethod
-    def of(cls, samples: Sequence[dict[str, Any]], stretch: Stretch) -> Self:
-        """The cells with arms and an answer among samples as in a law's file."""
-        known = [
-            each for each in samples if each["problem"] is None and each["length_mm"] > 0 and each["stretch"] == stretch
-        ]
-        return cls(
-            np.array([[each[axis.key] for axis in AXES] for each in known]).reshape(-1, len(AXES)),
-            np.array([each["sample"]["supercell_eigenvalue"] for each in known]),
-            np.array([min(each["sample"]["natural_supercell_eigenvalue"]) for each in known]),
-        )
-
-    def eigenvalues(self, sizes: Floats, part: Floats) -> Floats:
-        """(S,) N/mm, of the nearest cell of each star, linear between its flat and its natural state; infinite if the
-        table has no cells.
-
-        Parameters
-        ----------
-        sizes : (S, A) of the stars.
-        part : (S,) curvature of the sheet over the natural curvature, limited to 0 to 1.
-        """
-        if not len(self.sizes):
-            return np.full(len(sizes), np.inf)
-        known, asked = _coordinates(self.sizes), _coordinates(sizes)
-        span = np.maximum(np.ptp(known, axis=0), 1e-9)
-        nearest = np.linalg.norm((asked[:, None] - known) / span, axis=2).argmin(axis=1)
-        flat, rolled = self.flat[nearest], self.rolled[nearest]
-        return np.asarray(flat + np.clip(part, 0.0, 1.0) * (rolled - flat))
-
-
-def _coordinates(sizes: Floats) -> Floats:
-    """(N, A) coordinates that the law is interpolated over, of sizes (N, A)."""
-    return np.column_stack([axis.coordinate(sizes[:, number]) for number, axis in enumerate(AXES)])

@@ -44,7 +44,6 @@ def solve_cell(design: Design, edge_mm: float) -> Answer:
         "natural_curvature": (kappa * each).tolist(),
         "natural_membrane": [membrane.tolist()] * len(angles),
         "natural_bump_mm": (0.1 * l * each).tolist(),
-        "natural_supercell_eigenvalue": (1e-3 * each).tolist(),
         "relief": (0.02 * l * np.arange(24.0)).reshape(2, 12).tolist(),
         "natural_hoop": (lam * each).tolist(),
         "natural_axial": (lam * each).tolist(),

@@ -31,8 +31,9 @@ from scipy.sparse.linalg import splu
 
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import FlatCell, mean_height
-from asterism.homogenize.cell.linear_response import NEUTRAL_SHIFT, reduction_matrix
+from asterism.homogenize.cell.linear_response import NEUTRAL_SHIFT
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
+from tests.homogenize.stability import reduction_matrix, unfolded_hessian
 
 # Voigt: 11, 22 and 2 x 12 as symmetric matrices
 VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
@@ -80,7 +81,7 @@ def effective_stiffness(cell: UnitCell, flat: FlatCell) -> EffectiveStiffness:
         moves[3 + i] = np.cross(rotations[3 + i], place)
         moves[3 + i, :, 2] -= 0.5 * np.einsum("ui,ij,uj->u", span, form, span)
 
-    hessian, force = cell.unfolded_hessian(state), cell.unfolded_gradient(state)
+    hessian, force = unfolded_hessian(cell, state), cell.unfolded_gradient(state)
     load = force[: 3 * n_points].reshape(-1, 3)
     at_joints, first_spin = cell.images.joint_point, 3 * n_points + len(cell.edges)
     spins = rotations[:, at_joints]

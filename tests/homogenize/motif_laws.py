@@ -34,7 +34,7 @@ def made_up(design: Design, edge_mm: float) -> MotifResponses:
     rods = bending * np.array([[1.0, 0.1, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, 0.45]])
     larger = 1.0 if thickness >= LEAST_THICKNESS else 0.9
     comparison = CellComparison(1.0, larger, np.array([0.9, 0.95]), np.array([0.7, 0.8]))
-    return MotifResponses(deformation, membrane, rods, tubes, (), comparison, 10.0, 40)
+    return MotifResponses(deformation, membrane, rods, tubes, (), comparison, 10.0)
 
 
 def learned_law(design: Design, folder: Path, respond: SolveCell | None = made_up) -> MotifLaw:

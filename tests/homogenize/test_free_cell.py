@@ -12,7 +12,6 @@ from asterism.discrete.energies.bending.hinges import hinge_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from asterism.homogenize.cell.linear_response import cell_stability
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
@@ -20,6 +19,7 @@ from asterism.homogenize.cell.unit_cell import UnitCell
 from tests.discrete.plain import plain_energies
 from tests.homogenize.cells import EDGE, design, full, shaken
 from tests.homogenize.linear_cell import effective_stiffness
+from tests.homogenize.stability import cell_stability, unfolded_hessian
 from tests.homogenize.test_cell_symmetry import _moved
 
 FIVE = {"lattice": {"arms": 5}}
@@ -71,7 +71,7 @@ def test_elements_with_two_images_of_one_point() -> None:
     fold[np.arange(len(torus.base)), torus.base] = 1.0
     fold[:, torus.n_base :] = torus.image
     fold = block_diag(np.kron(fold, np.eye(3)), np.eye(rods))
-    whole = (fold.T @ cell.unfolded_hessian(state).toarray() @ fold)[np.ix_(cell.free, cell.free)]
+    whole = (fold.T @ unfolded_hessian(cell, state).toarray() @ fold)[np.ix_(cell.free, cell.free)]
     found = full(cell.pattern.lower(cell.hessian(state, 0.0)))
     np.testing.assert_allclose(found, whole, atol=1e-11 * np.abs(whole).max())
 

@@ -59,26 +59,10 @@ class HeldOutRecord(Record):
     cells: list[HeldOutCellRecord] = key("All held-out cells with a law.")
 
 
-class StableTubesRecord(Record):
-    """Stability of the natural tubes of stars."""
-
-    count: int = key("Number of cells with arms.")
-    unstable: int = key("Cells whose natural tubes are unstable on 2 x 2 stars.")
-
-
-class SymmetryRecord(Record):
-    """Symmetry of star and lattice in the answers of the cells."""
-
-    count: int = key("Number of cells with arms.")
-    largest_percent: float = key("Largest difference of natural curvatures in equal directions.", unit="%")
-
-
 class LawErrorsRecord(Record):
-    """Errors of a law at one stretch, and what its own cells say about it."""
+    """Errors of a law at one stretch."""
 
     held_out: HeldOutRecord = key("Errors at cells that did not make the law.")
-    tubes: StableTubesRecord = key("Stability of the natural tubes of stars.", default=ABSENT)
-    symmetry: SymmetryRecord = key("Symmetry of the cells of stars.", default=ABSENT)
 
 
 def _material(record: LawRecord) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import functools
 import json
 from pathlib import Path
@@ -78,20 +77,17 @@ def test_another_material_is_part_of_the_law(
     assert load_law(place / "net-law-soft.npz").plan.design.plastic.modulus_ratio == 1000
 
 
-def test_show_prints_range_values_and_errors(
+def test_show_prints_range_and_errors(
     place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run(["calibrate", "net.toml", "--jobs", "1"], capsys, monkeypatch)
     shown = run(["law", "show", "net-law.npz"], capsys, monkeypatch)
     assert shown.status == 0, shown.err
     assert "held out, 4 cells" in shown.out and "    curvature " in shown.out
-    assert shown.out.splitlines()[-1] == "net-law: law.png, cells.csv, summary.json"
+    assert shown.out.splitlines()[-1] == "net-law: law.png, summary.json"
     summary = json.loads((place / "net-law" / "summary.json").read_text())
     assert summary["cells"] == 7 and summary["cells_without_law"] == []
     assert summary["residuals"]["1.35"]["held_out"]["count"] == 4
-    cells = list(csv.DictReader((place / "net-law" / "cells.csv").read_text().splitlines()))
-    assert len(cells) == 7 and cells[0]["excess_over_2_x_2_cells_percent"] == "0.00"
-    assert float(cells[0]["hoop_around_0_deg"]) == 0.99 and float(cells[0]["curvature_around_90_deg"]) > 0.0
 
 
 @pytest.mark.slow
@@ -111,7 +107,8 @@ def test_parts_of_the_range_without_a_law_are_named(
     done = run(["calibrate", "thin.toml", "--jobs", "1"], capsys, monkeypatch)
     assert done.status == 0
     assert "  no answer: thickness 0.33 mm: the motif has no law of one cell: 2 x 2 cells relax to" in done.err
-    assert "0.33       1.2   no law" in done.out and "cells without a law" in done.out
+    assert "cells without a law" in done.out
+    assert "   1  the motif has no law of one cell" in done.out
 
 
 def test_a_motif_that_does_not_repeat_cell_by_cell_is_status_one(

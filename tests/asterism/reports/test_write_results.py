@@ -22,7 +22,7 @@ KINDS = {
     "simulate": {"summary.json", "shape.vtu", "rods.vtu", "shape.obj", "shape.png", "minimum-2.vtu", "minimum-2.png"},
     "verify": {"summary.json", "report.html", "exact.vtu", "preview.vtu", "exact.obj", "preview.obj"},
     "compare": {"summary.json", "compare.png"},
-    "law show": {"summary.json", "law.png", "cells.csv"},
+    "law show": {"summary.json", "law.png"},
 }
 MINE = {"notes.txt", "my shape.vtu", "shape.vtu.bak", "shape.stl", "export.json", "minimum-2.txt"}
 

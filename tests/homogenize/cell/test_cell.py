@@ -8,11 +8,11 @@ import pytest
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.flat_cell import relax_flat_cell, with_orthogonal_directors
-from asterism.homogenize.cell.linear_response import cell_stability
 from asterism.homogenize.cell.rolling import UnrolledCell, roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from tests.discrete.plain import plain_energies
 from tests.homogenize.cells import EDGE, design, full, relaxed, shaken
+from tests.homogenize.stability import cell_stability
 
 KINDS = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
 RNG = np.random.default_rng(5)

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from asterism.homogenize.cell.linear_response import cell_stability, reduction_matrix
 from asterism.homogenize.cell.motif_cell_mesh import motif_cell_mesh
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.periodic_mesh import ImageNumbering, PeriodicMesh
@@ -28,6 +27,7 @@ from tests.homogenize.cells import design as star_design
 from tests.homogenize.cells import full, shaken
 from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, moved, parallel, stars, waves
+from tests.homogenize.stability import cell_stability, reduction_matrix, unfolded_hessian
 
 PATTERNS = {"grid": grid(), "diamonds": diamonds(), "honeycomb": honeycomb(6.0), "waves": waves()}
 EDGE = 3.0
@@ -185,7 +185,7 @@ def test_supercells_have_four_times_the_energy_and_no_forces() -> None:
     assert np.linalg.norm(four.gradient(state)) < 1e-5
     # the waves of one cell are those of the supercell
     inner = reduction_matrix(four.images, np.ones(len(four.mesh.base)), len(four.edges))
-    values = np.linalg.eigvalsh((inner.T @ four.unfolded_hessian(state) @ inner).toarray())
+    values = np.linalg.eigvalsh((inner.T @ unfolded_hessian(four, state) @ inner).toarray())
     stability = cell_stability(one, flat.state)
     assert stability.supercell < 0.9 * stability.cell
     assert np.abs(values / stability.supercell - 1.0).min() < 1e-6

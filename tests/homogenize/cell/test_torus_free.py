@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
+from asterism.homogenize.cell.conforming_triangulation import MIN_CELL_ANGLE_DEG
 from asterism.homogenize.cell.periodic_delaunay import periodic_delaunay
 from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
 from asterism.homogenize.cell.point_group import aligned_lines

@@ -20,7 +20,6 @@ from asterism.homogenize.law.anisotropy import (
     MIN_BENDING_RATIO,
     MOMENT_COLUMNS,
     VOIGT_ENTRIES,
-    min_bending_ratio,
     natural_curvatures,
     tensors,
     tube_of_largest_gain,
@@ -34,6 +33,7 @@ from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, without
 from tests.asterism.previews.laws import plain_law
+from tests.homogenize.law.test_anisotropy import min_bending_ratio
 
 PLAN = layout(gallery.load("tube"))
 PLAIN = star_values(gallery.load("tube"), PLAN, plain_law())
