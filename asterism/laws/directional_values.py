@@ -1,8 +1,6 @@
-"""The tensors of a sheet along directions of the print: what a law's table and picture show."""
+"""The tensors of a sheet along directions of the print: what the picture of a motif's law shows."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,28 +11,12 @@ from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 EVEN_SQUARES = 1e-4
 
 
-@dataclass(frozen=True)
-class DirectionalValues:
-    """Values of n sheets along m directions each, (n, m).
+def values_along(tensors: SheetTensors, axes: Floats) -> dict[str, Floats]:
+    """Values (n, m) of n sheets along unit vectors (n, m, 2), or (m, 2) for all sheets.
 
-    Attributes
-    ----------
-    stretch : length of the flat sheet over its printed length.
-    membrane : N/mm, stiffness against a strain along the direction alone.
-    bending : N mm, stiffness against a curvature along the direction alone.
-    curvature : 1/mm, natural curvature along the direction; positive where the edges bend down.
-    rolled : 1/mm, curvature of a sheet that rolls into a tube along the direction, in equilibrium of its moments.
-    """
-
-    stretch: Floats
-    membrane: Floats
-    bending: Floats
-    curvature: Floats
-    rolled: Floats
-
-
-def values_along(tensors: SheetTensors, axes: Floats) -> DirectionalValues:
-    """The values of n sheets along unit vectors (n, m, 2), or (m, 2) for all sheets.
+    - `stretch`: length of the flat sheet over its printed length;
+    - `membrane`, `bending`: N/mm and N mm, stiffness against a strain or curvature along the direction alone;
+    - `rolled`: 1/mm, curvature of a sheet that rolls into a tube along the direction; positive where edges bend down.
 
     A tube of the curvature k along the direction with Voigt form f has the bending energy (k f - K) D (k f - K) / 2,
     which is least at k = f D K / f D f.
@@ -42,7 +24,7 @@ def values_along(tensors: SheetTensors, axes: Floats) -> DirectionalValues:
     >>> isotropic = np.diag([2.0, 2.0, 1.0, 3.0, 3.0, 1.5])[None]
     >>> sheet = SheetTensors(np.array([[0.81, 1.0, 0.0]]), isotropic, np.array([[-0.02, -0.01, 0.0]]))
     >>> values = values_along(sheet, np.eye(2))
-    >>> values.stretch.round(3).tolist(), values.bending.tolist(), values.rolled.tolist()
+    >>> values["stretch"].round(3).tolist(), values["bending"].tolist(), values["rolled"].tolist()
     ([[0.9, 1.0]], [[3.0, 3.0]], [[0.02, 0.01]])
     """
     x, y = np.moveaxis(axes, -1, 0)
@@ -57,13 +39,12 @@ def values_along(tensors: SheetTensors, axes: Floats) -> DirectionalValues:
         return np.einsum("nma,na->nm", forms, components)
 
     moments = np.einsum("nab,nb->na", bending, tensors.curvature * TO_VOIGT)
-    return DirectionalValues(
-        stretch=np.sqrt(along(tensors.metric)),
-        membrane=twice(membrane),
-        bending=twice(bending),
-        curvature=-along(tensors.curvature),
-        rolled=-along(moments) / twice(bending),
-    )
+    return {
+        "stretch": np.sqrt(along(tensors.metric)),
+        "membrane": twice(membrane),
+        "bending": twice(bending),
+        "rolled": -along(moments) / twice(bending),
+    }
 
 
 def stretch_axes(metric: Floats) -> Floats:

@@ -162,7 +162,7 @@ def _over_direction(axes: Axes, law: MotifLaw, varying: list[int], name: str) ->
         colour = _colour(number, len(shown))
         sizes = _sizes(law, {} if value is None else {varying[0]: value})
         found = law.tables[0](sizes)
-        values = getattr(values_along(found, turned), name)[0]
+        values = values_along(found, turned)[name][0]
         label = None if value is None else f"{_name(law, law.plan.sizes[varying[0]])} {value:g} mm"
         axes.plot(degrees, values, color=colour, linewidth=1.3, linestyle="-" if found.inside[0] else ":", label=label)
         if name in ("rolled", "bending"):
@@ -181,7 +181,7 @@ def _over_size(axes: Axes, law: MotifLaw, varying: list[int], name: str) -> str:
     for number, value in enumerate(others):
         colour = _colour(number, len(others))
         found = law.tables[0](_sizes(law, {varying[0]: many} | ({} if value is None else {varying[1]: value})))
-        values: Floats = getattr(values_along(found, stretch_axes(found.metric)), name)
+        values = values_along(found, stretch_axes(found.metric))[name]
         label = "" if value is None else f"{_name(law, law.plan.sizes[varying[1]])} {value:g} mm, "
         _both_axes(axes, many, values, found.inside, colour, label)
     return f"{_name(law, across)}, mm"

@@ -76,7 +76,9 @@ def aligned_cell_mesh(
     for direction in directions:
         along = np.arange(links.segments[direction] + 1)[:, None] * GRID_DIRECTIONS[direction]
         arms.append(MeshPath((along % k) @ [k, 1], along // k))
-    return Tiles(PeriodicTriangles(points, lattice_vectors, corner, image), repeat).star_mesh(arms, surrounded)
+    return Tiles(PeriodicTriangles(points, lattice_vectors, corner, image), repeat).mesh(
+        arms, surrounded, of_stars=True
+    )
 
 
 def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:

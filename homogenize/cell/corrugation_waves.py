@@ -76,21 +76,11 @@ class CorrugationWaves:
 
     def __call__(self, offsets: Floats) -> Floats:
         """(N, W) values of the waves at printed offsets (N, 2), mm, from a star's centre."""
-        return self._of_powers(np.asarray(offsets, dtype=float), *self._steps)
-
-    @cached_property
-    def _steps(self) -> tuple[Floats, Ints]:
-        """The two shortest vectors (2, 2) that are not parallel, and the multiples (W, n, 2) of them that give all."""
-        every = self.reciprocal.reshape(-1, 2)
-        across = np.abs(cross_2d(every[0], every)) > WAVE_TOLERANCE * (every[0] @ every[0])
-        basis = np.array([every[0], every[across.argmax()]])
-        return basis, np.rint(self.reciprocal @ np.linalg.inv(basis)).astype(np.int64)
-
-    def _of_powers(self, offsets: Floats, basis: Floats, steps: Ints) -> Floats:
-        """(N, W) values as products of powers of two waves, which is much faster than sines and cosines."""
+        # products of powers of two waves are much faster than sines and cosines
+        basis, steps = self._steps
         top = int(np.abs(steps).max())
         powers = []
-        for wave in np.exp(1j * (basis @ offsets.T)):
+        for wave in np.exp(1j * (basis @ np.asarray(offsets, dtype=float).T)):
             ladder = [np.ones_like(wave)]
             for _ in range(top):
                 ladder.append(ladder[-1] * wave)
@@ -103,6 +93,14 @@ class CorrugationWaves:
                 known[name] = np.sum([powers[0][i] * powers[1][j] for i, j in orbit.tolist()], axis=0) / len(orbit)
             waves[:, kind] = known[name].imag if odd else known[name].real
         return waves
+
+    @cached_property
+    def _steps(self) -> tuple[Floats, Ints]:
+        """The two shortest vectors (2, 2) that are not parallel, and the multiples (W, n, 2) of them that give all."""
+        every = self.reciprocal.reshape(-1, 2)
+        across = np.abs(cross_2d(every[0], every)) > WAVE_TOLERANCE * (every[0] @ every[0])
+        basis = np.array([every[0], every[across.argmax()]])
+        return basis, np.rint(self.reciprocal @ np.linalg.inv(basis)).astype(np.int64)
 
     def amplitudes(self, offsets: Floats, heights: Floats, weights: Floats) -> Floats:
         """(W,) amplitudes of the least-squares fit to heights, in the unit of the heights.

@@ -72,7 +72,7 @@ def free_cell_mesh(
     frame, arms = _frame(vectors, directions, length, edge_mm)
     if group is not None:
         frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
-    return Tiles(conforming_triangulation(frame, edge_mm), repeat).star_mesh(arms, surrounded)
+    return Tiles(conforming_triangulation(frame, edge_mm), repeat).mesh(arms, surrounded, of_stars=True)
 
 
 def _frame(

@@ -1,7 +1,7 @@
 """The linear response of a cell in equilibrium: its membrane stiffness.
 
-It is the response of the sheet to small strains of its mean surface. These are given, and all other
-variables are in equilibrium:
+It is the response of the sheet to small strains of its mean surface. These are given, and all other variables are in
+equilibrium:
 
     A = (L H^-1 L^T)^-1 / |cell|,
 
@@ -89,6 +89,9 @@ def _strain_rates(cell: UnitCell, tube: Tube) -> Array:
 
 
 def voigt_turn(turn: Array) -> Array:
-    """(3, 3) T: Voigt strains in turned axes from those in the print's, where a stiffness C of theirs is `T^T C T`."""
+    """(3, 3) T, from Voigt strains in the print's axes to those in turned axes.
+
+    A stiffness C in the turned axes is `T^T C T` in those of the print.
+    """
     (a, b), (c, d) = turn
     return np.array([[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]])

@@ -41,7 +41,7 @@ def motif_cell_mesh(
     vectors = motif.vectors
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / MIN_EDGES_A_CELL)
     constraints, paths = _constraints(motif, edge_mm)
-    return Tiles(conforming_triangulation(constraints, edge_mm), repeat).rod_mesh(paths, surrounded)
+    return Tiles(conforming_triangulation(constraints, edge_mm), repeat).mesh(paths, surrounded, of_stars=False)
 
 
 def _constraints(motif: MotifGraph, edge_mm: float) -> tuple[MeshConstraints, list[MeshPath]]:

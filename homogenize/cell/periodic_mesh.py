@@ -39,18 +39,12 @@ class Tiles:
         base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
         return self._number(base.ravel(), *away.reshape(-1, 2).T).reshape(-1, point.shape[1])
 
-    def star_mesh(self, arms: list[MeshPath], surrounded: bool) -> PeriodicMesh:
-        """The whole mesh, with these arms on every star; stars are at point 0."""
-        stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
-        return self._mesh(arms, stars, np.repeat(np.arange(len(stars)), len(arms)), surrounded)
-
-    def rod_mesh(self, rods: list[MeshPath], surrounded: bool) -> PeriodicMesh:
-        """The whole mesh, with these rods in every cell."""
-        none = np.empty(0, dtype=np.int64)
-        return self._mesh(rods, none, none, surrounded)
-
-    def _mesh(self, paths: list[MeshPath], stars: Ints, arm_star: Ints, surrounded: bool) -> PeriodicMesh:
+    def mesh(self, paths: list[MeshPath], surrounded: bool, of_stars: bool) -> PeriodicMesh:
+        """The whole mesh, with these arms on every star, or these rods in every cell; stars are at point 0."""
         mesh = self._triangles
+        stars: Ints = np.empty(0, dtype=np.int64)
+        if of_stars:
+            stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
         triangles = self._all(mesh.corner, mesh.image)
         point, image = _pairs(mesh)
         # a hinge from either side is the same: that whose edge has the lower name
@@ -73,7 +67,7 @@ class Tiles:
             around=around,
             hinges=hinges,
             rods=tuple(rod for of_cell in zip(*rods, strict=True) for rod in of_cell),
-            arm_star=arm_star,
+            arm_star=np.repeat(np.arange(len(stars)), len(paths)),
             star_vertices=stars,
             cell_vectors=cell,
             n_base=len(tiled),

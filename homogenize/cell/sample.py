@@ -224,8 +224,7 @@ def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tu
         out["rest_metric"] = metric
     source, element = _lowest_of_equals(responses["angles_rad"], responses["natural_energy"], group)
     for name in SCALAR_KEYS:
-        if responses[name] is not None:
-            out[name] = np.asarray(responses[name])[source]
+        out[name] = np.asarray(responses[name])[source]
     turned = turns[element]
     out["natural_membrane"] = turned.transpose(0, 2, 1) @ np.asarray(responses["natural_membrane"])[source] @ turned
     return out
