@@ -224,7 +224,7 @@ def _fabric(design: Design) -> list[str]:
     lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
     if design.gravity.on:  # without gravity, the shape does not depend on the modulus
         x, y, z = design.gravity.direction
-        lines.append(f"E {design.fabric.modulus_mpa:g} MPa, weight along ({x:g}, {y:g}, {z:g})")
+        lines.append(f"E {design.fabric.modulus_text}, weight along ({x:g}, {y:g}, {z:g})")
     return lines
 
 

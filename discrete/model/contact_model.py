@@ -46,7 +46,7 @@ class ContactModel(DiscreteModel):
         super().__init__(design, layout, mesh)
         fabric = design.fabric
         distance = min(fabric.thickness_mm, MAX_DISTANCE_FRACTION * self.spacing)
-        self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
+        self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus)
         self._base_pattern = self.pattern
         self._contact_keys: Array = np.empty(0, dtype=np.int64)
         self._pattern_positions: Array | None = None  # positions for whose contacts the pattern has entries

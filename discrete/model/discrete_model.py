@@ -139,7 +139,7 @@ class DiscreteModel(System):
 
     def _rods(self) -> dict[str, Elements]:
         net, points, plastic = self.network, self.mesh.points, self.design.plastic
-        modulus = self.design.fabric.modulus_mpa * plastic.modulus_ratio
+        modulus = self.design.fabric.modulus * plastic.modulus_ratio
         h, w = self.edge_thickness, self.edge_width
         inputs, dofs = stencil_inputs(net, len(points))
         edge_dofs = (3 * net.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
@@ -275,7 +275,7 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
     With the paper's hinges the membrane is that of the paper, constant strain triangles.
     """
     bending, share = FABRIC_BENDING[fabric.bending], None
-    sheet = fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson, fabric.model == "incompressible"
+    sheet = fabric.thickness_mm, fabric.modulus, fabric.poisson, fabric.model == "incompressible"
     sides: dict[str, Elements] = {}
     if bending.needs_neighbours:
         share = flat_share(mesh.triangles, mesh.closed_hinges is not None)

@@ -65,7 +65,7 @@ def prefixed_report(report: Report | None, name: str) -> Report | None:
 def force_scale(model: DiscreteModel) -> float:
     """N, modulus times thickness of the fabric times spacing of the stars: the scale of membrane forces."""
     fabric = model.design.fabric
-    return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
+    return float(fabric.modulus * fabric.thickness_mm * model.spacing)
 
 
 def gradient_tolerance(model: DiscreteModel) -> float:
@@ -189,7 +189,7 @@ class _Continuation:
     def _follow_step(self, model: DiscreteModel, state: State, step: int, factor: Factor, name: str) -> State:
         """Minimise to the path tolerance; perturb an unstable state along its negative mode and minimise again."""
         fabric = model.design.fabric
-        threshold = INSTABILITY_THRESHOLD * fabric.modulus_mpa * fabric.thickness_mm
+        threshold = INSTABILITY_THRESHOLD * fabric.modulus * fabric.thickness_mm
         tolerance = PATH_TOLERANCE * force_scale(model)
         result = self._minimise(model, state, tolerance, factor, "release", name, self.blend)
         self.blend = result.blend

@@ -66,7 +66,7 @@ def cell_gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) 
     """
     fabric = cell.design.fabric
     small = min(1.0, cell.area / abs(float(np.linalg.det(cell.design.lattice.vectors))))  # a cell of bare fabric
-    return part * small * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
+    return part * small * fabric.modulus * fabric.thickness_mm * cell.spacing
 
 
 def relax_flat_cell(cell: UnitCell) -> FlatCell:

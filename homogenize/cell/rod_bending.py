@@ -64,7 +64,7 @@ def rod_bending(design: Design, deformation: Floats) -> Floats:
     rods = design.rods
     assert rods is not None, "a motif has rods"
     motif = motif_graph(rods, design.lattice)
-    modulus = design.fabric.modulus_mpa * design.plastic.modulus_ratio
+    modulus = design.fabric.modulus * design.plastic.modulus_ratio
     shear_modulus = modulus / (2.0 * (1.0 + design.plastic.poisson))
     inverse = np.linalg.inv(deformation)
     stiffness = np.zeros((3, 3))

@@ -257,4 +257,4 @@ class Law(Generic[Table]):
 
     def modulus_ratio(self, design: Design) -> float:
         """Modulus of a design's fabric over that of the cells, to which stiffnesses are proportional."""
-        return design.fabric.modulus_mpa / self.plan.design.fabric.modulus_mpa
+        return design.fabric.modulus / self.plan.design.fabric.modulus

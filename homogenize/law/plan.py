@@ -32,7 +32,7 @@ MATERIAL_TOLERANCE = 2e-3
 # keys of a material that may differ. Without gravity, shapes depend on the ratio of the moduli only; the bending
 # stiffness over the modulus is compared by itself
 FREE_KEYS = {
-    "fabric": {"stretch", "modulus_mpa", "density_kg_m3", "bending_stiffness_n_mm"},
+    "fabric": {"stretch", "modulus_mpa", "grain_deg", "density_kg_m3", "bending_stiffness_n_mm"},
     "plastic": {"density_kg_m3"},
 }
 
@@ -64,7 +64,7 @@ def check_bending(known: Fabric, asked: Fabric) -> None:
     ForeignLaw
         They differ.
     """
-    ours, theirs = ([d / each.modulus_mpa for d in each.bending_tensor] for each in (known, asked))
+    ours, theirs = ([d / each.modulus for d in each.bending_tensor] for each in (known, asked))
     if not same_values(ours, theirs, MATERIAL_TOLERANCE):
         found = f"{theirs[0]:.3g} mm^3: the law is for {ours[0]:.3g} mm^3"
         problem = f"the fabric's bending stiffness over its modulus is {found}"
@@ -407,8 +407,8 @@ class LawPlan:
 
 
 def without_law(design: Design) -> DesignError | None:
-    """Why no law serves a design: bare fabric without bending stiffness, stars on fabric of two stretches, or lines
-    that do not repeat or have stars beside them."""
+    """Why no law serves a design: bare fabric without bending stiffness or with a grain, stars on fabric of two
+    stretches, or lines that do not repeat or have stars beside them."""
     rods = design.rods
     if rods is not None and not rods.motif:
         return DesignError("rods.motif", f"is missing: lines that do not repeat have no law; {_EXACT}")
@@ -417,6 +417,8 @@ def without_law(design: Design) -> DesignError | None:
         return DesignError(beside, f"must be left out: a law is for a motif alone; {_EXACT}")
     if not design.fabric.has_bending:
         return DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
+    if design.fabric.is_orthotropic:
+        return DesignError("fabric", f"has a grain, so it has no law: {_EXACT}", design.fabric.modulus_text)
     sx, sy = design.fabric.stretch_xy
     if rods is None and not same_values(sx, sy):
         problem = f"must be one number: the law of stars is for equal stretch in x and y; {_EXACT}"

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
@@ -14,6 +14,15 @@ from asterism.pattern.design.section import MassDensity, Number, NumberOrPair, S
 
 CurvaturePerMm = Annotated[Number, Field(ge=-1, le=1)]
 HINGES_POISSON = -1.0 / 3.0  # Poisson's ratio of the paper's hinges as a plate
+# exponents of the membrane energy of orthotropic fabric: from the first on it is polyconvex (Itskov and Aksel 2004),
+# and beyond the second it stiffens more than knits do
+MIN_EXPONENT, MAX_EXPONENT = 0.5, 6.0
+# least and largest value of a number or of both, and its unit
+_RANGES = {
+    "stretch": (1.0, 3.0, " (printed length over released length)"),
+    "modulus_mpa": (1e-3, 1e5, ""),
+    "bending_stiffness_n_mm": (1e-6, 1e4, ""),
+}
 
 
 class ResidualCurvature(Section):
@@ -74,38 +83,79 @@ class BendingStiffness(NamedTuple):
         >>> BendingStiffness.isotropic(1.0, -0.5)
         BendingStiffness(d11=1.0, d12=-0.5, d22=1.0, d66=0.75)
         """
-        return cls(stiffness, poisson * stiffness, stiffness, 0.5 * (1.0 - poisson) * stiffness)
+        return cls.orthotropic(stiffness, stiffness, poisson)
+
+    @classmethod
+    def orthotropic(cls, d11: float, d22: float, poisson: float, shear: float = 1.0) -> BendingStiffness:
+        """From the stiffness in two directions, the geometric mean of both Poisson's ratios, and D66 over Huber's."""
+        mean = float(np.sqrt(d11 * d22))
+        return cls(d11, poisson * mean, d22, 0.5 * (1.0 - poisson) * mean * shear)
+
+    @property
+    def mean(self) -> float:
+        """Geometric mean of the stiffness in both directions."""
+        return float(np.sqrt(self.d11 * self.d22))
 
 
 class Fabric(Section):
-    """The stretched fabric.
+    """The stretched fabric, the same in all directions or orthotropic: with moduli along and across its grain.
 
     Attributes
     ----------
     stretch : printed length over released length, the same in x and y or one for each.
-    modulus_mpa : Young's modulus. Without gravity only its ratio to the plastic's matters for the shape.
+    modulus_mpa : Young's modulus, or one along and one across the grain. Without gravity only its ratio to the
+        plastic's matters for the shape.
+    shear_modulus_mpa : of shear between along and across; by default Huber's `sqrt(E1 E2)/(2 (1 + poisson))`, but at
+        most the largest of `shear_range`.
+    poisson : Poisson's ratio; of orthotropic fabric the geometric mean of both, so that `nu12 = poisson sqrt(E1/E2)` is
+        the contraction across of a strip that is pulled along.
+    grain_deg : direction along the grain on the released fabric, counterclockwise from x.
     model : energy of the membrane.
     bending : bending energy: `plate` is the plate that bends like the paper's hinges, `consistent` the plate of this
         thickness, `paper` the hinges themselves, which depend on the mesh.
-    bending_stiffness_n_mm : measured bending stiffness of a plate for each mm of width, in place of those.
+    bending_stiffness_n_mm : measured bending stiffness of a plate for each mm of width, in place of those; or of strips
+        along and across the grain.
     thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
     """
 
     stretch: NumberOrPair = 1.35
     thickness_mm: Number = Field(0.8, ge=0.01, le=10)
-    modulus_mpa: Number = Field(7.1875, ge=1e-3, le=1e5)
+    modulus_mpa: NumberOrPair = 7.1875
+    shear_modulus_mpa: Number | None = Field(None, ge=1e-4, le=1e5)
     poisson: Number = Field(0.3, ge=0, le=0.49)
+    grain_deg: Number = Field(0.0, ge=-360, le=360)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
     bending: Literal["paper", "plate", "consistent", "none"] = "plate"
-    bending_stiffness_n_mm: Number | None = Field(None, ge=1e-6, le=1e4)
+    bending_stiffness_n_mm: NumberOrPair | None = None
     density_kg_m3: MassDensity = 400.0
 
-    @field_validator("stretch")
+    @field_validator("stretch", "modulus_mpa", "bending_stiffness_n_mm")
     @classmethod
-    def _in_range(cls, stretch: float | tuple[float, float]) -> float | tuple[float, float]:
-        if not all(1 <= s <= 3 for s in np.atleast_1d(stretch)):
-            raise DesignError("", "must be from 1 to 3 (printed length over released length)", stretch)
-        return stretch
+    def _in_range(cls, value: Any, info: ValidationInfo) -> Any:
+        low, high, unit = _RANGES[str(info.field_name)]
+        if value is not None and not all(low <= each <= high for each in np.atleast_1d(value)):
+            raise DesignError("", f"must be from {low:g} to {high:g}{unit}", value)
+        return value
+
+    @model_validator(mode="after")
+    def _is_stable(self) -> Self:
+        if not self.is_orthotropic:
+            return self
+        if self.model != "neo-hookean":
+            raise DesignError("model", 'must be "neo-hookean" for fabric that has a grain', self.model)
+        if self.bending_follows_mesh:
+            problem = (
+                'must be "plate", "consistent" or "none" for fabric that has a grain: hinges bend alike everywhere'
+            )
+            raise DesignError("bending", problem, self.bending)
+        low, high = self.shear_range
+        if low > high:
+            most = f"a ratio of at most {self._largest_ratio:.3g} with poisson = {self.poisson:g}"
+            raise DesignError("modulus_mpa", f"must have {most}: beyond it the fabric is unstable", self.modulus_mpa)
+        if not low <= self.shear_modulus <= high:
+            problem = f"must be from {low:.3g} to {high:.3g} for these moduli: beyond it the fabric is unstable"
+            raise DesignError("shear_modulus_mpa", problem, self.shear_modulus_mpa)
+        return self
 
     @model_validator(mode="after")
     def _measured_bending(self) -> Self:
@@ -126,6 +176,81 @@ class Fabric(Section):
         return float(x), float(y)
 
     @property
+    def is_orthotropic(self) -> bool:
+        """Whether any of its stiffnesses depends on the direction of the grain."""
+        pairs = (self.modulus_mpa, self.bending_stiffness_n_mm)
+        return self.shear_modulus_mpa is not None or any(
+            isinstance(each, tuple) and each[0] != each[1] for each in pairs
+        )
+
+    @property
+    def moduli(self) -> tuple[float, float]:
+        """MPa, Young's moduli E1 along and E2 across the grain."""
+        along, across = np.broadcast_to(self.modulus_mpa, 2)
+        return float(along), float(across)
+
+    @property
+    def modulus(self) -> float:
+        """MPa, geometric mean of the moduli: the one to which the plastic's is a ratio."""
+        along, across = self.moduli
+        return float(np.sqrt(along * across))
+
+    @property
+    def shear_modulus(self) -> float:
+        """MPa, shear modulus G between along and across."""
+        huber = self.modulus / (2.0 * (1.0 + self.poisson))
+        return self.shear_modulus_mpa or min(huber, self.shear_range[1])
+
+    @property
+    def shear_range(self) -> tuple[float, float]:
+        """MPa, shear moduli for which both exponents are from `MIN_EXPONENT` to `MAX_EXPONENT`."""
+        low, high = sorted(self._exponents_by_shear)
+        return high / MAX_EXPONENT, low / MIN_EXPONENT
+
+    @property
+    def exponents(self) -> tuple[float, float]:
+        """Exponents `(Q11 - Q12)/(2 G)` and `(Q22 - Q12)/(2 G)` of the membrane energy, with the plane stiffness Q.
+
+        >>> Fabric().exponents, [round(p, 3) for p in Fabric(modulus_mpa=(10.0, 5.0)).exponents]
+        ((1.0, 1.0), [1.592, 0.582])
+        """
+        if not self.is_orthotropic:
+            return 1.0, 1.0
+        along, across = self._exponents_by_shear
+        return along / self.shear_modulus, across / self.shear_modulus
+
+    @property
+    def _exponents_by_shear(self) -> tuple[float, float]:
+        """MPa, the exponents times G."""
+        along, across = ((e - self.poisson * self.modulus) / (2.0 * (1.0 - self.poisson**2)) for e in self.moduli)
+        return along, across
+
+    @property
+    def _largest_ratio(self) -> float:
+        """Ratio of the moduli up to which there is a shear modulus within `shear_range`."""
+        part = MIN_EXPONENT / MAX_EXPONENT  # (1/q - nu) part = q - nu with q^2 = E2/E1
+        half = 0.5 * self.poisson * (1.0 - part)
+        return float((half + np.sqrt(half**2 + part)) ** -2)
+
+    @property
+    def axes(self) -> Floats:
+        """(2, 2) unit vectors along and across the grain on the released fabric, as columns."""
+        angle = np.radians(self.grain_deg)
+        return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+    @property
+    def modulus_text(self) -> str:
+        """The moduli for people.
+
+        >>> Fabric(modulus_mpa=7.0).modulus_text, Fabric(modulus_mpa=(8.0, 4.0), grain_deg=30.0).modulus_text
+        ('7 MPa', '8 MPa along and 4 MPa across the grain at 30 deg')
+        """
+        along, across = self.moduli
+        if not self.is_orthotropic:
+            return f"{along:g} MPa"
+        return f"{along:g} MPa along and {across:g} MPa across the grain at {self.grain_deg:g} deg"
+
+    @property
     def has_bending(self) -> bool:
         """The fabric resists bending."""
         return self.bending != "none"
@@ -139,12 +264,17 @@ class Fabric(Section):
         """
         if not self.has_bending:
             return BendingStiffness(0.0, 0.0, 0.0, 0.0)
+        poisson, plates = self.poisson, 1.0
         if self.bending_stiffness_n_mm is not None:
-            return BendingStiffness.isotropic(self.bending_stiffness_n_mm, self.poisson)
-        of_thickness = self.modulus_mpa * self.thickness_mm**3 / (12.0 * (1.0 - self.poisson**2))
-        if self.bending == "consistent":
-            return BendingStiffness.isotropic(of_thickness, self.poisson)
-        return BendingStiffness.isotropic(3.0 * of_thickness, HINGES_POISSON)
+            along, across = map(float, np.broadcast_to(self.bending_stiffness_n_mm, 2))
+        else:
+            if self.bending != "consistent":
+                poisson, plates = HINGES_POISSON, 3.0
+            along, across = (
+                plates * (e * self.thickness_mm**3 / (12.0 * (1.0 - self.poisson**2))) for e in self.moduli
+            )
+        shear = self.shear_modulus * 2.0 * (1.0 + self.poisson) / self.modulus if self.is_orthotropic else 1.0
+        return BendingStiffness.orthotropic(along, across, poisson, shear)
 
     @property
     def bends_as_plate(self) -> bool:
@@ -170,7 +300,7 @@ class Plastic(Section):
     Attributes
     ----------
     modulus_ratio : Young's modulus of the plastic over the fabric's, E1/E2; it goes with `rest_curvature`,
-        which was used to measure it.
+        which was used to measure it. Of orthotropic fabric the geometric mean of both moduli counts.
     rest_curvature : formula for the curvature of a released arm.
     kappa_bar_per_mm : residual curvature of plastic peeled off its fabric, one number or a table over the thickness.
     density_kg_m3 : used by gravity only.
@@ -191,27 +321,32 @@ def rest_curvature(
     Parameters
     ----------
     thickness_mm : (...) h1, thickness of the plastic.
-    direction : (..., 2) unit vectors along the arms in print coordinates; needed if the stretches differ.
+    direction : (..., 2) unit vectors along the arms in print coordinates; needed if it makes a difference.
 
     Notes
     -----
     The sum of `bilayer_curvature` and `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
-    stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`.
+    stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`. E2 is the fabric's modulus
+    along the arm, see `_strip`.
     """
     h1 = np.asarray(thickness_mm, dtype=float)
-    mismatch = _metric_mismatch(fabric.stretch_xy, direction)
     residual = residual_curvature(h1, plastic.kappa_bar_per_mm)
+    if direction is None:
+        if fabric.is_orthotropic or len(set(fabric.stretch_xy)) > 1:
+            raise ValueError("a fabric that differs by direction needs the direction of the arm")
+        direction = (1.0, 0.0)
+    along = _strip(fabric, direction)
     if plastic.rest_curvature == "none":
-        return residual + np.zeros(np.shape(mismatch))
-    return (
-        bilayer_curvature(h1, fabric.thickness_mm, plastic.modulus_ratio, mismatch, plastic.rest_curvature) + residual
-    )
+        return residual + np.zeros(np.shape(along.tension))
+    ratio = plastic.modulus_ratio * fabric.modulus / along.modulus
+    return bilayer_curvature(h1, fabric.thickness_mm, ratio, along.tension, plastic.rest_curvature) + residual
 
 
 def rest_twist(thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direction: ArrayLike) -> NDArray[np.float64]:
     """Twist (1/mm) of a released arm without neighbours: the off-diagonal part of the rest curvature's tensor.
 
-    It is 0 on a fabric that is stretched equally, and for arms along x or y.
+    It is 0 on fabric that is the same in all directions and stretched equally, and for arms along x or y, if the grain
+    lies along x or y.
 
     Parameters
     ----------
@@ -220,11 +355,10 @@ def rest_twist(thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direct
 
     Notes
     -----
-    With `n` the direction 90 degrees to the left of t, the released metric has the shear component
-    `t . diag(1/sx^2, 1/sy^2) . n`. The shear force of the fabric acts at the same distance from the middle of the
-    plastic as its tension does, and a thin strip of plastic resists the twisting moment as it resists the bending
-    moment, with shear moduli in place of Young's moduli. Hence it is `bilayer_curvature` with the ratio of the shear
-    moduli. A positive twist turns the plastic's normal clockwise about t, by this angle for each mm along t.
+    The shear force of the fabric acts at the same distance from the middle of the plastic as its tension does, and a
+    thin strip of plastic resists the twisting moment as it resists the bending moment, with shear moduli in place of
+    Young's moduli. Hence it is `bilayer_curvature` with the ratio of the shear moduli. A positive twist turns the
+    plastic's normal clockwise about t, by this angle for each mm along t.
 
     Examples
     --------
@@ -234,11 +368,44 @@ def rest_twist(thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direct
     """
     if plastic.rest_curvature == "none":
         return np.zeros(np.broadcast_shapes(np.shape(thickness_mm), np.shape(direction)[:-1]))
-    metric = 1.0 / np.square(fabric.stretch_xy)
-    t = np.asarray(direction, dtype=float)
-    mismatch = (metric[0] - metric[1]) * t[..., 0] * t[..., 1]
-    ratio = plastic.modulus_ratio * (1.0 + fabric.poisson) / (1.0 + plastic.poisson)
-    return bilayer_curvature(thickness_mm, fabric.thickness_mm, ratio, mismatch, plastic.rest_curvature)
+    along = _strip(fabric, direction)
+    ratio = plastic.modulus_ratio * fabric.modulus / (2.0 * (1.0 + plastic.poisson) * along.shear_modulus)
+    return bilayer_curvature(thickness_mm, fabric.thickness_mm, ratio, along.shear, plastic.rest_curvature)
+
+
+class _Strip(NamedTuple):
+    """Fabric that an arm holds: its tension is `modulus tension/2`, its shear stress `shear_modulus shear`."""
+
+    modulus: Floats
+    tension: Floats
+    shear_modulus: Floats
+    shear: Floats
+
+
+def _strip(fabric: Fabric, direction: ArrayLike) -> _Strip:
+    """The fabric below arms of directions t (..., 2) in print coordinates.
+
+    The arm holds the strain of the fabric along t and the shear between t and the direction n to its left. They are
+    half of, and all of, the components of `m = I - diag(1/sx^2, 1/sy^2)`. Across, the strip is free. With the
+    compliances S11, S16 and S66 in these directions,
+
+        [m_tt/2, m_tn] = [[S11, S16], [S16, S66]] [tension, shear stress].
+    """
+    t, stretch = np.asarray(direction, dtype=float), np.asarray(fabric.stretch_xy)
+    m_tt = 1 - np.sum((t / stretch) ** 2, axis=-1)
+    m_tn = (1 / stretch[0] ** 2 - 1 / stretch[1] ** 2) * t[..., 0] * t[..., 1]
+    if not fabric.is_orthotropic:
+        modulus, shear_modulus = np.asarray(fabric.modulus), np.asarray(fabric.shear_modulus)
+        return _Strip(modulus, m_tt, shear_modulus, m_tn)
+    released = t / stretch
+    c, s = np.moveaxis(released @ fabric.axes / np.linalg.norm(released, axis=-1, keepdims=True), -1, 0)
+    along, across = (1 / modulus for modulus in fabric.moduli)
+    both, shear = -fabric.poisson / fabric.modulus, 1 / fabric.shear_modulus
+    s11 = c**4 * along + s**4 * across + c**2 * s**2 * (2 * both + shear)
+    s66 = 4 * c**2 * s**2 * (along + across - 2 * both) + (c**2 - s**2) ** 2 * shear
+    s16 = 2 * c * s * (s**2 * across - c**2 * along + (c**2 - s**2) * (both + shear / 2))
+    part = s16 / s66
+    return _Strip(1 / (s11 - s16 * part), m_tt - 2 * part * m_tn, 1 / (s66 - s16**2 / s11), m_tn - s16 / s11 * m_tt / 2)
 
 
 def bilayer_curvature(
@@ -261,11 +428,3 @@ def bilayer_curvature(
     m = h1 / h2
     stiffness = 3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n))
     return np.asarray(6 * (mismatch / 2) * (1 + m) ** 2 / ((h1 + h2) * stiffness))
-
-
-def _metric_mismatch(stretch: tuple[float, float], direction: ArrayLike | None) -> NDArray[np.float64]:
-    if direction is None:
-        if stretch[0] != stretch[1]:
-            raise ValueError("a fabric stretched differently in x and y needs the direction of the arm")
-        return np.asarray(1 - 1 / stretch[0] ** 2)
-    return np.asarray(1 - np.sum((np.asarray(direction, dtype=float) / stretch) ** 2, axis=-1))

@@ -50,7 +50,7 @@ def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
     scale = 1.0 / np.array([released[0], released[1], np.sqrt(released.prod())])
     amount = share.ravel() * fabric.thickness_mm * np.sqrt(released.prod())
     where = np.flatnonzero(amount)
-    stiff = fabric.modulus_mpa * amount[where]
+    stiff = fabric.modulus * amount[where]
     mu, lam = stiff / (2.0 * (1.0 + fabric.poisson)), stiff * fabric.poisson / (1.0 - fabric.poisson**2)
 
     def term(e: Floats) -> tuple[Floats, Floats, Floats]:

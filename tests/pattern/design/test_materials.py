@@ -3,9 +3,18 @@
 import numpy as np
 import pytest
 
-from asterism.pattern.design.design import Design
+from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
+from asterism.pattern.design.materials import (
+    HINGES_POISSON,
+    MAX_EXPONENT,
+    MIN_EXPONENT,
+    Fabric,
+    Plastic,
+    rest_curvature,
+    rest_twist,
+)
+from asterism.pattern.layout.build import load_design
 
 
 @pytest.mark.parametrize(("h1", "kappa"), [(0.3, 0.02758), (0.4, 0.01269), (0.6, 0.004388)])
@@ -72,3 +81,95 @@ def test_gravity_needs_a_real_modulus():
     with pytest.raises(DesignError, match=r"fabric\.modulus_mpa"):
         Design.from_dict(design)
     assert Design.from_dict({**design, "fabric": {"modulus_mpa": 0.01}}).gravity.on
+
+
+def knit(**fabric: object) -> Fabric:
+    return Fabric.model_validate({"modulus_mpa": [9.0, 4.0], **fabric})
+
+
+def test_a_grain_survives_the_file(tmp_path):
+    fabric = {
+        "modulus_mpa": [9.0, 4.0],
+        "shear_modulus_mpa": 1.5,
+        "grain_deg": 30.0,
+        "bending_stiffness_n_mm": [0.4, 0.3],
+    }
+    design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 0}, "fabric": fabric})
+    save_design(design, tmp_path / "knit.toml")
+    assert load_design(tmp_path / "knit.toml") == design
+    assert design.fabric.moduli == (9.0, 4.0) and design.fabric.modulus == 6.0
+
+
+def test_equal_moduli_are_one_modulus():
+    one, two = Fabric(modulus_mpa=7.0), Fabric(modulus_mpa=(7.0, 7.0), grain_deg=20.0)
+    assert not two.is_orthotropic and two.exponents == (1.0, 1.0)
+    assert (one.modulus, one.shear_modulus, one.bending_tensor) == (two.modulus, two.shear_modulus, two.bending_tensor)
+
+
+@pytest.mark.parametrize("moduli", [(4.0, 4.0), (9.0, 4.0), (4.0, 9.0), (16.0, 4.0)])
+def test_default_shear_modulus(moduli):
+    """Huber's where the membrane is polyconvex with it."""
+    fabric = Fabric(modulus_mpa=moduli)
+    huber = fabric.modulus / (2 * (1 + fabric.poisson))
+    assert fabric.shear_modulus == pytest.approx(min(huber, fabric.shear_range[1]))
+    assert (fabric.shear_modulus < 0.99 * huber) == (max(moduli) == 16.0)
+    assert min(fabric.exponents) >= MIN_EXPONENT - 1e-12 and max(fabric.exponents) <= MAX_EXPONENT
+
+
+@pytest.mark.parametrize("bending", ["consistent", "plate"])
+def test_bending_by_direction(bending):
+    """Plates of the thickness in both directions; the shear modulus resists twisting."""
+    plates, ratio = (1, 0.3) if bending == "consistent" else (3, HINGES_POISSON)
+    moment = plates * 0.8**3 / 12 / (1 - 0.3**2)
+    d11, d12, d22, d66 = knit(bending=bending).bending_tensor
+    np.testing.assert_allclose([d11, d22, d12], moment * np.array([9.0, 4.0, ratio * 6.0]))
+    assert d66 == pytest.approx(0.5 * (1 - ratio) * moment * 6.0)
+    assert knit(bending=bending, shear_modulus_mpa=1.2).bending_tensor.d66 == pytest.approx(d66 * 1.2 * 2.6 / 6.0)
+    assert Fabric(bending="consistent", modulus_mpa=7.0, bending_stiffness_n_mm=(0.4, 0.1)).bending_tensor == (
+        0.4,
+        pytest.approx(0.3 * 0.2),
+        0.1,
+        pytest.approx(0.35 * 0.2),
+    )
+
+
+def test_rest_curvature_by_direction():
+    """Along and across, Eq. (1) with the modulus of that direction, in both formulas."""
+    t = np.column_stack([np.cos([0.1, 0.1 + np.pi / 2]), np.sin([0.1, 0.1 + np.pi / 2])])
+    for formula in ("paper", "timoshenko"):
+        plastic = Plastic(modulus_ratio=300.0, rest_curvature=formula)
+        fabric = knit(grain_deg=np.degrees(0.1))
+        expected = [
+            rest_curvature(0.3, Fabric(), plastic.model_copy(update={"modulus_ratio": 300.0 * 6.0 / e}))
+            for e in (9.0, 4.0)
+        ]
+        np.testing.assert_allclose(rest_curvature(0.3, fabric, plastic, t), expected, rtol=1e-12)
+        assert np.abs(rest_twist(0.3, fabric, plastic, t)).max() < 1e-15
+    with pytest.raises(ValueError, match="direction"):
+        rest_curvature(0.3, knit(), Plastic())
+
+
+@pytest.mark.parametrize("stretch", [(1.35, 1.35), (1.35, 1.2)])
+def test_arms_carry_the_stress_of_the_fabric_below_them(stretch):
+    """Off the grain: the moments of the stress of fabric that is held along the arm and in shear, and free across."""
+    angle, grain = np.radians(25.0), np.radians(-20.0)
+    t, n = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    fabric = knit(grain_deg=-20.0, stretch=stretch)
+    e1, e2, mean = 9.0, 4.0, 6.0
+    compliance = np.array(
+        [[1 / e1, -0.3 / mean, 0.0], [-0.3 / mean, 1 / e2, 0.0], [0.0, 0.0, 1 / fabric.shear_modulus]]
+    )
+    released = t / stretch
+    beta = np.arctan2(released[1], released[0]) - grain
+    c, s = np.cos(beta), np.sin(beta)
+    # stresses along the arm to those along the grain, and strains the other way by its transpose
+    turn = np.array([[c * c, s * s, -2 * s * c], [s * s, c * c, 2 * s * c], [s * c, -s * c, c * c - s * s]])
+    in_arm = turn.T @ compliance @ turn
+    m = np.eye(2) - np.diag(1 / np.square(stretch))
+    tension, shear = np.linalg.solve(in_arm[np.ix_([0, 2], [0, 2])], [t @ m @ t / 2, t @ m @ n])
+    h1, h2, plastic = 0.3, 0.8, Plastic()
+    lever = 6 * h2 * (h1 + h2) / h1**3
+    e_plastic = plastic.modulus_ratio * mean
+    assert float(rest_curvature(h1, fabric, plastic, t)) == pytest.approx(lever * 2 * tension / e_plastic, rel=1e-12)
+    twist = lever * shear / (e_plastic / (2 * (1 + plastic.poisson)))
+    assert float(rest_twist(h1, fabric, plastic, t)) == pytest.approx(twist, rel=1e-12)
