@@ -1,12 +1,16 @@
 """Membrane energy of the fabric: constant strain triangles of a hyperelastic membrane.
 
-With the deformation gradient F (3 x 2), `C = F^T F`, `J = sqrt(det C)` and `L = ln J`, the energy per rest volume is
+With the deformation gradient F (3 x 2) by coordinates along and across the grain, `C = F^T F`, `J = sqrt(det C)` and
+`L = ln J`, the energy per rest volume is
 
-    W = mu/2 (tr C - 2) - alpha L + lam/2 L^2 + beta/2 (exp(-2 L) - 1).
+    W = mu/2 [(C11^p - 1)/p + (C22^q - 1)/q] - alpha L + lam/2 L^2 + beta/2 (exp(-2 L) - 1).
 
-Neo-Hookean (plane stress): `alpha = mu`, `beta = 0`, `mu = E/(2 (1 + nu))`, `lam = E nu/(1 - nu^2)`.
-Incompressible: `alpha = lam = 0`, `beta = mu = E/3`, which is `mu/2 (tr C + 1/det C - 3)`.
-Both energies go to infinity as a triangle collapses (J -> 0).
+Neo-Hookean (plane stress): `p = q = 1`, `alpha = mu`, `beta = 0`, `mu = E/(2 (1 + nu))`, `lam = E nu/(1 - nu^2)`.
+Incompressible: `p = q = 1`, `alpha = lam = 0`, `beta = mu = E/3`, which is `mu/2 (tr C + 1/det C - 3)`.
+Orthotropic: `mu = alpha = G`, `lam = Q12`, `p = (Q11 - Q12)/(2 G)`, `q = (Q22 - Q12)/(2 G)`, so that small strains have
+the plane stiffness Q and the shear modulus G. The powers of C11 and C22 are terms of Itskov and Aksel (2004, doi
+10.1016/j.ijsolstr.2004.02.027); from an exponent of 1/2 on they are convex in F.
+All energies go to infinity as a triangle collapses (J -> 0).
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ import numpy as np
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.materials import Fabric
 from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 
 
@@ -37,6 +42,13 @@ def volumetric_derivatives(p, log_j):  # type: ignore[no-untyped-def]
 
 
 @formula
+def fibre_derivatives(p, c11, c22):  # type: ignore[no-untyped-def]
+    """Twice the first and four times the second derivatives of the powers by C11 and C22."""
+    m1, m2 = p[6] * c11 ** (p[10] - 1.0), p[6] * c22 ** (p[11] - 1.0)
+    return m1, m2, 2.0 * (p[10] - 1.0) * m1 / c11, 2.0 * (p[11] - 1.0) * m2 / c22
+
+
+@formula
 def negative_stress(p, s11, s12, s22):  # type: ignore[no-untyped-def]
     """Components 11, 12, 22 of the negative part of a stress: by its eigenvalues, a linear polynomial of the stress."""
     mean, half = 0.5 * (s11 + s22), np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
@@ -48,9 +60,9 @@ def negative_stress(p, s11, s12, s22):  # type: ignore[no-untyped-def]
 
 @formula
 def strain_energy(p, c11, c22, log_j):  # type: ignore[no-untyped-def]
-    """W times the rest volume V, in N mm; p[6:10] = (mu V, alpha V, lam V, beta V)."""
+    """W times the rest volume V, in N mm; p[6:12] = (mu V, alpha V, lam V, beta V, p, q)."""
     return (
-        0.5 * p[6] * (c11 + c22 - 2.0)
+        0.5 * p[6] * ((c11 ** p[10] - 1.0) / p[10] + (c22 ** p[11] - 1.0) / p[11])
         - p[7] * log_j
         + 0.5 * p[8] * log_j * log_j
         + 0.5 * p[9] * (np.exp(-2.0 * log_j) - 1.0)
@@ -59,19 +71,20 @@ def strain_energy(p, c11, c22, log_j):  # type: ignore[no-untyped-def]
 
 @formula
 def membrane_energy(q, p):  # type: ignore[no-untyped-def]
-    """Energy of a triangle in N mm; p = (b0, b1, b2, mu V, alpha V, lam V, beta V), b_i shape gradients, V volume."""
+    """Energy of a triangle in N mm; p = (b0, b1, b2, mu V, alpha V, lam V, beta V, p, q), b_i shape gradients."""
     _, _, c11, _, c22, log_j = invariants(q, p)
     return strain_energy(p, c11, c22, log_j)
 
 
 @formula
 def membrane_gradient(q, p, g):  # type: ignore[no-untyped-def]
-    """`dW/dx_i = V (mu F b_i + a G b_i)` with `G = F C^-1` and `a = dW/dL`."""
+    """`dW/dx_i = V (F M b_i + a G b_i)` with `G = F C^-1`, `a = dW/dL` and `M = diag(m1, m2)` of the powers."""
     f1, f2, c11, c12, c22, log_j = invariants(q, p)
     a, _ = volumetric_derivatives(p, log_j)
+    m1, m2, _, _ = fibre_derivatives(p, c11, c22)
     scale = a / (c11 * c22 - c12 * c12)
-    # second Piola-Kirchhoff stress mu I + a C^-1, times the rest volume
-    s11, s12, s22 = p[6] + scale * c22, -scale * c12, p[6] + scale * c11
+    # second Piola-Kirchhoff stress M + a C^-1, times the rest volume
+    s11, s12, s22 = m1 + scale * c22, -scale * c12, m2 + scale * c11
     p1, p2 = combine(s11, f1, s12, f2), combine(s12, f1, s22, f2)
     for i in range(3):
         for k in range(3):
@@ -80,11 +93,12 @@ def membrane_gradient(q, p, g):  # type: ignore[no-untyped-def]
 
 @formula
 def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
-    """Blocks `mu (b_i.b_j) I + lam' g_i g_j^T + a ((g_i.g_j) n n^T - g_j g_i^T)`, `g_i = G b_i`, `lam' = d2W/dL2`.
+    """Blocks `(b_i.M b_j) I + lam' g_i g_j^T + a ((g_i.g_j) n n^T - g_j g_i^T)`, `g_i = G b_i`, `lam' = d2W/dL2`, and
+    the second derivatives of the powers along the columns of F.
 
-    Two terms can be indefinite: the geometric stiffness along the normal, n n^T times the second Piola-Kirchhoff
-    stress (in compression), and the in-plane spin (eigenvalue `mu + a/J`). `blend` is the share of their negative
-    eigenvalues that is left out.
+    Three terms can be indefinite: the geometric stiffness along the normal, n n^T times the second Piola-Kirchhoff
+    stress (in compression), the in-plane spin (eigenvalue at least `min(m1, m2) + a/J`), and powers with exponents
+    below 1. `blend` is the share of their negative eigenvalues that is left out.
     """
     f1, f2, c11, c12, c22, log_j = invariants(q, p)
     a, a_prime = volumetric_derivatives(p, log_j)
@@ -93,14 +107,16 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     n = multiply(1.0 / j, cross(f1, f2))
     g1 = combine(c22 / det, f1, -c12 / det, f2)
     g2 = combine(c11 / det, f2, -c12 / det, f1)
-    n11, n12, n22 = negative_stress(p, p[6] + a * c22 / det, -a * c12 / det, p[6] + a * c11 / det)
+    m1, m2, k1, k2 = fibre_derivatives(p, c11, c22)
+    k1, k2 = k1 - blend * np.minimum(k1, 0.0), k2 - blend * np.minimum(k2, 0.0)
+    n11, n12, n22 = negative_stress(p, m1 + a * c22 / det, -a * c12 / det, m2 + a * c11 / det)
     # polar rotation F U^-1, U = (C + J I)/sqrt(tr C + 2 J), and the spin mode n x R b_i
     root = np.sqrt(c11 + c22 + 2.0 * j)
     u11, u12, u22 = (c11 + j) / root, c12 / root, (c22 + j) / root
     r1 = combine(u22 / j, f1, -u12 / j, f2)
     r2 = combine(u11 / j, f2, -u12 / j, f1)
     spin1, spin2 = cross(n, r1), cross(n, r2)
-    spin = -0.5 * blend * np.minimum(p[6] + a / j, 0.0)
+    spin = -0.5 * blend * np.minimum(np.minimum(m1, m2) + a / j, 0.0)
     for i in range(3):
         bi1, bi2 = p[2 * i], p[2 * i + 1]
         gi = combine(bi1, g1, bi2, g2)
@@ -109,13 +125,19 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
             bk1, bk2 = p[2 * k], p[2 * k + 1]
             gk = combine(bk1, g1, bk2, g2)
             vk = combine(bk1, spin1, bk2, spin2)
-            identity = p[6] * (bi1 * bk1 + bi2 * bk2)
+            identity = m1 * bi1 * bk1 + m2 * bi2 * bk2
+            along, across = k1 * bi1 * bk1, k2 * bi2 * bk2
             lift = bi1 * (n11 * bk1 + n12 * bk2) + bi2 * (n12 * bk1 + n22 * bk2)
             normal = a * dot(gi, gk) - blend * lift
             for r in range(3):
                 for c in range(3):
                     h[3 * i + r, 3 * k + c] = (
-                        a_prime * gi[r] * gk[c] - a * gk[r] * gi[c] + normal * n[r] * n[c] + spin * vi[r] * vk[c]
+                        a_prime * gi[r] * gk[c]
+                        - a * gk[r] * gi[c]
+                        + normal * n[r] * n[c]
+                        + spin * vi[r] * vk[c]
+                        + along * f1[r] * f1[c]
+                        + across * f2[r] * f2[c]
                     )
                 h[3 * i + r, 3 * k + r] += identity
 
@@ -127,13 +149,12 @@ class Membrane(Elements):
     ----------
     triangles : (T, 3) vertices, counterclockwise.
     rest : (V, 2) mm, the unstretched fabric.
-    thickness, modulus, poisson : mm, MPa, 1.
-    incompressible : use the incompressible law instead of the neo-Hookean one.
+    fabric : its thickness, moduli and grain; its stretch does not matter.
     share : (T,) part of its energy that each triangle keeps, see `discrete.energies.side_membrane`; all by default.
 
     Attributes
     ----------
-    whole : (T, 10) `membrane_params`, which are the parameters of triangles that keep all of their energy.
+    whole : (T, 12) `membrane_params`, which are the parameters of triangles that keep all of their energy.
 
     Examples
     --------
@@ -141,7 +162,7 @@ class Membrane(Elements):
     `E/(1 - nu) strain^2` per volume in plane stress:
 
     >>> rest = np.array([[0, 0], [1, 0], [0, 1.0]])
-    >>> fabric = Membrane(np.array([[0, 1, 2]]), rest, 1.0, 7.0, 0.3)
+    >>> fabric = Membrane(np.array([[0, 1, 2]]), rest, Fabric(thickness_mm=1.0, modulus_mpa=7.0, poisson=0.3))
     >>> stretched = np.column_stack([1.01 * rest, np.zeros(3)])
     >>> round(float(fabric.energies(stretched.ravel())[0]), 6), round(0.5 * 7.0 / 0.7 * 0.01**2, 6)
     (0.000497, 0.0005)
@@ -150,42 +171,33 @@ class Membrane(Elements):
     formulas = (membrane_energy, membrane_gradient, membrane_hessian)
     sweep = staticmethod(sweep(9, 9, *formulas))
 
-    def __init__(
-        self,
-        triangles: Array,
-        rest: Array,
-        thickness: float,
-        modulus: float,
-        poisson: float,
-        incompressible: bool = False,
-        share: Array | None = None,
-    ) -> None:
+    def __init__(self, triangles: Array, rest: Array, fabric: Fabric, share: Array | None = None) -> None:
         dofs = (3 * triangles[:, :, None] + np.arange(3)).reshape(len(triangles), 9)
-        self._triangles, self._sheet, self._share = triangles, (thickness, modulus, poisson, incompressible), share
-        super().__init__(dofs, dofs, np.empty((len(triangles), 10)))
+        self._triangles, self._fabric, self._share = triangles, fabric, share
+        super().__init__(dofs, dofs, np.empty((len(triangles), 12)))
         self.set_rest(rest)
 
     def set_rest(self, rest: Array) -> None:
         """Set the unstretched fabric (V, 2) mm."""
-        self.whole = membrane_params(self._triangles, rest, *self._sheet)
+        self.whole = membrane_params(self._triangles, rest, self._fabric)
         self.params[:] = self.whole
         if self._share is not None:
-            self.params[:, 6:] *= self._share[:, None]
+            self.params[:, 6:10] *= self._share[:, None]
 
 
-def membrane_params(
-    triangles: Array, rest: Array, thickness: float, modulus: float, poisson: float, incompressible: bool
-) -> Array:
-    """(T, 10) parameters of `Membrane`; arguments as there.
+def membrane_params(triangles: Array, rest: Array, fabric: Fabric) -> Array:
+    """(T, 12) parameters of `Membrane`; arguments as there.
 
-    Gradients of the three shape functions (1/mm), and mu, alpha, lam, beta times the rest volume (N mm).
+    Gradients of the three shape functions along and across the grain (1/mm), mu, alpha, lam and beta times the rest
+    volume (N mm), and the exponents.
     """
-    if incompressible:
-        mu = modulus / 3.0
+    if fabric.model == "incompressible":
+        mu = fabric.modulus / 3.0
         lame = (mu, 0.0, 0.0, mu)
     else:
-        mu = modulus / (2.0 * (1.0 + poisson))
-        lame = (mu, mu, modulus * poisson / (1.0 - poisson**2), 0.0)
-    gradients = triangle_gradients(rest, triangles).reshape(len(triangles), 6)
-    volume = thickness * triangle_areas(rest, triangles)
-    return np.column_stack([gradients, volume[:, None] * np.asarray(lame)])
+        mu = fabric.shear_modulus
+        lame = (mu, mu, fabric.modulus * fabric.poisson / (1.0 - fabric.poisson**2), 0.0)
+    gradients = triangle_gradients(rest @ fabric.axes, triangles).reshape(len(triangles), 6)
+    volume = fabric.thickness_mm * triangle_areas(rest, triangles)
+    exponents = np.broadcast_to(fabric.exponents, (len(triangles), 2))
+    return np.column_stack([gradients, volume[:, None] * np.asarray(lame), exponents])

@@ -12,8 +12,9 @@ bending costs no membrane energy. Homogeneous stress leaves every vertex in equi
 Flat triangles keep the share s, and the thirds at sides without a second triangle (`flat_share`). Without it a triangle
 could collapse at no cost: fine meshes at the tips of arms then find no equilibrium.
 
-Derivatives. With the strain `E = (C - I)/2`, the second Piola-Kirchhoff stress `S = mu I + a C^-1`, `a = dw/dL` and
-`lam' = d2w/dL2`, the variations are `dW = S : dE` and `d2W = lam' (C^-1 : dE)^2 - 2 a tr(C^-1 dE C^-1 dE) + S : d2E`.
+Derivatives. With the strain `E = (C - I)/2`, the second Piola-Kirchhoff stress `S = M + a C^-1`, `M = diag(m1, m2)` of
+the powers along and across the grain, `a = dw/dL` and `lam' = d2w/dL2`, the variations are `dW = S : dE` and
+`d2W = lam' (C^-1 : dE)^2 - 2 a tr(C^-1 dE C^-1 dE) + k1 dE11^2 + k2 dE22^2 + S : d2E`.
 """
 
 from __future__ import annotations
@@ -22,8 +23,15 @@ import numpy as np
 
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, dot, formula, point, sweep
-from asterism.discrete.energies.membrane import membrane_params, negative_stress, strain_energy, volumetric_derivatives
+from asterism.discrete.energies.membrane import (
+    fibre_derivatives,
+    membrane_params,
+    negative_stress,
+    strain_energy,
+    volumetric_derivatives,
+)
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.materials import Fabric
 from asterism.pattern.geometry.planar import triangle_areas
 
 # s, share of the flat triangles
@@ -36,8 +44,8 @@ def _columns(q, p):  # type: ignore[no-untyped-def]
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
     f1 = combine(1.0, combine(p[0], x0, p[2], x1), p[4], x2)
     f2 = combine(1.0, combine(p[1], x0, p[3], x1), p[5], x2)
-    g1 = combine(1.0, combine(p[10], x0, p[12], x1), p[14], x3)
-    g2 = combine(1.0, combine(p[11], x0, p[13], x1), p[15], x3)
+    g1 = combine(1.0, combine(p[12], x0, p[14], x1), p[16], x3)
+    g2 = combine(1.0, combine(p[13], x0, p[15], x1), p[17], x3)
     return f1, f2, g1, g2
 
 
@@ -56,16 +64,16 @@ def _shape_gradient(p, i):  # type: ignore[no-untyped-def]
     if i == 2:
         return p[4], p[5], none, none
     if i == 3:
-        return none, none, p[14], p[15]
-    return p[2 * i], p[2 * i + 1], p[10 + 2 * i], p[11 + 2 * i]
+        return none, none, p[16], p[17]
+    return p[2 * i], p[2 * i + 1], p[12 + 2 * i], p[13 + 2 * i]
 
 
 @formula
 def side_membrane_energy(q, p):  # type: ignore[no-untyped-def]
     """Energy of a side (x0, x1) in N mm, with apex x2 on its left and x3 on its right.
 
-    p = (b0, b1, b2, mu V, alpha V, lam V, beta V, b0', b1', b3') with the shape gradients b of the left triangle and b'
-    of the right one, times the roots of their parts of the area, and the volume V of the side.
+    p = (b0, b1, b2, mu V, alpha V, lam V, beta V, p, q, b0', b1', b3') with the shape gradients b of the left triangle
+    and b' of the right one, times the roots of their parts of the area, and the volume V of the side.
     """
     f1, f2, g1, g2 = _columns(q, p)
     c11, _, c22, _, log_j = _metric(f1, f2, g1, g2)
@@ -78,7 +86,8 @@ def side_membrane_gradient(q, p, g):  # type: ignore[no-untyped-def]
     f1, f2, g1, g2 = _columns(q, p)
     c11, c12, c22, det, log_j = _metric(f1, f2, g1, g2)
     a, _ = volumetric_derivatives(p, log_j)
-    s11, s12, s22 = p[6] + a * c22 / det, -a * c12 / det, p[6] + a * c11 / det
+    m1, m2, _, _ = fibre_derivatives(p, c11, c22)
+    s11, s12, s22 = m1 + a * c22 / det, -a * c12 / det, m2 + a * c11 / det
     left1, left2 = combine(s11, f1, s12, f2), combine(s12, f1, s22, f2)
     right1, right2 = combine(s11, g1, s12, g2), combine(s12, g1, s22, g2)
     for i in range(4):
@@ -98,12 +107,13 @@ def _strain_rates(p, i, f1, f2, g1, g2):  # type: ignore[no-untyped-def]
 
 @formula
 def side_membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
-    """The second variation. Of a negative part of the stress, and of a positive a, the share `blend` is left out."""
+    """The second variation. Of a negative part of the stress, a positive a and negative k, `blend` is left out."""
     f1, f2, g1, g2 = _columns(q, p)
     c11, c12, c22, det, log_j = _metric(f1, f2, g1, g2)
     a, a_prime = volumetric_derivatives(p, log_j)
     i11, i12, i22 = c22 / det, -c12 / det, c11 / det
-    s11, s12, s22 = p[6] + a * i11, a * i12, p[6] + a * i22
+    m1, m2, k1, k2 = fibre_derivatives(p, c11, c22)
+    s11, s12, s22 = m1 + a * i11, a * i12, m2 + a * i22
     n11, n12, n22 = negative_stress(p, s11, s12, s22)
     s11, s12, s22 = s11 - blend * n11, s12 - blend * n12, s22 - blend * n22
     # stiffness of the law by E11, 2 E12 and E22
@@ -111,6 +121,7 @@ def side_membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     both = a_prime - 2.0 * shear
     d11, d12, d13 = both * i11 * i11, both * i11 * i12, a_prime * i11 * i22 - 2.0 * shear * i12 * i12
     d22, d23, d33 = a_prime * i12 * i12 - shear * (i11 * i22 + i12 * i12), both * i12 * i22, both * i22 * i22
+    d11, d33 = d11 + k1 - blend * np.minimum(k1, 0.0), d33 + k2 - blend * np.minimum(k2, 0.0)
     for i in range(4):
         l1, l2, r1, r2 = _shape_gradient(p, i)
         e11, e12, e22 = _strain_rates(p, i, f1, f2, g1, g2)
@@ -140,7 +151,7 @@ class SideMembrane(Elements):
     ----------
     hinges : (H, 4) vertices: the side, the apex on its left, and the apex on its right.
     rest : (V, 2) mm, the unstretched fabric.
-    sheet : thickness (mm), modulus (MPa), Poisson's ratio, and whether the law is the incompressible one.
+    fabric : as of `discrete.energies.membrane.Membrane`.
 
     Examples
     --------
@@ -149,7 +160,7 @@ class SideMembrane(Elements):
 
     >>> rest = np.array([[-1, 1], [1, -1], [1, 1], [-1, -1.0]])
     >>> bent = np.column_stack([rest[:, 0] + 1e-3 * rest[:, 0] * rest[:, 1], rest[:, 1], 0.0 * rest[:, 0]])
-    >>> side = SideMembrane(np.array([[0, 1, 3, 2]]), rest, (1.0, 7.0, 0.0, False))
+    >>> side = SideMembrane(np.array([[0, 1, 3, 2]]), rest, Fabric(thickness_mm=1.0, modulus_mpa=7.0, poisson=0.0))
     >>> float(side.energies(bent.ravel())[0]) < 2e-6
     True
     """
@@ -157,21 +168,22 @@ class SideMembrane(Elements):
     formulas = (side_membrane_energy, side_membrane_gradient, side_membrane_hessian)
     sweep = staticmethod(sweep(12, 12, *formulas))
 
-    def __init__(self, hinges: Array, rest: Array, sheet: tuple[float, float, float, bool]) -> None:
+    def __init__(self, hinges: Array, rest: Array, fabric: Fabric) -> None:
         dofs = (3 * hinges[:, :, None] + np.arange(3)).reshape(len(hinges), 12)
-        self._hinges, self._sheet = hinges, sheet
-        super().__init__(dofs, dofs, np.empty((len(hinges), 16)))
+        self._hinges, self._fabric = hinges, fabric
+        super().__init__(dofs, dofs, np.empty((len(hinges), 18)))
         self.set_rest(rest)
 
     def set_rest(self, rest: Array) -> None:
         """Set the unstretched fabric (V, 2) mm."""
         left, right = self._hinges[:, [0, 1, 2]], self._hinges[:, [0, 1, 3]]
-        one, other = (membrane_params(corners, rest, *self._sheet) for corners in (left, right[:, [1, 0, 2]]))
+        one, other = (membrane_params(corners, rest, self._fabric) for corners in (left, right[:, [1, 0, 2]]))
         area = triangle_areas(rest, left)
         part = area / (area + triangle_areas(rest, right[:, [1, 0, 2]]))
         self.params[:, :6] = np.sqrt(part)[:, None] * one[:, :6]
-        self.params[:, 6:10] = (1.0 - FLAT_SHARE) / 3.0 * (one[:, 6:] + other[:, 6:])
-        self.params[:, 10:] = np.sqrt(1.0 - part)[:, None] * other[:, [2, 3, 0, 1, 4, 5]]
+        self.params[:, 6:10] = (1.0 - FLAT_SHARE) / 3.0 * (one[:, 6:10] + other[:, 6:10])
+        self.params[:, 10:12] = one[:, 10:]
+        self.params[:, 12:] = np.sqrt(1.0 - part)[:, None] * other[:, [2, 3, 0, 1, 4, 5]]
 
 
 def flat_share(triangles: Array, closed: bool) -> Array:

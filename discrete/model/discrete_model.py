@@ -275,12 +275,11 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
     With the paper's hinges the membrane is that of the paper, constant strain triangles.
     """
     bending, share = FABRIC_BENDING[fabric.bending], None
-    sheet = fabric.thickness_mm, fabric.modulus, fabric.poisson, fabric.model == "incompressible"
     sides: dict[str, Elements] = {}
     if bending.needs_neighbours:
         share = flat_share(mesh.triangles, mesh.closed_hinges is not None)
-        sides = {"membrane_sides": SideMembrane(mesh.hinges, mesh.printed, sheet)}
-    membrane = {"membrane": Membrane(mesh.triangles, mesh.printed, *sheet, share)}
+        sides = {"membrane_sides": SideMembrane(mesh.hinges, mesh.printed, fabric)}
+    membrane = {"membrane": Membrane(mesh.triangles, mesh.printed, fabric, share)}
     return membrane | sides | bending.build(mesh, fabric.bending_tensor)
 
 

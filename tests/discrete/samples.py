@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from asterism.discrete.energies.rods.twist import RodTwist
 from asterism.discrete.energies.side_membrane import SideMembrane
 from asterism.discrete.model.state import State, moved_state
 from asterism.equilibrium.arrays import Array
-from asterism.pattern.design.materials import BendingStiffness
+from asterism.pattern.design.materials import BendingStiffness, Fabric
 
 COUNT = 40
 
@@ -60,30 +61,25 @@ def strained(rng: np.random.Generator, rest: Array, bent: bool) -> State:
     return State(positions, np.zeros((0, 3)))
 
 
-def membrane(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
+SHEET = Fabric(modulus_mpa=7.0)
+RUBBER = Fabric(modulus_mpa=7.0, model="incompressible")
+KNIT = Fabric(modulus_mpa=(11.0, 4.0), grain_deg=25.0)
+
+
+def membrane(rng: np.random.Generator, bent: bool, fabric: Fabric = SHEET) -> Sample:
     """Triangles as `strained`."""
     triangles = np.arange(3 * COUNT).reshape(COUNT, 3)
     rest = np.tile([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1]], (COUNT, 1)) + 0.2 * rng.normal(size=(3 * COUNT, 2))
-    elements = Membrane(triangles, rest, 0.8, 7.0, 0.3, incompressible)
+    elements = Membrane(triangles, rest, fabric)
     return Sample(elements, strained(rng, rest, bent), np.zeros((0, 2), dtype=int))
 
 
-def incompressible_membrane(rng: np.random.Generator, bent: bool) -> Sample:
-    """The other law of the membrane."""
-    return membrane(rng, bent, incompressible=True)
-
-
-def sides(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
+def sides(rng: np.random.Generator, bent: bool, fabric: Fabric = SHEET) -> Sample:
     """Pairs of triangles as `strained`."""
     corners = np.array([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1], [0.8, -0.9]])
     rest = np.tile(corners, (COUNT, 1)) + 0.15 * rng.normal(size=(4 * COUNT, 2))
-    elements = SideMembrane(np.arange(4 * COUNT).reshape(COUNT, 4), rest, (0.8, 7.0, 0.3, incompressible))
+    elements = SideMembrane(np.arange(4 * COUNT).reshape(COUNT, 4), rest, fabric)
     return Sample(elements, strained(rng, rest, bent), np.zeros((0, 2), dtype=int))
-
-
-def incompressible_sides(rng: np.random.Generator, bent: bool) -> Sample:
-    """The other law of the membrane."""
-    return sides(rng, bent, incompressible=True)
 
 
 def hinges(rng: np.random.Generator, bent: bool) -> Sample:
@@ -216,9 +212,11 @@ def rod_joint(rng: np.random.Generator, bent: bool) -> Sample:
 
 SAMPLES: dict[str, Callable[[np.random.Generator, bool], Sample]] = {
     "membrane": membrane,
-    "incompressible membrane": incompressible_membrane,
+    "incompressible membrane": partial(membrane, fabric=RUBBER),
+    "orthotropic membrane": partial(membrane, fabric=KNIT),
     "sides": sides,
-    "incompressible sides": incompressible_sides,
+    "incompressible sides": partial(sides, fabric=RUBBER),
+    "orthotropic sides": partial(sides, fabric=KNIT),
     "hinges": hinges,
     "folds": folds,
     "plate": plate,

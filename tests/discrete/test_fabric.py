@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 from scipy.spatial import Delaunay
@@ -21,6 +23,7 @@ from asterism.pattern.mesh.meshing import mesh_layout
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 HINGES = Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS, poisson=POISSON).bending_tensor
+KNIT = Fabric(thickness_mm=THICKNESS, modulus_mpa=(9.0, 4.0), grain_deg=30.0)
 SIDE = 20.0
 
 
@@ -82,11 +85,21 @@ def area(points: Array, triangles: Array) -> Array:
     return 0.5 * (e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0])
 
 
+def sheet(incompressible: bool = False) -> Fabric:
+    model: Literal["neo-hookean", "incompressible"] = "incompressible" if incompressible else "neo-hookean"
+    return Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS, poisson=POISSON, model=model)
+
+
 def fabric(
-    points: Array, triangles: Array, held: Array | None = None, incompressible: bool = False, bending: bool = True
+    points: Array,
+    triangles: Array,
+    held: Array | None = None,
+    incompressible: bool = False,
+    bending: bool = True,
+    material: Fabric | None = None,
 ) -> System:
     """A system of the fabric alone, printed at its rest shape."""
-    parts = {"membrane": Membrane(triangles, points, THICKNESS, MODULUS, POISSON, incompressible)}
+    parts = {"membrane": Membrane(triangles, points, material or sheet(incompressible))}
     if bending:
         edges = interior_edges(triangles)
         parts["hinges"] = Hinges(edges, hinge_coefficients(edges, points, HINGES.d11))
@@ -102,11 +115,11 @@ def flat(points: Array) -> State:
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-@pytest.mark.parametrize("incompressible", [False, True])
-def test_patch_test(mesh, incompressible):
+@pytest.mark.parametrize("material", [sheet(), sheet(True), KNIT], ids=["one modulus", "incompressible", "a grain"])
+def test_patch_test(mesh, material):
     """x = F X is an equilibrium of the interior, in any plane of space."""
     points, triangles = MESHES[mesh](2.5)
-    system = fabric(points, triangles, incompressible=incompressible)
+    system = fabric(points, triangles, material=material)
     f = np.array([[1.3, 0.2], [-0.1, 0.8], [0.4, 0.5]])
     gradient = system.full_gradient(State(points @ f.T, np.zeros((0, 3)))).reshape(-1, 3)
     edges = np.sort(np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)]), axis=1)
@@ -197,8 +210,8 @@ def test_small_strain_is_linear_elasticity(incompressible):
 def test_collapse_is_a_barrier():
     """The energy is infinite at a collapsed triangle, so no triangle can be inverted in its plane."""
     points, triangles = right_triangles(10.0)
-    for incompressible in (False, True):
-        system = fabric(points, triangles, incompressible=incompressible)
+    for material in (sheet(), sheet(True), KNIT):
+        system = fabric(points, triangles, material=material)
         squeezed = [system.energy(flat(points * [x, 1.0])) for x in (1e-1, 1e-2, 1e-4, 1e-8)]
         assert (np.diff(squeezed) > 0.0).all()
         assert not np.isfinite(system.energy(flat(points * [0.0, 1.0])))

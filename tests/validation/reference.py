@@ -49,12 +49,11 @@ def fabric(data: dict[str, Array]) -> dict[str, Elements]:
     """Membrane and hinges as the model has them."""
     points = data["vertices_flat"][:, :2]
     triangles = counterclockwise(points, data["triangles"])
-    sheet = float(data["h2"]), float(data["E2"]), float(data["nu"])
+    sheet = Fabric(thickness_mm=float(data["h2"]), modulus_mpa=float(data["E2"]), poisson=float(data["nu"]))
     hinges = interior_edges(triangles)
-    stiffness = Fabric(thickness_mm=sheet[0], modulus_mpa=sheet[1], poisson=sheet[2]).bending_tensor
     return {
-        "membrane": Membrane(triangles, points / float(data["s"]), *sheet),
-        "hinge": Hinges(hinges, hinge_coefficients(hinges, points, stiffness.d11)),
+        "membrane": Membrane(triangles, points / float(data["s"]), sheet),
+        "hinge": Hinges(hinges, hinge_coefficients(hinges, points, sheet.bending_tensor.d11)),
     }
 
 

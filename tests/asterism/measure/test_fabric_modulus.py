@@ -12,13 +12,14 @@ from asterism.discrete.energies.membrane import Membrane
 from asterism.measure.fabric_modulus import fabric_modulus_mpa, nominal_stress
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import Fabric
 from tests.asterism.commands import command
 
 
-def stress_of_the_model(stretch: float, poisson: float, is_incompressible: bool) -> float:
-    """Derivative by the stretch of the energy per volume of a unit square that is free across, with unit modulus."""
+def stress_of_the_model(stretch: float, fabric: Fabric) -> float:
+    """Derivative by the stretch of the energy per volume of a unit square that is free across."""
     rest = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    square = Membrane(np.array([[0, 1, 2], [0, 2, 3]]), rest, 1.0, 1.0, poisson, is_incompressible)
+    square = Membrane(np.array([[0, 1, 2], [0, 2, 3]]), rest, fabric)
 
     def energy(along: float) -> float:
         def of(across: float) -> float:
@@ -35,7 +36,7 @@ def stress_of_the_model(stretch: float, poisson: float, is_incompressible: bool)
 def test_the_strip_has_the_energy_of_the_model(
     model: Literal["neo-hookean", "incompressible"], stretch: float, poisson: float
 ) -> None:
-    expected = stress_of_the_model(stretch, poisson, model == "incompressible")
+    expected = stress_of_the_model(stretch, Fabric(thickness_mm=1.0, modulus_mpa=1.0, poisson=poisson, model=model))
     assert nominal_stress(stretch, poisson, model) == pytest.approx(expected, rel=1e-5)
     mass = 0.25 * expected * 40.0 * 0.8 / (1e-3 * GRAVITY_M_S2)
     assert fabric_modulus_mpa(mass, 40.0, 0.8, stretch, poisson, model) == pytest.approx(0.25, rel=1e-5)

@@ -25,6 +25,7 @@ from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
 from asterism.fem.supports.conditions import vertices_at
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
@@ -87,7 +88,7 @@ def exact_stiffness(angle: float, edge_mm: float, turned: float) -> float:
     design = wedge(angle, edge_mm, turned)
     mesh = mesh_layout(layout(design), edge_mm, design.mesh.kind, design.mesh.seed)
     rest = mesh.points / STRETCH
-    fabric = Membrane(mesh.triangles, rest, FABRIC.thickness_mm, FABRIC.modulus_mpa, FABRIC.poisson)
+    fabric = Membrane(mesh.triangles, rest, FABRIC)
     flat = np.column_stack([rest, np.zeros(len(rest))]).ravel()
     both = np.zeros((len(fabric), 9, 9))
     i, j = np.tril_indices(9)
@@ -230,7 +231,7 @@ def test_the_energy_is_that_of_the_exact_models_triangles(stretch: tuple[float, 
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     shape = rotation @ np.diag(stretch) @ rotation.T
     printed = np.array([[0.0, 0.0], [1.0, 0.0], [0.3, 0.8]])
-    triangle = Membrane(np.array([[0, 1, 2]]), LAM * printed, THICKNESS, MODULUS, POISSON)
+    triangle = Membrane(np.array([[0, 1, 2]]), LAM * printed, Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS))
     flat = np.column_stack([printed @ shape.T, np.zeros(3)])
     exact = float(triangle.energies(flat.ravel())[0]) / 0.4  # its printed area
     assert density()(strain_of(shape)[None, None])[0][0, 0] == pytest.approx(exact, rel=1e-9, abs=1e-12)

@@ -20,7 +20,7 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.design.materials import BendingStiffness
+from asterism.pattern.design.materials import BendingStiffness, Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import MeshKind, mesh_layout
 from asterism.pattern.mesh.triangulate import triangulate
@@ -251,10 +251,10 @@ def test_energy_of_folds_grows_with_the_angle():
 def strip(mesh: str, edge: float, load: float) -> tuple[float, float]:
     """Tip of a heavy cantilever strip (20 x 20 mm, nu = 0, clamped on one side): (across, along) over its length."""
     points, triangles = MESHES[mesh](edge)
-    sheet = THICKNESS, 12.0 / THICKNESS**3, 0.0  # D = 1
+    sheet = Fabric(thickness_mm=THICKNESS, modulus_mpa=12.0 / THICKNESS**3, poisson=0.0)  # D = 1
     hinges = interior_edges(triangles)
     parts = {
-        "membrane": Membrane(triangles, points, *sheet),
+        "membrane": Membrane(triangles, points, sheet),
         "plate": Plate(triangles, points, BendingStiffness.isotropic(1.0, 0.0)),
         "folds": Hinges(hinges, 0.0, fold=fold_coefficients(hinges, points, 1.0)),
     }
