@@ -280,6 +280,10 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
         share = flat_share(mesh.triangles, mesh.closed_hinges is not None)
         sides = {"membrane_sides": SideMembrane(mesh.hinges, mesh.printed, fabric)}
     membrane = {"membrane": Membrane(mesh.triangles, mesh.printed, fabric, share)}
+    if fabric.is_orthotropic:
+        # the released shape by coordinates along and across the grain, at the size of the print
+        sx, sy = fabric.stretch_xy
+        mesh = replace(mesh, printed=mesh.printed * np.sqrt([sy / sx, sx / sy]) @ fabric.axes)
     return membrane | sides | bending.build(mesh, fabric.bending_tensor)
 
 

@@ -70,7 +70,7 @@ class Symmetry:
 
 
 def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
-    """All symmetries of the stars, their arms and sizes, the outline, the pins, the stretch and the weight.
+    """All symmetries of the stars, their arms and sizes, the outline, the pins, the fabric and the weight.
 
     The identity comes first. Each maps the centre of the stars to itself, and the lattice onto itself but for a shift.
     Of a drawing, it maps the middle of the sheet to itself.
@@ -185,9 +185,10 @@ def _support_shift(samples: SupportSamples, motion: Symmetry, tolerance: float) 
 
 
 def _keeps_directions(design: Design, turn: Floats) -> bool:
-    """Whether the motion keeps the stretch along x and y, and the direction of gravity if it is on."""
-    stretch = np.diag(design.fabric.stretch_xy)
-    if np.abs(turn @ stretch - stretch @ turn).max() > SYMMETRY_TOLERANCE:
+    """Whether the motion keeps the fabric's stretch and grain, and the direction of gravity if it is on."""
+    fabric = design.fabric
+    kept = [np.diag(fabric.stretch_xy)] + [fabric.axes @ np.diag([1.0, 0.0]) @ fabric.axes.T] * fabric.is_orthotropic
+    if any(np.abs(turn @ tensor - tensor @ turn).max() > SYMMETRY_TOLERANCE for tensor in kept):
         return False
     pull = np.asarray(design.gravity.direction[:2]) / np.linalg.norm(design.gravity.direction)
     return not design.gravity.on or bool(np.abs(turn @ pull - pull).max() < SYMMETRY_TOLERANCE)

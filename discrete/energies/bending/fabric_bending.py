@@ -24,7 +24,7 @@ class BendingMesh:
     Attributes
     ----------
     triangles : (T, 3) vertices, counterclockwise.
-    printed : (V, 2) mm.
+    printed : (V, 2) mm; of fabric with a grain by coordinates along and across it.
     closed_hinges : (H, 4) hinges of a periodic mesh, also those across its borders; None for a plain mesh.
     surrounding : (R, 3) triangles around a periodic mesh that have no energy; None for a plain mesh.
     """
@@ -80,7 +80,7 @@ def _plate(mesh: BendingMesh, stiffness: BendingStiffness) -> dict[str, Elements
     hinges = mesh.hinges
     return {
         "plate": Plate(mesh.triangles, mesh.printed, stiffness, surrounding=mesh.surrounding),
-        "folds": Hinges(hinges, 0.0, fold_coefficients(hinges, mesh.printed, stiffness.d11)),
+        "folds": Hinges(hinges, 0.0, fold_coefficients(hinges, mesh.printed, stiffness.mean)),
     }
 
 
@@ -90,7 +90,7 @@ def _set_rest_of_plate(
     cast(Plate, parts["plate"]).set_rest_area(area_ratio)
     if shape is not None:
         folds = cast(Hinges, parts["folds"])
-        folds.params[:, 1] = fold_coefficients(folds.vertices, shape, stiffness.d11)
+        folds.params[:, 1] = fold_coefficients(folds.vertices, shape, stiffness.mean)
 
 
 PLATE = FabricBending(("plate", "folds"), _plate, _set_rest_of_plate, needs_neighbours=True)

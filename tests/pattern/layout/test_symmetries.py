@@ -33,6 +33,8 @@ def count(**changes: object) -> tuple[int, int]:
         ({"stars": {"length_mm": 8.0, "override": [{"at_mm": [0.0, 17.3205], "length_mm": 7.0}]}}, (2, 1)),
         ({"stars": {"length_mm": 8.0, "thickness_mm": {"formula": "0.3 + 0.001*x + 0.0003*y"}}}, (1, 0)),
         ({"fabric": {"stretch": [1.35, 1.3]}}, (2, 1)),
+        ({"fabric": {"modulus_mpa": [9.0, 4.0], "grain_deg": 90.0}}, (2, 1)),
+        ({"fabric": {"modulus_mpa": [9.0, 4.0], "grain_deg": 10.0}}, (1, 0)),
         ({"pins": [{"where": "border", "scale": 0.8}]}, (6, 3)),
         ({"pins": [{"where": "border", "scale": 0.8, "offset_mm": [5.0, 0.0, 2.0]}]}, (6, 3)),
         ({"pins": [{"edges": [0]}]}, (1, 0)),

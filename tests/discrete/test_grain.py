@@ -1,0 +1,97 @@
+"""The exact model of fabric with a grain: bending by direction, bilayers by direction, and equal moduli."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
+from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.materials import Fabric, rest_curvature
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
+
+KNIT = {"modulus_mpa": [9.0, 4.0], "bending": "consistent"}
+
+
+def model(**fabric: Any) -> DiscreteModel:
+    star = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
+    design = Design.from_dict(star | {"fabric": fabric})
+    plan = layout(design)
+    return DiscreteModel(design, plan, mesh_layout(plan, 4.0))
+
+
+def bent(of: DiscreteModel, curvature: float, angle: float) -> Array:
+    """The released sheet as a shallow cylinder that is curved in this direction, packed."""
+    released = of.mesh.points / of.design.fabric.stretch_xy
+    along = released @ [np.cos(np.radians(angle)), np.sin(np.radians(angle))]
+    return np.column_stack([released, 0.5 * curvature * along**2]).ravel()
+
+
+@pytest.mark.parametrize("stretch", [1.35, [1.5, 1.2]])
+@pytest.mark.parametrize("bending", ["consistent", "plate"])
+@pytest.mark.parametrize("angle", [0.0, 30.0, 75.0, 120.0])
+def test_a_cylinder_bends_by_direction(stretch: Any, bending: str, angle: float) -> None:
+    """The energy of a plate that is curved at an angle to its grain, also where the stretch shears it in print."""
+    of = model(**KNIT | {"grain_deg": 30.0, "stretch": stretch, "bending": bending})
+    d11, d12, d22, d66 = of.design.fabric.bending_tensor
+    c, s = np.cos(np.radians(angle - 30.0)), np.sin(np.radians(angle - 30.0))
+    stiffness = d11 * c**4 + d22 * s**4 + (2.0 * d12 + 4.0 * d66) * c**2 * s**2
+    area = of.layout.area_mm2 / np.prod(of.design.fabric.stretch_xy)
+    found = of.parts["plate"].energies(bent(of, 1e-4, angle)).sum()
+    assert found == pytest.approx(0.5 * stiffness * 1e-8 * area, rel=1e-5)
+
+
+def test_equal_moduli_are_one_modulus() -> None:
+    one, two = model(modulus_mpa=7.0), model(modulus_mpa=[7.0, 7.0], grain_deg=33.0)
+    rng = np.random.default_rng(0)
+    printed = one.printed_state()
+    positions = printed.positions * 0.8 + rng.normal(0.0, 0.1, printed.positions.shape)
+    state = one.moved_to(printed, positions)
+    np.testing.assert_allclose(two.full_gradient(state), one.full_gradient(state), atol=1e-11)
+    assert two.energies(state) == pytest.approx(one.energies(state), rel=1e-12)
+    for name, part in one.parts.items():
+        hessians = part.hessians(state.packed)
+        np.testing.assert_allclose(
+            two.parts[name].hessians(state.packed), hessians, atol=1e-11 * np.abs(hessians).max()
+        )
+
+
+def test_a_released_sheet_has_its_rest_size() -> None:
+    """Without any stress, at oblique grain and unequal stretch."""
+    of = model(**KNIT, grain_deg=30.0, stretch=[1.5, 1.2])
+    state = State(bent(of, 0.0, 0.0).reshape(-1, 3), of.printed_state().directors, of.printed_state().frames)
+    for name in ("membrane", "membrane_sides", "plate", "folds"):
+        part = of.parts[name]
+        assert np.abs(part.energies(state.packed)).max() < 1e-14
+        assert np.abs(part.gradients(state.packed)).max() < 1e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("grain", "modulus"), [(0.0, 9.0), (90.0, 4.0)])
+def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer_of_the_modulus_along_them(
+    grain: float, modulus: float
+) -> None:
+    """Lines as far apart as they are wide; the sheet of `tests/validation/test_drawn_patterns.py`."""
+    lines = [{"line_mm": [(-15.0, y), (15.0, y)]} for y in 1.2 * (np.arange(11) - 5)]
+    design = Design.from_dict(
+        {
+            "fabric": KNIT | {"grain_deg": grain},
+            "plastic": {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0},
+            "rods": {"draw": lines, "thickness_mm": 0.4, "width_mm": 1.1999},
+            "border": {"rectangle_mm": (31.0, 13.2)},
+            "mesh": {"edge_mm": 1.5},
+        }
+    )
+    shape = exact_shape(design)
+    of_one_modulus = design.plastic.model_copy(update={"modulus_ratio": 1600.0 * 6.0 / modulus})
+    expected = float(rest_curvature(0.4, Fabric(), of_one_modulus))
+    inner = np.isin(shape.rod_fields["arm"], np.arange(2, 9))
+    curvature = float(np.nanmean(shape.rod_fields["curvature_per_mm"][inner]))
+    assert shape.summary.is_minimum
+    assert 0.97 < curvature / expected < 1.0
