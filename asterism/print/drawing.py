@@ -123,6 +123,7 @@ BEFORE = DrawingLayer(
     "check-before-stretching", "#d98200", 0.25, (1.5, 1.5), meaning="square drawn on the relaxed fabric"
 )
 AFTER = DrawingLayer("check-after-stretching", "#d98200", 0.3, meaning="the same square on the stretched fabric")
+GRAIN = DrawingLayer("grain", "#8a4b08", 0.5, meaning="along the grain of the fabric")
 NEEDLES = DrawingLayer("needles", "#a0109a", 0.3, meaning="needles")
 OUTLINE_IN_SPACE = DrawingLayer(
     "outline", "#d01c1c", 0.2, (3.0, 1.5), meaning="edge of the sheet in space, seen from above"

@@ -12,6 +12,7 @@ from asterism.print.drawing import A4_MM, TEXT, Circle, Drawing, Label, Polyline
 from asterism.print.job import Job
 from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
+from asterism.print.sheets import grain_in_words
 from asterism.print.slicing import WALLS, wider_mm
 from asterism.results.records.export import TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
@@ -38,11 +39,15 @@ def chapters(job: Job, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
 
 def _stretch(job: Job) -> Chapter:
     x, y = job.check_after_mm
+    grain: tuple[str, ...] = ()
+    if job.design.fabric.is_orthotropic:
+        grain = (f"The fabric has a grain, which decides the shape: see the arrow there. {grain_in_words(job)}",)
     return Chapter(
         "1. Stretch the fabric",
         (
             f"Draw a square of {job.check_before_mm:g} mm on the relaxed fabric, near the middle (page 2 of "
             f"layout.pdf). Clamp the fabric in its frame: the square must now be {x:.1f} mm wide and {y:.1f} mm deep.",
+            *grain,
         ),
     )
 

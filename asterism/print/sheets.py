@@ -19,6 +19,7 @@ from asterism.print.drawing import (
     BEFORE,
     CUT,
     FRAME,
+    GRAIN,
     GUIDE,
     MARKS,
     NEEDLES,
@@ -47,6 +48,8 @@ PAGE_MARGIN_MM = 18.5
 COLUMN_MM = 123.0
 # length of the ruler that shows whether the page is printed at 100 %
 _RULER_MM = 100.0
+# length of the arrow along the grain
+_ARROW_MM = 60.0
 
 DrawingItems = list[Polyline | Circle | Label]
 
@@ -60,7 +63,7 @@ def layout_sheet(job: Job) -> Drawing:
     items += [Polyline(CUT, job.placement.points(line), closed=True) for line in job.cut]
     items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
     items += _marks(frame, bed)
-    items += check_squares(job)
+    items += [*check_squares(job), *grain_arrow(job, is_stretched=True)]
     for needle in job.needles:
         items += _needle(job.placement.points(needle.printed), str(needle.number))
     field = np.max([frame, bed, job.check_after_mm], axis=0)
@@ -74,6 +77,8 @@ def layout_sheet(job: Job) -> Drawing:
         f"Fabric stretched by {x:g}" + (f" along x and {y:g} along y." if x != y else "."),
         f"Start the nozzle {job.z_offset_mm:.2f} mm above the bed.",
     ]
+    if job.design.fabric.is_orthotropic:
+        paragraphs.insert(-1, grain_in_words(job))
     if not job.fabric_given:
         paragraphs[-1] += " That is with the released fabric: stretched it is thinner, measure it."
     if job.placement.turn_deg:
@@ -98,16 +103,18 @@ def _counted(job: Job) -> str:
 def stretch_sheet(job: Job) -> Drawing:
     """The check square on the released fabric, and its size after stretching."""
     before, (x, y) = job.check_before_mm, job.check_after_mm
-    items = [*check_squares(job), *cross_mark(MARKS, np.zeros(2), 5.0)]
+    items = [*check_squares(job), *cross_mark(MARKS, np.zeros(2), 5.0), *grain_arrow(job, is_stretched=False)]
     # within the square, or below both squares if the words are wider
     # width of the words in a check square
     at = before / 2 - 7.0 if before > 50.0 else -y / 2 - 7.0
     items.append(Label(TEXT, np.array([0.0, at]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
     items.append(Label(TEXT, np.array([0.0, y / 2 + 3.0]), f"after: {x:.1f} x {y:.1f} mm", 4.0, "middle"))
     field = np.maximum(job.printer.frame.size_mm, [x + 20.0, y + 20.0])
+    lies = "its sides along the threads that will lie along the frame"
+    if job.design.fabric.is_orthotropic:
+        lies = "with the grain along the arrow"
     paragraphs = [
-        "1. Lay the relaxed fabric on this page and draw the dashed square on it, its sides along the threads that "
-        "will lie along the frame.",
+        f"1. Lay the relaxed fabric on this page and draw the dashed square on it, {lies}.",
         f"2. Stretch and clamp the fabric. The square must now be {x:.1f} mm wide (left to right) and {y:.1f} mm deep.",
         f"3. A millimetre off is a stretch that is off by {1 / before:.2g}. If you cannot do better, write the "
         "stretch that you measured into fabric.stretch of the design, as [x, y], and look at its shape again.",
@@ -115,6 +122,26 @@ def stretch_sheet(job: Job) -> Drawing:
     return sheet_page(
         f"{job.design.name}: stretch check", field, (0.0, 0.0), items, job.design.name, "Stretch check 1:1", paragraphs
     )
+
+
+def grain_arrow(job: Job, is_stretched: bool) -> DrawingItems:
+    """An arrow along the grain of the stretched or released fabric as it lies on the printer; none without a grain."""
+    fabric = job.design.fabric
+    if not fabric.is_orthotropic:
+        return []
+    along = fabric.axes[:, 0] * (fabric.stretch_xy if is_stretched else 1.0)
+    ends = job.placement.points(np.array([np.zeros(2), along / np.linalg.norm(along)]))
+    along = ends[1] - ends[0]
+    across = np.array([-along[1], along[0]])
+    tip = _ARROW_MM / 2 * along
+    head = [tip - 0.1 * _ARROW_MM * along + side * 0.04 * _ARROW_MM * across for side in (1.0, -1.0)]
+    return [Polyline(GRAIN, np.array([-tip, tip, head[0], head[1], tip]))]
+
+
+def grain_in_words(job: Job) -> str:
+    """How the grain lies, in one sentence for a fabric that has one."""
+    along, across = job.design.fabric.moduli
+    return f"Along the arrow runs the direction of the fabric that has {along:g} MPa; across it has {across:g} MPa."
 
 
 def check_squares(job: Job) -> DrawingItems:

@@ -182,3 +182,11 @@ def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
     assert "Leave a tab of fabric outside the line, 5 mm or more, at needle 3, on the line" in said(made)
     inside = job(design(pins=[{"points_mm": [[5.0, 14.44], [-5.0, 14.44]], "scale": 0.8}]))
     assert not needles_through_arms(inside.plan, inside.needles) and not needles_near_edge(inside.plan, inside.needles)
+
+
+def test_fabric_with_a_grain_is_laid_along_the_arrow() -> None:
+    one = job(design(fabric={"modulus_mpa": [9.0, 4.0], "grain_deg": 30.0}))
+    assert "Along the arrow runs the direction of the fabric that has 9 MPa; across it has 4 MPa." in said(one)
+    for page in instructions.as_pages(one, chapters(one)):
+        check_texts(page)
+    assert "grain" not in said(job())

@@ -272,3 +272,22 @@ def test_dates_of_other_dxf_files_stay(tmp_path: Path) -> None:
 
     write_dxf(tmp_path / "a.dxf", sheets.layout_sheet(job()))
     assert not ezdxf.options.write_fixed_meta_data_for_testing
+
+
+@pytest.mark.parametrize(
+    ("stretch", "turn", "stretched_deg", "released_deg"), [(1.35, 90.0, 120.0, 120.0), ([1.5, 1.2], 0.0, 24.79, 30.0)]
+)
+def test_an_arrow_shows_the_grain(stretch: Any, turn: float, stretched_deg: float, released_deg: float) -> None:
+    """As the fabric lies on the printer, stretched on the layout and relaxed on the stretch check."""
+    knit = {"modulus_mpa": [9.0, 4.0], "grain_deg": 30.0, "stretch": stretch}
+    one = job(design(fabric=knit), turn_deg=turn)
+    for page, angle in ((sheets.layout_sheet(one), stretched_deg), (sheets.stretch_sheet(one), released_deg)):
+        arrow = next(item for item in page.items if isinstance(item, Polyline) and item.layer.name == "grain")
+        along = arrow.points[1] - arrow.points[0]
+        assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(angle, abs=0.01)
+        assert "grain" in " ".join(item.text for item in page.items if isinstance(item, Label))
+
+
+def test_fabric_without_a_grain_has_no_arrow(one: Job) -> None:
+    for page in (sheets.layout_sheet(one), sheets.stretch_sheet(one)):
+        assert not [item for item in page.items if isinstance(item, Polyline) and item.layer.name == "grain"]
