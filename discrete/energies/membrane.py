@@ -8,8 +8,8 @@ With the deformation gradient F (3 x 2) by coordinates along and across the grai
 Neo-Hookean (plane stress): `p = q = 1`, `alpha = mu`, `beta = 0`, `mu = E/(2 (1 + nu))`, `lam = E nu/(1 - nu^2)`.
 Incompressible: `p = q = 1`, `alpha = lam = 0`, `beta = mu = E/3`, which is `mu/2 (tr C + 1/det C - 3)`.
 Orthotropic: `mu = alpha = G`, `lam = Q12`, `p = (Q11 - Q12)/(2 G)`, `q = (Q22 - Q12)/(2 G)`, so that small strains have
-the plane stiffness Q and the shear modulus G. The powers of C11 and C22 are terms of Itskov and Aksel (2004, doi
-10.1016/j.ijsolstr.2004.02.027); from an exponent of 1/2 on they are convex in F.
+the plane stiffness Q and the shear modulus G. The powers of C11 and C22 are terms of Itskov and Aksel (2004, Int. J.
+Solids Struct. 41, 3833); they are convex in F if the exponents are at least 1/2.
 All energies go to infinity as a triangle collapses (J -> 0).
 """
 

@@ -25,8 +25,9 @@ from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell, star_size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import plain
+from asterism.pattern.design.materials import Fabric
 
-# rad, and of the stretches
+# rad
 DIRECTION_TOLERANCE = 1e-6
 # of a response: responses that differ by less are equal up to the tolerance of Newton's method, and keep their digits
 RESPONSE_TOLERANCE = 1e-6
@@ -108,9 +109,8 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     ----------
     design : its stars are equal; their sizes are numbers.
     edge_mm : of the mesh.
-    angles : of the tubes, rad; by default those that a law uses (`tube_angles`), for fabric of equal stretch in x and
-    y.
-        `Sample.sixfold` compares the first with the last.
+    angles : of the tubes, rad; by default those that a law uses (`tube_angles`), for fabric that is alike in all
+        directions. `Sample.sixfold` compares the first with the last.
 
     Raises
     ------
@@ -119,15 +119,15 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     ValueError
         The stars differ, gravity is on, or `edge_mm` or `angles` are out of range.
     DesignError, MeshError
-        Arms overlap, no mesh follows them, or the stretch differs in x and y and no angles are given.
+        Arms overlap, no mesh follows them, or the fabric differs by direction and no angles are given.
     """
     if not 0.0 < edge_mm < math.inf:
         raise ValueError(f"edge_mm = {edge_mm}: must be above 0")
     if angles is not None and not (len(angles) and np.isfinite(angles).all()):
         raise ValueError(f"angles = {angles}: must be finite numbers, at least one")
-    sx, sy = design.fabric.stretch_xy
-    if angles is None and sx != sy:
-        raise DesignError("fabric.stretch", "must be one number if no angles are given", [sx, sy])
+    if angles is None and design.fabric.is_directional:
+        problem = "must have one stretch and one modulus if no angles are given"
+        raise DesignError("fabric", problem, [*design.fabric.stretch_xy, *design.fabric.moduli])
     angles = tube_angles(design.lattice) if angles is None else angles
     cell = UnitCell(design, edge_mm)
     responses: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
@@ -135,7 +135,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         _measure(cell, angles, responses)
     finally:
         cell.close()
-    responses = symmetric_responses(responses, point_group(design.lattice), (sx, sy))
+    responses = symmetric_responses(responses, point_group(design.lattice), design.fabric)
     return Sample(length_mm=star_size(design, "length_mm"), spacing_mm=cell.spacing, **responses)
 
 
@@ -147,9 +147,9 @@ def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]
     response["centre_offset_mm"] = -mean_height(cell, flat.state)
     response["iterations"] = flat.iterations
     curves: list[TubeBranch] = []
-    sx, sy = cell.design.fabric.stretch_xy
     threefold = is_threefold(cell.design.lattice)
-    alike = sx == sy and threefold  # else the next direction's natural tube may be another form
+    # else the next direction's natural tube may be another form
+    alike = threefold and not cell.design.fabric.is_directional
     for angle in angles:
         curves.append(trace_tubes(cell, flat, angle, curves[-1] if alike and curves else None))
         response["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
@@ -209,14 +209,12 @@ def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[
     }
 
 
-def symmetric_responses(responses: dict[str, Any], group: Floats, stretch_xy: tuple[float, float]) -> dict[str, Any]:
+def symmetric_responses(responses: dict[str, Any], group: Floats, fabric: Fabric) -> dict[str, Any]:
     """Responses of `homogenize.cell.sample.Sample` with the symmetry of the point group (G, 2, 2).
 
-    Elements that the stretches in x and y do not share are left out.
+    Elements that the fabric does not share are left out.
     """
-    stretch = np.diag(stretch_xy)
-    kept = np.abs(group @ stretch @ group.transpose(0, 2, 1) - stretch).max(axis=(1, 2)) < DIRECTION_TOLERANCE
-    group = group[kept]
+    group = group[fabric.keeps(group)]
     out = dict(responses)
     turns = np.array([voigt_turn(element.T) for element in group])
     metric = (group @ responses["rest_metric"] @ group.transpose(0, 2, 1)).mean(axis=0)

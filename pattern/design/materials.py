@@ -17,6 +17,8 @@ HINGES_POISSON = -1.0 / 3.0  # Poisson's ratio of the paper's hinges as a plate
 # exponents of the membrane energy of orthotropic fabric: from the first on it is polyconvex (Itskov and Aksel 2004),
 # and beyond the second it stiffens more than knits do
 MIN_EXPONENT, MAX_EXPONENT = 0.5, 6.0
+# of tensors that a motion keeps
+_SAME_DIRECTION = 1e-6
 # least and largest value of a number or of both, and its unit
 _RANGES = {
     "stretch": (1.0, 3.0, " (printed length over released length)"),
@@ -184,6 +186,24 @@ class Fabric(Section):
         )
 
     @property
+    def is_directional(self) -> bool:
+        """Whether the stretch or a stiffness depends on the direction."""
+        return self.is_orthotropic or len(set(self.stretch_xy)) > 1
+
+    def keeps(self, motions: Floats) -> NDArray[np.bool_]:
+        """(...) whether orthogonal matrices (..., 2, 2) map the stretch and the grain onto themselves.
+
+        >>> mirror = np.diag([1.0, -1.0])
+        >>> [bool(Fabric(modulus_mpa=(2.0, 1.0), grain_deg=grain).keeps(mirror)) for grain in (0.0, 45.0, 90.0)]
+        [True, False, True]
+        """
+        tensors = [np.diag(self.stretch_xy)]
+        if self.is_orthotropic:
+            tensors.append(np.outer(self.axes[:, 0], self.axes[:, 0]))
+        kept = [np.abs(motions @ one - one @ motions).max(axis=(-2, -1)) < _SAME_DIRECTION for one in tensors]
+        return np.asarray(np.all(kept, axis=0))
+
+    @property
     def moduli(self) -> tuple[float, float]:
         """MPa, Young's moduli E1 along and E2 across the grain."""
         along, across = np.broadcast_to(self.modulus_mpa, 2)
@@ -332,7 +352,7 @@ def rest_curvature(
     h1 = np.asarray(thickness_mm, dtype=float)
     residual = residual_curvature(h1, plastic.kappa_bar_per_mm)
     if direction is None:
-        if fabric.is_orthotropic or len(set(fabric.stretch_xy)) > 1:
+        if fabric.is_directional:
             raise ValueError("a fabric that differs by direction needs the direction of the arm")
         direction = (1.0, 0.0)
     along = _strip(fabric, direction)

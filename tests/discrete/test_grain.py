@@ -95,3 +95,17 @@ def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer_of_the_modulus_alon
     curvature = float(np.nanmean(shape.rod_fields["curvature_per_mm"][inner]))
     assert shape.summary.is_minimum
     assert 0.97 < curvature / expected < 1.0
+
+
+def test_a_sheet_turns_and_mirrors_with_its_grain() -> None:
+    """Seven stars have a third of a turn and mirrors: sheets of 20, 140 and 160 degrees are images of each other."""
+    star = {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
+    shapes = [
+        exact_shape(Design.from_dict(star | {"fabric": KNIT | {"grain_deg": grain}})).summary
+        for grain in (20.0, 140.0, 160.0, 50.0)
+    ]
+    assert all(shape.is_minimum for shape in shapes)
+    for image in shapes[1:3]:
+        assert image.energy_n_mm == pytest.approx(shapes[0].energy_n_mm, rel=1e-9)
+        assert image.height_mm == pytest.approx(shapes[0].height_mm, rel=1e-6)
+    assert abs(shapes[3].energy_n_mm / shapes[0].energy_n_mm - 1.0) > 1e-4

@@ -17,6 +17,7 @@ from asterism.homogenize.cell.point_group import aligned_lines, keeps_grid_lines
 from asterism.homogenize.cell.sample import SCALAR_KEYS, solve_cell, symmetric_responses
 from asterism.homogenize.cell.unit_cell import UnitCell, cell_mesh
 from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.materials import Fabric
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from tests.homogenize.cells import EDGE, design
 
@@ -149,7 +150,7 @@ def test_equal_directions_get_the_responses_of_lowest_energy() -> None:
     known: dict[str, Any] = {name: np.arange(6.0) for name in SCALAR_KEYS}
     known |= {"angles_rad": np.radians(30.0 * np.arange(6)), "natural_curvature": kappa, "natural_energy": energy}
     known |= {"natural_membrane": membrane, "rest_metric": np.array([[0.7, 0.02], [0.02, 0.6]])}
-    found = symmetric_responses(known, point_group(Lattice(**FOUR)), (1.35, 1.35))
+    found = symmetric_responses(known, point_group(Lattice(**FOUR)), Fabric())
     np.testing.assert_array_equal(found["natural_curvature"], [0.1, 0.08, 0.08, 0.1, 0.08, 0.08])
     np.testing.assert_array_equal(found["natural_energy"], [-3.1, -2.5, -2.5, -3.1, -2.5, -2.5])
     np.testing.assert_allclose(found["rest_metric"], 0.65 * np.eye(2), atol=1e-15)
@@ -160,8 +161,10 @@ def test_equal_directions_get_the_responses_of_lowest_energy() -> None:
             strain @ found["natural_membrane"][k] @ strain for k, strain in zip((5, 1, 2), strains, strict=True)
         )
         assert of_30 == pytest.approx(of_150) and of_60 == pytest.approx(of_150)
-    uneven = symmetric_responses(known, point_group(Lattice(**FOUR)), (1.35, 1.2))
-    np.testing.assert_array_equal(uneven["natural_curvature"], [0.1, 0.08, 0.09, 0.1, 0.09, 0.08])
+    uneven = symmetric_responses(known, point_group(Lattice(**FOUR)), Fabric(stretch=(1.35, 1.2)))
+    grained = symmetric_responses(known, point_group(Lattice(**FOUR)), Fabric(modulus_mpa=(2.0, 1.0)))
+    for one in (uneven, grained):
+        np.testing.assert_array_equal(one["natural_curvature"], [0.1, 0.08, 0.09, 0.1, 0.09, 0.08])
 
 
 def _stretch_along(angle: float) -> Floats:

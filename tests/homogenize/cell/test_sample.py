@@ -13,6 +13,7 @@ from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import Fabric
 from tests.homogenize.cells import EDGE, design, relaxed, sample
 from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.stability import cell_stability
@@ -225,8 +226,20 @@ def test_sixfold_compares_the_first_direction_with_the_last():
 def test_uneven_stretch():
     bare = solve_cell(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
     np.testing.assert_allclose(bare.rest_metric, np.diag([1.2**-2, 1.5**-2]), atol=1e-8)
-    with pytest.raises(DesignError, match=r"^fabric.stretch = \[1.2, 1.5\]: must be one number"):
+    with pytest.raises(DesignError, match=r"^fabric = .*1.2, 1.5.*: must have one stretch"):
         solve_cell(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE)
+
+
+def test_bare_fabric_with_a_grain():
+    """It contracts alike, and bends as a plate by the direction around the tube, which is y for the angle 0."""
+    fabric = {"modulus_mpa": [9.0, 4.0], "bending": "consistent"}
+    bare = solve_cell(design(0.0, fabric=fabric), EDGE, (0.0, np.pi / 2, np.pi / 4))
+    np.testing.assert_allclose(bare.rest_metric, np.eye(2) / 1.35**2, atol=1e-8)
+    d11, d12, d22, d66 = Fabric.model_validate(fabric).bending_tensor
+    plate = np.array([d22, d11, 0.25 * (d11 + d22 + 2.0 * d12 + 4.0 * d66)])
+    np.testing.assert_allclose(bare.bending, plate / 1.35**2, rtol=1e-3)
+    with pytest.raises(DesignError, match=r"^fabric = .*9.0, 4.0.*: must have one stretch and one modulus"):
+        solve_cell(design(0.0, fabric=fabric), EDGE)
 
 
 def test_sample_goes_through_json():
