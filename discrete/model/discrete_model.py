@@ -280,11 +280,15 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
         share = flat_share(mesh.triangles, mesh.closed_hinges is not None)
         sides = {"membrane_sides": SideMembrane(mesh.hinges, mesh.printed, fabric)}
     membrane = {"membrane": Membrane(mesh.triangles, mesh.printed, fabric, share)}
+    stiffness = fabric.bending_tensor
     if fabric.is_orthotropic:
-        # the released shape by coordinates along and across the grain, at the size of the print
-        sx, sy = fabric.stretch_xy
-        mesh = replace(mesh, printed=mesh.printed * np.sqrt([sy / sx, sx / sy]) @ fabric.axes)
-    return membrane | sides | bending.build(mesh, fabric.bending_tensor)
+        # the released shape at the size of the print, by coordinates along and across the direction that bends less:
+        # where the fabric is sheared, curvatures are along this direction and at right angles to it
+        (sx, sy), axes = fabric.stretch_xy, fabric.axes
+        if stiffness.d22 > stiffness.d11:
+            axes, stiffness = axes[:, ::-1] * [1.0, -1.0], stiffness.turned
+        mesh = replace(mesh, printed=mesh.printed * np.sqrt([sy / sx, sx / sy]) @ axes)
+    return membrane | sides | bending.build(mesh, stiffness)
 
 
 def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:

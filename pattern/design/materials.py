@@ -94,6 +94,11 @@ class BendingStiffness(NamedTuple):
         return cls(d11, poisson * mean, d22, 0.5 * (1.0 - poisson) * mean * shear)
 
     @property
+    def turned(self) -> BendingStiffness:
+        """The sheet turned by 90 degrees."""
+        return self._replace(d11=self.d22, d22=self.d11)
+
+    @property
     def mean(self) -> float:
         """Geometric mean of the stiffness in both directions."""
         return float(np.sqrt(self.d11 * self.d22))
@@ -111,7 +116,7 @@ class Fabric(Section):
         most the largest of `shear_range`.
     poisson : Poisson's ratio; of orthotropic fabric the geometric mean of both, so that `nu12 = poisson sqrt(E1/E2)` is
         the contraction across of a strip that is pulled along.
-    grain_deg : direction along the grain on the released fabric, counterclockwise from x.
+    grain_deg : direction along the grain on the released fabric, counterclockwise from x; 0 by default.
     model : energy of the membrane.
     bending : bending energy: `plate` is the plate that bends like the paper's hinges, `consistent` the plate of this
         thickness, `paper` the hinges themselves, which depend on the mesh.
@@ -125,7 +130,7 @@ class Fabric(Section):
     modulus_mpa: NumberOrPair = 7.1875
     shear_modulus_mpa: Number | None = Field(None, ge=1e-4, le=1e5)
     poisson: Number = Field(0.3, ge=0, le=0.49)
-    grain_deg: Number = Field(0.0, ge=-360, le=360)
+    grain_deg: Number | None = Field(None, ge=-360, le=360)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
     bending: Literal["paper", "plate", "consistent", "none"] = "plate"
     bending_stiffness_n_mm: NumberOrPair | None = None
@@ -255,7 +260,7 @@ class Fabric(Section):
     @property
     def axes(self) -> Floats:
         """(2, 2) unit vectors along and across the grain on the released fabric, as columns."""
-        angle = np.radians(self.grain_deg)
+        angle = np.radians(self.grain_deg or 0.0)
         return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
     @property
@@ -268,7 +273,7 @@ class Fabric(Section):
         along, across = self.moduli
         if not self.is_orthotropic:
             return f"{along:g} MPa"
-        return f"{along:g} MPa along and {across:g} MPa across the grain at {self.grain_deg:g} deg"
+        return f"{along:g} MPa along and {across:g} MPa across the grain at {self.grain_deg or 0:g} deg"
 
     @property
     def has_bending(self) -> bool:

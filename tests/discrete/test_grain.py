@@ -62,6 +62,16 @@ def test_equal_moduli_are_one_modulus() -> None:
         )
 
 
+def test_the_order_of_both_directions_does_not_matter() -> None:
+    """Not even where the fabric is sheared."""
+    one, two = model(**KNIT, grain_deg=20.0), model(**KNIT | {"modulus_mpa": [4.0, 9.0]}, grain_deg=110.0)
+    printed = one.printed_state()
+    sheared = printed.positions @ np.array([[0.9, 0.0, 0.0], [0.2, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    sheared[:, 2] = 0.01 * sheared[:, 0] ** 2 - 0.003 * sheared[:, 0] * sheared[:, 1]
+    state = one.moved_to(printed, sheared)
+    assert two.energies(state) == pytest.approx(one.energies(state), rel=1e-11)
+
+
 def test_a_released_sheet_has_its_rest_size() -> None:
     """Without any stress, at oblique grain and unequal stretch."""
     of = model(**KNIT, grain_deg=30.0, stretch=[1.5, 1.2])

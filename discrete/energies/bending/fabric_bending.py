@@ -24,7 +24,7 @@ class BendingMesh:
     Attributes
     ----------
     triangles : (T, 3) vertices, counterclockwise.
-    printed : (V, 2) mm; of fabric with a grain by coordinates along and across it.
+    printed : (V, 2) mm; of fabric with a grain the released shape, see `fabric_energies`.
     closed_hinges : (H, 4) hinges of a periodic mesh, also those across its borders; None for a plain mesh.
     surrounding : (R, 3) triangles around a periodic mesh that have no energy; None for a plain mesh.
     """
