@@ -157,10 +157,10 @@ class Fabric(Section):
             raise DesignError("bending", problem, self.bending)
         low, high = self.shear_range
         if low > high:
-            most = f"a ratio of at most {self._largest_ratio:.3g} with poisson = {self.poisson:g}"
-            raise DesignError("modulus_mpa", f"must have {most}: beyond it the fabric is unstable", self.modulus_mpa)
+            problem = f"must have a ratio of at most {self._largest_ratio:.3g} with poisson = {self.poisson:g}"
+            raise DesignError("modulus_mpa", problem, list(self.moduli))
         if not low <= self.shear_modulus <= high:
-            problem = f"must be from {low:.3g} to {high:.3g} for these moduli: beyond it the fabric is unstable"
+            problem = f"must be from {low:.3g} to {high:.3g} for these moduli"
             raise DesignError("shear_modulus_mpa", problem, self.shear_modulus_mpa)
         return self
 
