@@ -108,7 +108,7 @@ def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str,
 
 _DIGITS = 6
 # keys of the border that give an outline
-OUTLINE_KEYS = ("rings", "rectangle_mm", "polygon_mm", "file", "layer", "origin", "units", "rods")
+OUTLINE_KEYS = ("rings", "rectangle_mm", "polygon_mm", "circle_mm", "file", "layer", "origin", "units", "rods")
 
 
 def with_drawing(

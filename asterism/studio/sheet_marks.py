@@ -56,21 +56,27 @@ class SheetMarks:
         return np.stack([top + half, top - half, middle], axis=2), normal
 
     def needles(self, layout: Layout, positions: Floats) -> Floats:
-        """(N, 2, 3) foot on the ground and tip in the sheet; along supported edges one in each spacing."""
+        """(N, 2, 3) needles: foot on the ground and tip in the sheet, along supported edges one in each spacing.
+
+        Edges shorter than the spacing are pieces of a curve, which a tube holds: after the needles come the two ends of
+        each piece.
+        """
+        start, end = (ends[layout.supported_edges] for ends in (layout.edges.start, layout.edges.end))
+        counts = (np.linalg.norm(end - start, axis=1) / layout.spacing_mm).astype(int)
         printed = [layout.pin_points]
-        for edge in layout.supported_edges.tolist():
-            start, end = layout.edges.start[edge], layout.edges.end[edge]
-            count = max(int(np.linalg.norm(end - start) / layout.spacing_mm), 1)
-            printed.append(start + np.arange(count)[:, None] / count * (end - start))
-        points = np.concatenate(printed)
+        for a, b, count in zip(start, end, counts.tolist(), strict=True):
+            printed.append(a + np.arange(count)[:, None] / max(count, 1) * (b - a))
+        count, is_piece = sum(map(len, printed)), counts == 0
+        points = np.concatenate([*printed, start[is_piece], end[is_piece]])
         if not len(points):
             return np.empty((0, 2, 3))
         if not np.array_equal(points, self._needle_points):
             self._needle_points, (self._in_needles, _) = points, self._interpolation(points)
         tips = self._in_needles @ positions
-        feet = tips.copy()
+        feet = tips[:count].copy()
         feet[:, 2] = min(0.0, float(tips[:, 2].min()))
-        return np.stack([feet, tips], axis=1)
+        pieces = tips[count:].reshape(2, -1, 3).swapaxes(0, 1)
+        return np.concatenate([np.stack([feet, tips[:count]], axis=1), pieces])
 
     def _interpolation(self, points: Floats, known: Ints | None = None) -> tuple[sp.csr_matrix, Ints]:
         """(n, V) linear interpolation from the vertices to printed points (n, 2), and their triangles (n,).

@@ -69,13 +69,14 @@ _KINDS = ("circle_mm", "polygon_mm", "spline_mm", "rods", "file")
 
 
 class Border(Section):
-    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `file` and `rods`.
+    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `file` and `rods`.
 
     Attributes
     ----------
     rings : hexagon around this many rings of stars about the central one (triangular lattice only).
     rectangle_mm : width and height, centred on the origin.
     polygon_mm : corners in order, clockwise or counterclockwise.
+    circle_mm : a circle or an ellipse; its edges are straight pieces that begin on the x axis.
     file : SVG, DXF or 3DM file, whose largest closed line is the outline; closed lines within it are holes. It is read
         once: the outline is stored as `polygon_mm`, and the holes as `holes`.
     layer : of the file; by default all closed lines.
@@ -83,7 +84,7 @@ class Border(Section):
     units : unit of a file that gives none.
     rods : name of a closed line of `[rods]` that is the outline: the fabric is cut along its outer edge.
     holes : holes in the sheet; lines and arms are cut there as at the outline.
-    star_margin_mm : smallest distance from a star's centre to the outline of a rectangle or polygon, and to holes. By
+    star_margin_mm : smallest distance from a star's centre to the outline, unless `rings` gives it, and to holes. By
         default it is half the spacing, which leaves the outer stars a full cell of fabric.
     overhang : `cut` shortens arms that would leave the sheet, `refuse` reports them as an error.
     tip_margin_mm : fabric left between an arm's tip and the outline.
@@ -97,6 +98,7 @@ class Border(Section):
     rings: Whole | None = Field(None, ge=0, le=40)
     rectangle_mm: Point | None = None
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
+    circle_mm: DrawnCircle | None = None
     file: Text | None = None
     layer: Text | None = None
     origin: Literal["middle", "drawing"] = "middle"
@@ -109,18 +111,20 @@ class Border(Section):
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:
-        self._check_one_of("rings", "rectangle_mm", "polygon_mm", "rods")
+        self._check_one_of("rings", "rectangle_mm", "polygon_mm", "circle_mm", "rods")
         for name in ("layer", "units"):
             if self.file is None and getattr(self, name) is not None:
                 raise DesignError(name, "goes with file", getattr(self, name))
         if self.rectangle_mm is not None and not all(1 <= side <= MAX_SHEET_MM for side in self.rectangle_mm):
             raise DesignError("rectangle_mm", f"must be two sides from 1 to {MAX_SHEET_MM:g} mm", self.rectangle_mm)
+        if self.circle_mm is not None and not np.all(
+            np.abs(self.circle_mm.centre) + self.circle_mm.half_axes <= MAX_SHEET_MM
+        ):
+            raise DesignError("circle_mm", f"must be within {MAX_SHEET_MM:g} mm of the origin", self.circle_mm.centre)
         if self.polygon_mm is not None:
             _check_polygon(self.polygon_mm)
         if self.rings is not None and self.star_margin_mm is not None and not self.holes:
-            raise DesignError(
-                "star_margin_mm", "goes with rectangle_mm or polygon_mm, not with rings", self.star_margin_mm
-            )
+            raise DesignError("star_margin_mm", "goes with another outline, not with rings", self.star_margin_mm)
         if self.star_margin_mm is not None and self.star_margin_mm <= self.tip_margin_mm:
             raise DesignError(
                 "star_margin_mm", f"must exceed tip_margin_mm ({self.tip_margin_mm:g})", self.star_margin_mm

@@ -4,29 +4,54 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import Field, field_validator, model_validator
 
 from asterism.pattern.design.errors import DesignError, one_line
 from asterism.pattern.design.materials import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.design.section import Flag, Line, Number, Point, Section, Text
+from asterism.pattern.design.section import Flag, Line, Number, NumberOrPair, Point, Section, Text
 from asterism.pattern.design.sizing.profiles import SizingField
 
 MIN_RADIUS_MM = 0.5
+MAX_RADIUS_MM = 1e4
+MAX_ASPECT = 20.0  # of an ellipse
 
 
 class DrawnCircle(Section):
-    """A circle by its centre and radius."""
+    """A circle by its centre and radius, or an ellipse by its half axes along x and y in place of the radius.
+
+    Examples
+    --------
+    >>> DrawnCircle(radius=(40.0, 25.0)).half_axes
+    (40.0, 25.0)
+    """
 
     centre: Point = (0.0, 0.0)
-    radius: Number = Field(ge=MIN_RADIUS_MM, le=1e4)
+    radius: NumberOrPair
+
+    @property
+    def half_axes(self) -> tuple[float, float]:
+        """mm, along x and y."""
+        x, y = np.broadcast_to(self.radius, 2)
+        return float(x), float(y)
+
+    @field_validator("radius")
+    @classmethod
+    def _in_range(cls, radius: float | tuple[float, float]) -> float | tuple[float, float]:
+        low, high = float(np.min(radius)), float(np.max(radius))
+        if not MIN_RADIUS_MM <= low <= high <= MAX_RADIUS_MM:
+            raise DesignError("", f"must be from {MIN_RADIUS_MM:g} to {MAX_RADIUS_MM:g}", radius)
+        if high > MAX_ASPECT * low:
+            raise DesignError("", f"must be half axes of which one is at most {MAX_ASPECT:g} times the other", radius)
+        return radius
 
 
 class DrawnArc(Section):
     """A part of a circle, from one direction seen from the centre to another; counterclockwise if that is larger."""
 
     centre: Point = (0.0, 0.0)
-    radius: Number = Field(ge=MIN_RADIUS_MM, le=1e4)
+    radius: Number = Field(ge=MIN_RADIUS_MM, le=MAX_RADIUS_MM)
     from_deg: Number = Field(ge=-720, le=720)
     to_deg: Number = Field(ge=-720, le=720)
 
@@ -47,7 +72,7 @@ class DrawnLine(Section):
     name : for messages and for `border.rods`.
     line_mm : points that straight lines join.
     spline_mm : points that a smooth curve passes through.
-    circle_mm, arc_mm : a circle, or a part of it.
+    circle_mm, arc_mm : a circle or an ellipse, or a part of a circle.
     closed : the line or spline returns to its first point.
     thickness_mm, width_mm : in place of those of `[rods]`.
     kappa_bar_per_mm : residual curvature of this line's plastic, in place of that of `[plastic]`.

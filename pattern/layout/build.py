@@ -232,7 +232,7 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
     changes: dict[str, object] = {"holes": tuple(Hole(polygon_mm=ring.tolist()) for ring in drawn.holes), "rods": None}
     if design.border.rings is None:
         corners = tuple((float(x), float(y)) for x, y in drawn.outline)
-        changes |= {"rectangle_mm": None, "polygon_mm": corners}
+        changes |= {"rectangle_mm": None, "circle_mm": None, "polygon_mm": corners}
     border = design.border.model_copy(update=changes)
     alone = _of_stars(design.model_copy(update={"rods": None, "border": border, "pins": ()}))
     arms = alone.graph

@@ -12,6 +12,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.border import MAX_SHEET_MM, Border
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.rods import DrawnCircle
 from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
 
@@ -21,12 +22,14 @@ MAX_STAR_MISS_SPACINGS = 0.1
 SIZE_LIMIT_SLACK = 1e-6
 _SIGN = {"up": 1, "down": -1, "free": 0}
 MAX_STARS_OF_DESIGN = 5000
+# largest distance of a round outline from the straight edges of the sheet
+ROUND_OUTLINE_MM = 0.1
 # cells in the box around the sheet that may be listed before those outside the outline are dropped
 MAX_LISTED_CELLS = 5_000_000
 
 
 def star_margin_mm(border: Border, lattice: Lattice) -> float:
-    """Smallest distance (mm) of a star's centre to the outline of a rectangle or polygon."""
+    """Smallest distance (mm) of a star's centre to the outline, unless `rings` gives it."""
     return lattice.spacing_mm / 2 if border.star_margin_mm is None else border.star_margin_mm
 
 
@@ -105,8 +108,17 @@ def outline(border: Border, lattice: Lattice) -> Floats:
         return np.asarray(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.asarray(border.rectangle_mm) / 2)
     if border.rods is not None:
         raise DesignError("border.rods", "is an outline for asterism simulate alone", border.rods)
+    if border.circle_mm is not None:
+        return _ellipse(border.circle_mm)
     corners = np.asarray(border.polygon_mm)
     return corners if shapely.is_ccw(shapely.linearrings(corners)) else corners[::-1].copy()
+
+
+def _ellipse(circle: DrawnCircle) -> Floats:
+    """(B, 2) mm, corners on a circle or an ellipse; a multiple of 12, for the symmetries of lattices."""
+    step = 2 * np.arccos(1 - ROUND_OUTLINE_MM / max(circle.half_axes))
+    angle = np.linspace(0, 2 * np.pi, 12 * int(np.ceil(2 * np.pi / (12 * step))), endpoint=False)
+    return np.asarray(circle.centre) + np.asarray(circle.half_axes) * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def _hexagon(rings: int, lattice: Lattice) -> Floats:

@@ -139,7 +139,7 @@ BAD = [
         "by 1e-6 or more",
     ),
     ([("gravity.direction", [1e200, 0, 0])], "gravity.direction[0]", "at most 1e+12"),
-    ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm, polygon_mm and rods"),
+    ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm, polygon_mm, circle_mm and rods"),
     ([("border.rectangle_mm", [100, 100])], "border", "one of"),
     ([("border.rings", 41)], "border.rings", "at most 40"),
     ([("border.rings", -1)], "border.rings", "at least 0"),

@@ -1,6 +1,7 @@
 // What buttons and keys do.
 
 import { isLong } from "./badge.js";
+import { borderOf } from "./border.js";
 import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
@@ -94,7 +95,7 @@ export function createActions(studio) {
       else if (store.get("startOpen")) store.set({ startOpen: false });
       else if (isLong(store.get("state"))) actions.stop();
       else if (Object.keys(store.get("jobs")).length) actions.cancel();
-      else store.set({ selection: new Set(), support: null, corner: null });
+      else store.set({ selection: new Set(), support: null, corner: null, hole: null });
     },
     /** Plan and view show all of a sheet that gets another outline, as soon as they have a state after `before`. */
     fitSoon(before = store.get("document")?.revision) {
@@ -137,7 +138,7 @@ export function createActions(studio) {
       if (!told || document !== connection.document) return;
       if (use) use(told.value);
       else if (told.border) {
-        edits.once(() => edits.design({ border: { ...rest(store.get("sheet").design.border), ...told.border } }));
+        edits.once(() => edits.design({ border: borderOf(store.get("sheet").design, told.border) }));
         actions.fitSoon();
       }
     });
@@ -205,8 +206,4 @@ export function createActions(studio) {
   }
 
   return actions;
-}
-
-function rest({ rings, rectangle_mm, polygon_mm, ...kept } = {}) {
-  return kept;
 }

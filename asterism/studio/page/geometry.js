@@ -111,10 +111,11 @@ export function crossesItself(polygon) {
   return false;
 }
 
-export function regularPolygon(sides, radius, centre = [0, 0], start = Math.PI / 2) {
-  return Array.from({ length: sides }, (_, k) => {
-    const angle = start + (2 * Math.PI * k) / sides;
-    return [round(centre[0] + radius * Math.cos(angle)), round(centre[1] + radius * Math.sin(angle))];
+/** Corners on an ellipse, at equal steps of its angle from `start` on. */
+export function ellipse(centre, [a, b], { count = 72, start = 0 } = {}) {
+  return Array.from({ length: count }, (_, k) => {
+    const angle = start + (2 * Math.PI * k) / count;
+    return roundPoint([centre[0] + a * Math.cos(angle), centre[1] + b * Math.sin(angle)]);
   });
 }
 

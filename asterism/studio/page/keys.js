@@ -21,9 +21,9 @@ const HELP = {
   ],
   Plan: [
     ["← ↑ → ↓", "Go to the next star"],
-    ["Enter", "Use the tool at the star: paint, select, set a needle, an end of a line"],
-    ["+ −", "Change the size of the selected stars"],
-    ["Delete", "Remove stars, a corner or a needle"],
+    ["Enter", "Use the tool at the star: paint, select, set a needle, cut a hole, an end of a line"],
+    ["+ −", "Change the size of the selected stars, of the selected hole"],
+    ["Delete", "Remove stars, a corner, a hole or a needle"],
     ["Insert", "A corner after the selected one"],
     ["Shift+click", "Straight line with the brush; add to the selection"],
     ["Double click", "Select the ring"],

@@ -76,6 +76,7 @@ export function listen(studio) {
       selection: new Set(),
       support: null,
       corner: null,
+      hole: null,
       cursor: null,
       hover: null,
       measured: null,

@@ -5,6 +5,7 @@ import { QUANTITIES } from "./format.js";
 
 const MIN_ARM_MM = 1; // shorter arms are not printed
 const TIP_MARGIN_MM = 0.5;
+const CUT_MM = 0.01; // by which an arm is shorter than its size says, if an edge cuts it
 const BRUSH_SHARE = 0.17; // of the sheet's shorter side
 const BRUSH_SPACINGS = 0.65; // no place of a triangular lattice is more than 0.577 of its spacing away from a star
 
@@ -65,7 +66,7 @@ export const brushOn = (sheet, brush) => ({ ...brush, radius: brush.radius ?? sh
 
 export const keyOf = (site) => `${site[0]},${site[1]}`;
 
-/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, rods, outline, pins}. */
+/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, rods, outline, holes, pins}. */
 export class Sheet {
   constructor(document, local = emptyLocal()) {
     const { plan, design, limits } = document;
@@ -81,9 +82,9 @@ export class Sheet {
     );
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
+    this.holes = local.holes ?? plan.holes_mm ?? [];
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
     this.rods = local.rods ?? plan.rods ?? [];
-    this.holes = plan.holes_mm ?? [];
     this.byKey = new Map(this.stars.map((star) => [star.key, star]));
     this.box = bounds(this.outline.concat(this.outline.length ? [] : [[0, 0]]));
     this.centre = centroid(this.outline);
@@ -99,7 +100,8 @@ export class Sheet {
     }
     const weight = this.local.weights.has(key) ? (this.local.weights.get(key) ?? 1) : (entry.weight ?? 1);
     const removed = removal ?? entry.removed;
-    const isChanged = change !== undefined || removal !== undefined || this.local.outline;
+    const isReshaped = Boolean(this.local.outline || this.local.holes);
+    const isChanged = change !== undefined || removal !== undefined || isReshaped;
     const star = {
       row,
       key,
@@ -115,14 +117,22 @@ export class Sheet {
     if (isChanged) star.arms = removed ? [] : this.#arms(star.at, sizes[0]);
     else star.arms = removed ? [] : (entry.arms ?? this.#arms(star.at, sizes[0]));
     star.isPrinted = star.arms.length > 0;
-    star.isOffSheet = this.local.outline ? !isInside(star.at, this.outline) : entry.on_sheet === false;
+    star.isOffSheet = isReshaped
+      ? !isInside(star.at, this.outline) || this.holes.some((hole) => isInside(star.at, hole))
+      : entry.on_sheet === false;
+    const reach = star.arms.map(([from, to]) => distance(from, to));
+    star.isCut =
+      !removed &&
+      sizes[0] >= MIN_ARM_MM &&
+      (reach.length < this.directions.length || Math.min(...reach) < sizes[0] - CUT_MM);
     return star;
   }
 
   #arms(at, length) {
     if (length < MIN_ARM_MM) return [];
     return this.directions.map((direction) => {
-      const room = rayLength(at, direction, this.outline) - this.tipMargin;
+      const ways = [this.outline, ...this.holes].map((ring) => rayLength(at, direction, ring));
+      const room = Math.min(...ways) - this.tipMargin;
       const reach = Math.max(0, Math.min(length, room));
       return [at, [at[0] + reach * direction[0], at[1] + reach * direction[1]]];
     });
@@ -230,7 +240,7 @@ function heldEdges(table, outline) {
 }
 
 export function emptyLocal() {
-  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), rods: null, outline: null, pins: null };
+  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), rods: null, outline: null, holes: null, pins: null };
 }
 
 function readLimits(limits) {

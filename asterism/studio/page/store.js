@@ -95,6 +95,7 @@ export function createStore() {
     cursor: null, // star of the keyboard
     support: null, // selected needle: {table, point}
     corner: null, // selected corner of the outline
+    hole: null, // selected hole
     sizesOf: "", // path of the rods that get sizes; "" for stars or all rods
     planColour: "none",
     viewColour: "none",

@@ -15,9 +15,12 @@ from hypothesis import strategies as st
 from asterism.homogenize.errors import LawError
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.sheet import StarLens
+from asterism.studio.sheet_marks import SheetMarks
 from asterism.studio.sheet_view import SheetView
 from tests.asterism.previews.laws import plain_law
 
@@ -41,6 +44,18 @@ STROKES = st.lists(
     min_size=1,
     max_size=3,
 )
+
+
+@pytest.mark.parametrize("border", [{"circle_mm": {"radius": 40.0}}, {"rectangle_mm": (90, 60)}])
+def test_a_tube_holds_a_curve_and_needles_a_straight_edge(border: dict[str, object]) -> None:
+    sheet = layout(Design.from_dict({**DESIGN.to_dict(), "border": border, "pins": [{"where": "border"}]}))
+    mesh = mesh_layout(sheet, 4.0)
+    needles = SheetMarks(mesh.points, mesh.triangles).needles(sheet, np.pad(mesh.points, ((0, 0), (0, 1))))
+    if "circle_mm" in border:
+        assert len(needles) == len(sheet.outline) and np.allclose(needles[1:, 0], needles[:-1, 1])  # without gaps
+        assert np.allclose(np.linalg.norm(needles[:, :, :2], axis=2), 40.0, atol=1e-3)
+    else:
+        assert len(needles) == 2 * (5 + 3) and np.array_equal(needles[:, 0, :2], needles[:, 1, :2])
 
 
 @pytest.fixture(scope="module")

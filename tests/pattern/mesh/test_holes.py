@@ -100,6 +100,10 @@ def test_holes_of_a_drawing(tmp_path: Path) -> None:
             r"holes\[0\]: must not cross .* itself, as at \[4.5",
         ),
         ([{"circle_mm": {"radius": 0.5}}], r"holes\[0\] = 0.78\d*: must enclose at least 1 mm2"),
+        (
+            [{"circle_mm": {"radius": [30, 1]}}],
+            r"radius = .30.0, 1.0.: must be half axes .* at most 20 times the other",
+        ),
         ([{"rods": "door"}], r"holes\[0\].rods = 'door': must be the name or layer of one line"),
         ([{"rods": "line0"}], r"holes\[0\].rods = 'line0': must be a closed line"),
         ([{}], r"holes\[0\]: must have one of circle_mm"),
@@ -108,6 +112,26 @@ def test_holes_of_a_drawing(tmp_path: Path) -> None:
 def test_bad_holes_are_refused_with_their_place(holes: list[dict[str, Any]], message: str) -> None:
     with pytest.raises(DesignError, match=message):
         layout(design(*holes))
+
+
+def test_an_ellipse_is_a_hole_and_an_outline() -> None:
+    ellipse = {"centre": [2.0, 1.0], "radius": [40.0, 25.0]}
+    border = {"circle_mm": ellipse, "holes": [{"circle_mm": {"centre": [2.0, 1.0], "radius": [6.0, 4.0]}}]}
+    one = Design.from_dict(
+        {"stars": {"length_mm": 8.0}, "border": border, "pins": [{"where": "border", "scale": 0.74}]}
+    )
+    plan = layout(one)
+    for ring, axes, curve_mm in ((plan.outline, (40.0, 25.0), 0.1), (plan.holes[0], (6.0, 4.0), 0.005)):
+        assert np.allclose(np.linalg.norm((ring - [2.0, 1.0]) / axes, axis=1), 1.0)
+        middles = (ring + np.roll(ring, -1, axis=0)) / 2
+        assert (1 - np.linalg.norm((middles - [2.0, 1.0]) / axes, axis=1)).max() * max(axes) <= curve_mm * (1 + 1e-6)
+    assert area(plan) == pytest.approx(np.pi * (40 * 25 - 6 * 4), rel=4e-3)
+    assert len(plan.supported_edges) == len(plan.outline) == 48
+    mesh = mesh_layout(plan, 2.0)
+    assert triangle_angles(mesh.points, mesh.triangles).min() > 20.0
+    assert Design.from_dict(one.to_dict()) == one
+    with pytest.raises(DesignError, match=r"border.circle_mm = .*: must be within 5000 mm"):
+        Design.from_dict({**one.to_dict(), "border": {"circle_mm": {"centre": [4990, 0], "radius": 40}}})
 
 
 def test_pins_in_holes_are_refused() -> None:

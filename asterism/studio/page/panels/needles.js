@@ -58,11 +58,13 @@ export function needlesPanel({ store, edits, tools }, { on }) {
               testid: "hold-border",
               onclick: () => send([{ where: "border", scale: rounded(usualScale(now), 2) }]),
             }),
-            button({
-              text: "Hold the corners",
-              testid: "hold-corners",
-              onclick: () => send([{ where: "corners", scale: rounded(usualScale(now), 2) }]),
-            }),
+            now.design.border?.circle_mm
+              ? null
+              : button({
+                  text: "Hold the corners",
+                  testid: "hold-corners",
+                  onclick: () => send([{ where: "corners", scale: rounded(usualScale(now), 2) }]),
+                }),
           ),
     );
     const support = store.get("support");

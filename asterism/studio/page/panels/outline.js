@@ -1,8 +1,10 @@
-// Panel of the outline: regular shapes, corners as numbers, drawing files.
+// Panel of the outline: regular shapes, corners, circles and holes as numbers, drawing files.
 
-import { button, h, hint, section, segments } from "../dom.js";
-import { fixed, mistakeOf, numberOf } from "../format.js";
-import { regularShape } from "../plan/tools/outline.js";
+import { curvesOf } from "../border.js";
+import { button, h, hint, refresh, section, segments } from "../dom.js";
+import { fixed, mistakeOf, numberOf, plural } from "../format.js";
+import { icon } from "../icons.js";
+import { regularShape, sizeOf } from "../plan/tools/outline.js";
 import { numberField } from "./fields.js";
 import { rebuild } from "../rebuild.js";
 
@@ -41,8 +43,8 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   });
   function show() {
     width.element.hidden = shape.kind === "hexagon";
-    width.element.querySelector("label").textContent = shape.kind === "rectangle" ? "Width" : "Diameter";
-    height.element.hidden = shape.kind !== "rectangle";
+    width.element.querySelector("label").textContent = shape.kind === "polygon" ? "Diameter" : "Width";
+    height.element.hidden = shape.kind !== "rectangle" && shape.kind !== "circle";
     sides.element.hidden = shape.kind !== "polygon";
     rings.element.hidden = shape.kind !== "hexagon";
   }
@@ -54,28 +56,102 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     onclick: () => {
       const shown = [width, height, sides, rings].filter((one) => !one.element.hidden);
       if (shown.some((one) => one.isRefused())) return;
-      const sized = { ...shape, sides: shape.kind === "circle" ? 48 : shape.sides };
-      tool.setBorder(regularShape(shape.kind, sized));
+      tool.setBorder(regularShape(shape.kind, shape));
       actions.fitSoon();
     },
   });
   const upload = button({
     icon: "upload",
-    text: "SVG, DXF or CSV…",
+    text: "From SVG, DXF or CSV…",
     kind: "wide",
     testid: "upload-outline",
     onclick: () => actions.upload("outline", ".svg,.dxf,.csv"),
   });
-  const title = section("Corners", h("span", { class: "count" }));
   const list = h("div", { class: "corners" });
-  function corners() {
-    const { outline } = store.get("sheet") ?? { outline: [] };
-    title.lastChild.textContent = String(outline.length);
-    rebuild(list, () =>
-      outline.length <= MAX_LISTED
-        ? outline.map((_, k) => row(outline, k))
-        : [hint("Select a corner in the plan; its place appears here."), chosenRow(outline)],
-    );
+  const holes = h("div", {});
+  const said = h("div", {});
+  function update() {
+    const sheet = store.get("sheet");
+    if (!sheet) return;
+    const outline = tool.corners();
+    const round = curvesOf(sheet).find(({ hole }) => hole === null);
+    rebuild(list, () => {
+      if (round) return [section(round.axes[0] === round.axes[1] ? "Circle" : "Ellipse"), ...numbers(round, "outline")];
+      const title = section("Corners", h("span", { class: "count" }, String(outline.length)));
+      if (outline.length <= MAX_LISTED) return [title, outline.map((_, k) => row(outline, k))];
+      return [title, hint("Select a corner in the plan; its place appears here."), chosenRow(outline)];
+    });
+    rebuild(holes, () => holesPart(curvesOf(sheet).filter(({ hole }) => hole !== null)));
+    const cut = sheet.stars.filter((star) => star.isCut).map((star) => star.key);
+    refresh(said, cut, () => [
+      hint(cut.length ? `${plural(cut.length, "star")} with arms that an edge cuts.` : "No edge cuts a star."),
+      cut.length
+        ? button({ text: "Select them", testid: "select-cut", onclick: () => store.set({ selection: new Set(cut) }) })
+        : null,
+    ]);
+  }
+  /** Place and size of a circle, an ellipse, or the place of another hole. */
+  function numbers(curve, name) {
+    const { centre, axes } = curve;
+    const one = (text, key, value, min, change) =>
+      numberField({
+        label: text,
+        value,
+        min,
+        max: 5000,
+        step: 0.5,
+        digits: 2,
+        testid: `${name}-${key}`,
+        onchange: (typed) => tool.setCurve(curve, change(typed)) || update(),
+      }).element;
+    const placed = (text, axis) =>
+      one(text, "xy"[axis], centre[axis], -5000, (value) => ({ centre: centre.with(axis, value) }));
+    const sized = (text, axis) =>
+      one(text, text.toLowerCase(), 2 * axes[axis], 2, (value) => ({ axes: axes.with(axis, value / 2) }));
+    return [placed("Centre x", 0), placed("Centre y", 1), axes && [sized("Width", 0), sized("Height", 1)]];
+  }
+  function holesPart(curves) {
+    const chosen = tool.chosenHole();
+    return [
+      section(
+        "Holes",
+        h("span", { class: "count" }, String(curves.length)),
+        chosen &&
+          button({
+            icon: "trash",
+            label: "Remove this hole",
+            keys: "Delete",
+            kind: "plain danger",
+            testid: "remove-hole",
+            onclick: () => tool.removeHole(),
+          }),
+      ),
+      h(
+        "ul",
+        { class: "list" },
+        curves.map((curve) =>
+          h(
+            "li",
+            {},
+            h(
+              "button",
+              {
+                type: "button",
+                class: "item",
+                "aria-current": String(curve.hole === chosen?.hole),
+                testid: `hole-${curve.hole}`,
+                onclick: () => store.set({ hole: curve.hole, corner: null }),
+              },
+              icon("outline"),
+              h("span", { class: "grow" }, `Hole ${curve.hole + 1}`),
+              h("span", { class: "count" }, sizeOf(curve)),
+            ),
+          ),
+        ),
+      ),
+      chosen ? numbers(chosen, "hole") : null,
+      button({ text: "Cut a round hole", kind: "wide", testid: "add-hole", onclick: () => tool.addHole() }),
+    ];
   }
   function chosenRow(outline) {
     const k = store.get("corner");
@@ -120,9 +196,9 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       }),
     );
   }
-  on(["sheet"], corners);
-  on(["corner"], () => (store.get("sheet")?.outline.length ?? 0) > MAX_LISTED && corners());
-  corners();
+  on(["sheet", "hole"], update);
+  on(["corner"], () => (store.get("sheet")?.outline.length ?? 0) > MAX_LISTED && update());
+  update();
   return [
     section("Regular shape"),
     kind.element,
@@ -131,9 +207,9 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     sides.element,
     rings.element,
     apply,
-    section("From a drawing"),
     upload,
-    title,
+    holes,
+    said,
     list,
   ];
 }

@@ -45,6 +45,7 @@ export class PlanCanvas {
       "weightBrush",
       "support",
       "corner",
+      "hole",
       "theme",
       "symmetry",
       "tool",

@@ -4,6 +4,7 @@ const ACCENT = [60, 110, 235, 255];
 const CAP = 3; // stations of a round end
 const EMBEDDED_MM = 0.4; // of a bar in the fabric, so that no gap is seen under it
 const NEEDLE_MM = [0.3, 1.1]; // radii of shaft and head
+const TUBE_MM = 0.9; // radius of the tube along a held curve
 const HEAD_ABOVE_MM = 3.4; // of the middle of a head over the held point
 const BOARD_MM = 4;
 const BOARD_CELLS = 32;
@@ -84,33 +85,56 @@ export function rim(positions, normals, outline) {
   return { ...made, triangles };
 }
 
-/** All needles, from the board to their heads. `needles`: (N, 2, 3) foot and tip. */
-export function needleSolids(needles, level) {
-  const made = { positions: [], normals: [], triangles: [] };
+/** Needles (N, 2, 3), foot and tip, and the ends of pieces of tubes along held curves, which do not stand upright. */
+export function parted(needles) {
+  const [upright, pieces] = [[], []];
   for (let k = 0; k < needles.length; k += 6) {
-    const [x, y, z] = headOf(needles.subarray(k + 3, k + 6));
-    const head = Array.from({ length: 9 }, (_, row) => [Math.sin((row * Math.PI) / 8), -Math.cos((row * Math.PI) / 8)]);
-    turned(made, x, y, [[NEEDLE_MM[0], level, 1, 0], [NEEDLE_MM[0], z, 1, 0]]);
-    turned(made, x, y, head.map(([r, h]) => [NEEDLE_MM[1] * r, z + NEEDLE_MM[1] * h, r, h]));
+    const [foot, tip] = [needles.subarray(k, k + 3), needles.subarray(k + 3, k + 6)];
+    (foot[0] === tip[0] && foot[1] === tip[1] ? upright : pieces).push([foot, tip]);
+  }
+  return { upright, pieces };
+}
+
+/** All needles, from the board to their heads, and tubes. */
+export function needleSolids({ upright, pieces }, level) {
+  const made = { positions: [], normals: [], triangles: [] };
+  const ball = Array.from({ length: 9 }, (_, row) => [Math.sin((row * Math.PI) / 8), -Math.cos((row * Math.PI) / 8)]);
+  for (const [, tip] of upright) {
+    const [x, y, z] = headOf(tip);
+    turned(made, [x, y, 0], [0, 0, 1], [[NEEDLE_MM[0], level, 1, 0], [NEEDLE_MM[0], z, 1, 0]]);
+    turned(made, [x, y, z], [0, 0, 1], ball.map(([r, h]) => [NEEDLE_MM[1] * r, NEEDLE_MM[1] * h, r, h]));
+  }
+  for (const [from, to] of pieces) {
+    const along = to.map((value, c) => value - from[c]);
+    const length = Math.hypot(...along) || 1e-9;
+    const end = (rows, at) => ball.slice(...rows).map(([r, h]) => [TUBE_MM * r, at + TUBE_MM * h, r, h]);
+    turned(made, from, along.map((value) => value / length), [...end([0, 5], 0), ...end([4], length)]);
   }
   return arrays(made);
 }
 
-/** A profile [radius, height, outward, upward] turned about an upright axis. */
-function turned({ positions, normals, triangles }, x, y, profile) {
-  profile.forEach(([radius, z, out, up], row) => {
+/** A profile [radius, height, outward, upward] turned about an axis from a place on. */
+function turned({ positions, normals, triangles }, from, [a, b, c], profile) {
+  const flat = Math.hypot(a, b);
+  const u = flat ? [-b / flat, a / flat, 0] : [1, 0, 0];
+  const axis = [a, b, c];
+  const v = [0, 1, 2].map((k) => axis[(k + 1) % 3] * u[(k + 2) % 3] - axis[(k + 2) % 3] * u[(k + 1) % 3]);
+  profile.forEach(([radius, height, out, up], row) => {
     for (let k = 0; k <= SIDES; k++) {
-      const [c, s] = [Math.cos((2 * Math.PI * k) / SIDES), Math.sin((2 * Math.PI * k) / SIDES)];
+      const [cos, sin] = [Math.cos((2 * Math.PI * k) / SIDES), Math.sin((2 * Math.PI * k) / SIDES)];
       const here = positions.length / 3;
-      positions.push(x + radius * c, y + radius * s, z);
-      normals.push(out * c, out * s, up);
+      for (let i = 0; i < 3; i++) {
+        const outward = cos * u[i] + sin * v[i];
+        positions.push(from[i] + radius * outward + height * axis[i]);
+        normals.push(out * outward + up * axis[i]);
+      }
       if (row && k) triangles.push(here - 1, here, here - SIDES - 1, here - 1, here - SIDES - 1, here - SIDES - 2);
     }
   });
 }
 
 /** The board under a box {low, high}: drilling marks at the needles, ticks of 10 mm along its edges. */
-export function board({ low, high }, needles, level) {
+export function board({ low, high }, { upright }, level) {
   const made = { positions: [], normals: [], triangles: [], lines: [] };
   const margin = Math.max(6, 0.05 * Math.hypot(high[0] - low[0], high[1] - low[1]));
   const ends = [low.map((value) => value - margin), high.map((value) => value + margin)];
@@ -149,8 +173,7 @@ export function board({ low, high }, needles, level) {
     stroke([left, y], [left + tick(y), y]);
     stroke([right, y], [right - tick(y), y]);
   }
-  for (let k = 0; k < needles.length; k += 6) {
-    const [x, y] = needles.subarray(k, k + 2);
+  for (const [[x, y]] of upright) {
     stroke([x - 2.5, y], [x + 2.5, y]);
     stroke([x, y - 2.5], [x, y + 2.5]);
     const turns = Array.from({ length: 17 }, (_, turn) => (turn * Math.PI) / 8);

@@ -5,7 +5,7 @@ import { Camera } from "./camera.js";
 import { box, fieldValues, vertexNormals } from "./sheet.js";
 import { fieldDomain, vertexColours } from "./colours.js";
 import { pick, printedPlace } from "./picking.js";
-import { FABRIC_MM, barColours, bars, board, headOf, needleSolids, rim } from "./solids.js";
+import { FABRIC_MM, barColours, bars, board, headOf, needleSolids, parted, rim } from "./solids.js";
 import { showLegend } from "./legend.js";
 
 // colours of the two sides of the fabric, of its rim and of the other solids
@@ -215,11 +215,12 @@ export class View {
     if (made) renderer.fill(this.armSurface, made);
     else this.armSurface.count = 0;
     const tops = [...positions];
-    for (let k = 3; k < needles.length; k += 6) tops.push(...headOf(needles.subarray(k, k + 3)));
+    const held = parted(needles);
+    for (const [, tip] of held.upright) tops.push(...headOf(tip));
     this.#box = box(tops); // around all that casts shadows
     const { low, high } = this.#box;
     const level = Math.min(0, low[2]) - FABRIC_MM - 0.1;
-    const [solids, table] = [needleSolids(needles, level), board({ low, high }, needles, level)];
+    const [solids, table] = [needleSolids(held, level), board({ low, high }, held, level)];
     renderer.fill(this.needleSurface, solids);
     renderer.fill(this.boardSurface, table);
     this.#level = level;

@@ -120,3 +120,78 @@ def test_the_ruler_measures_and_the_frame_is_in_the_picture(page: StudioPage) ->
     left, right = (page.get(f"studio.screenOf([{sign} * {frame[0] / 2}, 0])[0]") for sign in (-1, 1))
     assert 0 < left < right < width
     page.item("plan-print-area").click()
+
+
+def holes(page: StudioPage) -> list[dict[str, dict[str, object]]]:
+    tables: list[dict[str, dict[str, object]]] = page.get("studio.document.design.border.holes ?? []")
+    return tables
+
+
+def test_a_round_hole_is_drawn_moved_resized_and_deleted(page: StudioPage) -> None:
+    stars = len(page.get("studio.document.plan.sites"))
+    page.changed(lambda: page.drag((0.3, 0.2), (8.0, 0.0)))
+    assert holes(page) == [{"circle_mm": {"centre": [0, 0], "radius": 8}}]
+    assert len(page.get("studio.document.plan.sites")) == stars - 1  # the star of the middle
+    page.changed(lambda: page.drag((0.0, 0.0), (3.2, 2.1)))
+    assert holes(page)[0]["circle_mm"]["centre"] == [3, 2]
+    page.changed(lambda: page.drag((11.0, 2.0), (13.2, 2.0)))
+    assert holes(page)[0]["circle_mm"]["radius"] == 10
+    page.page.keyboard.down("Shift")
+    page.changed(lambda: page.drag((3.0, 12.0), (3.0, 7.9)))
+    page.page.keyboard.up("Shift")
+    assert holes(page)[0]["circle_mm"]["radius"] == [10, 6]
+    page.drag((3.0, 2.0), (3.0, 400.0))  # as far as there is fabric around it
+    page.rest()
+    assert page.page.locator("[data-testid=problem]").count() == 0
+    page.item("plan").focus()
+    page.changed(lambda: page.page.keyboard.press("Delete"))
+    assert holes(page) == []
+    page.changed(lambda: page.item("undo").click())
+    assert len(holes(page)) == 1
+
+
+def test_a_hole_is_cut_by_the_keyboard_and_typed(page: StudioPage) -> None:
+    page.changed(lambda: page.item("add-hole").click())
+    page.changed(lambda: page.fill("hole-width", 18))
+    assert holes(page)[0]["circle_mm"] == {"centre": [0, 0], "radius": [9, 7]}
+    page.item("plan").focus()
+    page.changed(lambda: page.page.keyboard.press("+"))
+    assert holes(page)[0]["circle_mm"]["radius"] == [10, 8]
+    page.fill("hole-x", 500)
+    assert "No room" in page.item("problem").inner_text()
+    page.page.keyboard.press("Escape")
+    page.item("plan").focus()
+    page.page.keyboard.press("ArrowRight")
+    page.page.keyboard.press("ArrowUp")
+    page.changed(lambda: page.page.keyboard.press("Enter"))
+    assert len(holes(page)) == 2
+
+
+def test_an_outline_is_an_ellipse_with_handles(page: StudioPage) -> None:
+    page.item("shape-circle").click()
+    page.fill("shape-width", 120)
+    page.fill("shape-height", 120)
+    page.changed(lambda: page.item("use-shape").click())
+    assert page.get("studio.document.design.border.circle_mm") == {"centre": [0, 0], "radius": 60}
+    page.page.keyboard.down("Shift")
+    page.changed(lambda: page.drag((0.0, 60.0), (0.0, 45.0)))
+    page.page.keyboard.up("Shift")
+    assert page.get("studio.document.design.border.circle_mm.radius") == [60, 45]
+    page.changed(lambda: page.fill("outline-width", 90))
+    assert page.get("studio.document.design.border.circle_mm.radius") == 45
+    page.changed(lambda: page.item("undo").click())
+    assert page.get("studio.document.design.border.circle_mm.radius") == [60, 45]
+
+
+def test_stars_whose_arms_an_edge_cuts_are_said(page: StudioPage) -> None:
+    page.item("tool-select").click()
+    page.item("select-all").click()
+    page.changed(lambda: page.fill("selected-length", 14))
+    page.item("tool-outline").click()
+    page.changed(lambda: page.item("add-hole").click())
+    page.item("select-cut").click()
+    cut = {",".join(map(str, site)) for site in ([1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1])}
+    chosen = set(page.get("studio.selection"))
+    reach = "(site) => site.arms.some(([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]) < 13.9)"
+    assert chosen == set(page.get(f"studio.document.plan.sites.filter({reach}).map((site) => site.site.join())"))
+    assert chosen & cut

@@ -1,38 +1,84 @@
-// The outline: drag corners, click an edge to add one, Delete removes; snapping to other corners and whole millimetres.
+// The outline and holes: drag corners, click an edge to add one, Delete removes; circles and ellipses have handles at
+// their centre and at the ends of their half axes. A drag over the sheet cuts a round hole.
 
-import { crossesItself, nearestEdge, nearestIndex, regularPolygon, roundPoint } from "../../geometry.js";
-import { polyline, snapped } from "./common.js";
+import { borderOf, circleOf, curvesOf, leavesFabric, withCurve, withHole, withoutHole } from "../../border.js";
+import { crossesItself, distance, ellipse, isInside, nearestEdge, nearestIndex, roundPoint } from "../../geometry.js";
+import { toast } from "../../panels/toasts.js";
+import { circle, polyline, snapped } from "./common.js";
 import { label } from "../draw.js";
 import { fixed } from "../../format.js";
 
 const GRIP_PX = 12;
+const CLICK_PX = 4;
+const LEAST_RADIUS_MM = 2; // of a hole that is drawn
 
 export class OutlineTool {
   cursor = "crosshair";
-  #corners = null; // while dragging
+  #corners = null; // while a corner is dragged
   #index = -1;
+  #drag = null; // of a curve, or of a new hole without one: {curve, part, start, sheet}, the sheet before
   #edge = null;
-  #isOriginal = false;
 
   constructor({ plan, store, edits }) {
     Object.assign(this, { plan, store, edits });
   }
 
   get hint() {
-    return "Drag corners\u00a0· click an edge to add one";
+    const isRound = this.store.get("sheet")?.design.border?.circle_mm;
+    const outline = isRound ? "Drag handles\u00a0· Shift: one axis" : "Drag corners\u00a0· click an edge to add one";
+    return `${outline}\u00a0· drag in the sheet: a hole`;
+  }
+
+  /** Corners of the outline; a circle has none. */
+  corners() {
+    const { design, outline } = this.store.get("sheet") ?? { outline: [] };
+    return design?.border?.circle_mm ? [] : outline.map((corner) => [...corner]);
+  }
+
+  /** The selected hole, as `curvesOf` has it. */
+  chosenHole() {
+    const hole = this.store.get("hole");
+    return hole === null ? undefined : curvesOf(this.store.get("sheet")).find((curve) => curve.hole === hole);
+  }
+
+  /** Handles of the curves: all of the outline, which is moved at an end, of the selected hole, the centres of others. */
+  #handles() {
+    return curvesOf(this.store.get("sheet")).flatMap((curve) => {
+      const { hole, axes } = curve;
+      const [x, y] = curve.centre;
+      const handles = [{ curve, part: "centre", at: hole === null ? [x - axes[0], y] : [x, y] }];
+      if (!axes || (hole !== null && hole !== this.store.get("hole"))) return handles;
+      return [...handles, { curve, part: 0, at: [x + axes[0], y] }, { curve, part: 1, at: [x, y + axes[1]] }];
+    });
+  }
+
+  /** A corner, a handle, an edge, or the hole under the pointer. */
+  #under(event) {
+    const reach = this.plan.px(event.isTouch ? 2 * GRIP_PX : GRIP_PX);
+    const corners = this.corners();
+    const corner = nearestIndex(event.at, corners);
+    if (corner.distance < reach) return { corner: corner.index };
+    const handles = this.#handles();
+    const places = handles.map(({ at }) => at);
+    const handle = nearestIndex(event.at, places);
+    if (handle.distance < reach) return handles[handle.index];
+    const edge = nearestEdge(event.at, corners);
+    if (edge?.distance < reach) return { edge };
+    const curve = curvesOf(this.store.get("sheet")).find(({ hole, ring }) => hole !== null && isInside(event.at, ring));
+    return curve ? { curve, part: "centre" } : {};
   }
 
   down(event) {
-    const corners = this.store.get("sheet").outline.map((corner) => [...corner]);
-    const { index, distance: away } = nearestIndex(event.at, corners);
-    const reach = this.plan.px(event.isTouch ? 2 * GRIP_PX : GRIP_PX);
-    if (away < reach) this.#begin(corners, index);
-    else {
-      const edge = nearestEdge(event.at, corners);
-      if (edge.distance > reach) return void this.store.set({ corner: null });
+    const corners = this.corners();
+    const { corner, edge, curve, part } = this.#under(event);
+    if (corner !== undefined) this.#begin(corners, corner);
+    else if (edge) {
       corners.splice(edge.edge + 1, 0, roundPoint(edge.point));
       this.#begin(corners, edge.edge + 1);
       this.#send();
+    } else {
+      this.store.set({ corner: null, hole: curve?.hole ?? null });
+      this.#drag = { curve, part, start: event.at, sheet: this.store.get("sheet") };
     }
   }
 
@@ -40,10 +86,11 @@ export class OutlineTool {
     this.edits.begin();
     this.#corners = corners;
     this.#index = index;
-    this.store.set({ corner: index });
+    this.store.set({ corner: index, hole: null });
   }
 
   move(event) {
+    if (this.#drag) return this.#moveCurve(event);
     if (!this.#corners) return;
     const others = this.#corners.filter((_, k) => k !== this.#index);
     const { at } = snapped(event, this.plan, { alignTo: others });
@@ -53,32 +100,86 @@ export class OutlineTool {
     else this.#send();
   }
 
-  up() {
-    if (!this.#corners) return;
-    this.#corners = null;
+  #moveCurve(event) {
+    const { curve, part, start, sheet } = this.#drag;
+    if (!this.edits.isOpen && distance(event.at, start) < this.plan.px(CLICK_PX)) return;
+    const points = sheet.stars.map(({ at }) => ({ at, kind: "star" }));
+    const snap = (at, isGrid) => snapped({ ...event, at }, this.plan, isGrid ? {} : { points }).at;
+    if (!curve) {
+      const centre = snap(start);
+      const radius = Math.max(LEAST_RADIUS_MM, Math.round(2 * distance(event.at, centre)) / 2);
+      return this.#change(sheet, withHole(sheet, centre, [radius, radius]), (sheet.design.border?.holes ?? []).length);
+    }
+    let { centre, axes } = curve;
+    if (part === "centre") centre = snap(centre.map((value, axis) => value + event.at[axis] - start[axis]));
+    else {
+      const length = Math.max(1, Math.abs(snap(event.at, true)[part] - centre[part]));
+      axes = axes[0] === axes[1] && !event.shift ? [length, length] : axes.with(part, length);
+    }
+    this.#change(sheet, withCurve(sheet, curve, { centre, axes }), curve.hole);
+  }
+
+  /** Sends a change of curves if it leaves fabric beside them, and selects its hole. Returns whether it does. */
+  #change(sheet, [changes, local], hole) {
+    if (!leavesFabric(sheet, local)) return false;
+    this.edits.begin();
+    this.edits.design(changes, local);
+    this.store.set({ hole });
+    return true;
+  }
+
+  /** The first of some changes that leaves fabric, as one step; the page says if none does. */
+  #once(sheet, changes, hole) {
+    const isChanged = changes.some((change) => this.#change(sheet, change, hole));
     this.edits.end();
+    if (!isChanged) toast(`No room: a hole needs ${sheet.tipMargin} mm of fabric around it.`, { isBad: true });
+    return isChanged;
+  }
+
+  /** The outline, or a hole, at another place or with other half axes. */
+  setCurve(curve, change) {
+    const sheet = this.store.get("sheet");
+    return this.#once(sheet, [withCurve(sheet, curve, { ...curve, ...change })], curve.hole);
+  }
+
+  /** A round hole at the star of the keyboard, or as near to the middle of the sheet as there is room. */
+  addHole(star = null) {
+    const sheet = this.store.get("sheet");
+    const radius = Math.max(LEAST_RADIUS_MM, Math.round(0.4 * sheet.spacing));
+    const stars = sheet.stars.map(({ at }) => at).sort((a, b) => distance(a, sheet.centre) - distance(b, sheet.centre));
+    const places = star ? [star.at] : [sheet.centre, ...stars];
+    const changes = places.map((at) => withHole(sheet, at, [radius, radius]));
+    return this.#once(sheet, changes, (sheet.design.border?.holes ?? []).length);
+  }
+
+  removeHole() {
+    const sheet = this.store.get("sheet");
+    this.edits.once((edits) => edits.design(...withoutHole(sheet, this.chosenHole())));
+    this.store.set({ hole: null });
+  }
+
+  up() {
+    this.#corners = this.#drag = null;
+    this.edits.end();
+    this.plan.invalidate();
   }
 
   cancel() {
-    this.#corners = null;
+    this.#corners = this.#drag = null;
     this.edits.cancel();
   }
 
   #send() {
     const corners = this.#corners.map((corner) => [...corner]);
-    this.edits.design(
-      borderOf(this.store.get("sheet").design, { polygon_mm: corners.map((corner) => roundPoint(corner)) }),
-      { outline: corners },
-    );
+    const border = borderOf(this.store.get("sheet").design, { polygon_mm: corners.map((corner) => roundPoint(corner)) });
+    this.edits.design({ border }, { outline: corners });
   }
 
   hover(event) {
-    const corners = this.store.get("sheet")?.outline ?? [];
-    const reach = this.plan.px(GRIP_PX);
-    const near = nearestIndex(event.at, corners);
-    const edge = near.distance > reach && corners.length ? nearestEdge(event.at, corners) : null;
-    this.#edge = edge && edge.distance < reach ? edge.point : null;
-    this.plan.canvas.style.cursor = near.distance < reach ? "move" : this.#edge ? "copy" : "default";
+    if (!this.store.get("sheet")) return;
+    const { corner, edge, curve } = this.#under(event);
+    this.#edge = edge?.point ?? null;
+    this.plan.canvas.style.cursor = edge ? "copy" : corner !== undefined || curve ? "move" : "crosshair";
     this.plan.invalidate();
   }
 
@@ -88,16 +189,24 @@ export class OutlineTool {
   }
 
   key(event) {
-    const corner = this.store.get("corner");
+    const [corner, star] = [this.store.get("corner"), this.store.get("sheet").byKey.get(this.store.get("cursor"))];
+    const hole = this.chosenHole();
+    const step = { "+": 1, "=": 1, "-": -1 }[event.key];
     if (event.key === "Insert" && corner !== null) return this.addCorner(corner);
+    if (event.key === "Enter" && star) return this.addHole(star) || true;
+    if (step && hole?.axes) {
+      this.setCurve(hole, { axes: hole.axes.map((value) => Math.max(1, value + step)) });
+      return true;
+    }
     if (event.key !== "Delete" && event.key !== "Backspace") return false;
-    this.removeCorner();
+    if (hole) this.removeHole();
+    else this.removeCorner();
     return true;
   }
 
   /** A corner in the middle of the edge after a corner. */
   addCorner(index) {
-    const corners = this.store.get("sheet").outline.map((corner) => [...corner]);
+    const corners = this.corners();
     const [one, next] = [corners[index], corners[(index + 1) % corners.length]];
     if (!one) return false;
     corners.splice(index + 1, 0, [(one[0] + next[0]) / 2, (one[1] + next[1]) / 2]);
@@ -107,7 +216,7 @@ export class OutlineTool {
   }
 
   removeCorner() {
-    const corners = this.store.get("sheet").outline.map((corner) => [...corner]);
+    const corners = this.corners();
     const index = this.store.get("corner");
     if (index === null || corners.length <= 3 || !corners[index]) return;
     corners.splice(index, 1);
@@ -120,63 +229,89 @@ export class OutlineTool {
     this.setBorder({ polygon_mm: corners.map((corner) => roundPoint(corner)) }, corners);
   }
 
-  setBorder(border, corners = null) {
-    const { design } = this.store.get("sheet");
-    this.edits.once((edits) => edits.design(borderOf(design, border), corners ? { outline: corners } : {}));
+  setBorder(shape, corners = null) {
+    const border = borderOf(this.store.get("sheet").design, shape);
+    this.edits.once((edits) => edits.design({ border }, corners ? { outline: corners } : {}));
   }
 
   draw(context, plan, colour) {
-    const { outline } = this.store.get("sheet");
+    const paint = { context, colour };
     const chosen = this.store.get("corner");
-    for (const [k, corner] of outline.entries()) {
+    context.lineWidth = 2;
+    context.strokeStyle = colour("accent");
+    for (const [k, corner] of this.corners().entries()) {
       const [x, y] = plan.toScreen(corner);
       context.fillStyle = colour(k === chosen ? "accent" : "paper");
-      context.strokeStyle = colour("accent");
-      context.lineWidth = 2;
       context.fillRect(x - 4.5, y - 4.5, 9, 9);
       context.strokeRect(x - 4.5, y - 4.5, 9, 9);
     }
-    if (this.#edge) {
-      const [x, y] = plan.toScreen(this.#edge);
-      context.beginPath();
-      context.arc(x, y, 4.5, 0, 2 * Math.PI);
-      context.fillStyle = colour("accent");
-      context.fill();
+    context.setLineDash([2, 4]);
+    for (const star of this.store.get("sheet").stars.filter(({ isCut }) => isCut)) {
+      circle(context, plan, star.at, 0.46 * this.store.get("sheet").spacing);
+      context.strokeStyle = colour("warn");
+      context.stroke();
     }
+    context.setLineDash([]);
+    context.strokeStyle = colour("accent");
+    const hole = this.chosenHole();
+    if (hole) {
+      polyline(context, plan, hole.ring, true);
+      context.stroke();
+    }
+    for (const { part, at } of this.#handles()) dot(paint, plan.toScreen(at), part === "centre" ? "accent" : "paper");
+    if (this.#edge) dot(paint, plan.toScreen(this.#edge), "accent");
     if (this.#corners) {
-      const [px, py] = this.#corners[this.#index];
-      const [x, y] = plan.toScreen([px, py]);
-      context.strokeStyle = colour("accent");
-      context.globalAlpha = 0.4;
-      context.lineWidth = 1;
-      for (const end of [
-        [
-          [px - 3000, py],
-          [px + 3000, py],
-        ],
-        [
-          [px, py - 3000],
-          [px, py + 3000],
-        ],
-      ]) {
-        polyline(context, plan, end);
-        context.stroke();
-      }
-      context.globalAlpha = 1;
-      label({ context, colour }, `${fixed(px)}, ${fixed(py)} mm`, [x + 12, y - 12], "left", "accent");
+      const at = this.#corners[this.#index];
+      drawCross(context, plan, at);
+      const [x, y] = plan.toScreen(at);
+      label(paint, `${fixed(at[0])}, ${fixed(at[1])} mm`, [x + 12, y - 12], "left", "accent");
+    } else if (this.#drag && this.edits.isOpen) {
+      const hole = this.store.get("hole");
+      const curve = curvesOf(this.store.get("sheet")).find((one) => one.hole === hole);
+      if (!curve) return;
+      const [x, y] = plan.toScreen(curve.centre);
+      const said = this.#drag.part === "centre" ? `${curve.centre.map((value) => fixed(value)).join(", ")} mm` : sizeOf(curve);
+      label(paint, said, [x + 12, y - 12], "left", "accent");
     }
   }
 }
 
-/** The change of the design's border table that keeps its margins. */
-function borderOf(design, shape) {
-  const { rings, rectangle_mm, polygon_mm, ...rest } = design.border ?? {};
-  return { border: { ...rest, ...shape } };
+/** The size of a curve in a few words. */
+export function sizeOf({ axes, ring }) {
+  if (!axes) return `${ring.length} corners`;
+  const [width, height] = axes.map((value) => fixed(2 * value));
+  return width === height ? `⌀ ${width} mm` : `${width} × ${height} mm`;
 }
 
-/** Regular shapes of about the present size. */
+function dot({ context, colour }, [x, y], fill) {
+  context.beginPath();
+  context.arc(x, y, 5, 0, 2 * Math.PI);
+  context.fillStyle = colour(fill);
+  context.fill();
+  context.stroke();
+}
+
+/** Lines through a place, for the eye. */
+function drawCross(context, plan, [px, py]) {
+  context.globalAlpha = 0.4;
+  context.lineWidth = 1;
+  for (const [dx, dy] of [
+    [3000, 0],
+    [0, 3000],
+  ]) {
+    polyline(context, plan, [
+      [px - dx, py - dy],
+      [px + dx, py + dy],
+    ]);
+    context.stroke();
+  }
+  context.globalAlpha = 1;
+}
+
+/** Shapes of about the present size. */
 export function regularShape(kind, { width, height, sides, rings }) {
   if (kind === "rectangle") return { rectangle_mm: [width, height] };
   if (kind === "hexagon") return { rings };
-  return { polygon_mm: regularPolygon(sides, width / 2) };
+  if (kind === "circle") return { circle_mm: circleOf([0, 0], [width / 2, height / 2]) };
+  return { polygon_mm: ellipse([0, 0], [width / 2, width / 2], { count: sides, start: Math.PI / 2 }) };
 }
