@@ -53,6 +53,16 @@ export function withMoved(tables, pins, { table: number, point }, { at, target }
 /** The chosen needles and groups; `support` is the first of them. */
 export const membersOf = (support) => (support ? [support, ...(support.also ?? [])] : []);
 
+const isSame = (one, other) => one.table === other.table && one.point === other.point;
+export const isChosen = (support, one) => membersOf(support).some((other) => isSame(one, other));
+
+/** The chosen ones with one more, or without it if it is among them. */
+export function withChosen(support, one) {
+  const chosen = membersOf(support);
+  const [first, ...also] = isChosen(support, one) ? chosen.filter((other) => !isSame(one, other)) : [...chosen, one];
+  return first ? { ...first, also } : null;
+}
+
 /** Several needles, or whole groups (point null), moved on the board by the same step (mm). */
 export function withShifted(tables, pins, members, [dx, dy, dz]) {
   const shifted = ([x, y, z]) => [x + dx, y + dy, z + dz];

@@ -1,6 +1,6 @@
 // Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars.
 
-import { isPoints, pointsOf, targetsOf, withMoved } from "../supports.js";
+import { isChosen, isPoints, membersOf, pointsOf, targetsOf, withChosen, withShifted } from "../supports.js";
 import { headOf } from "./solids.js";
 
 const GRIP_PX = 16;
@@ -25,10 +25,14 @@ export function listenToView(view, { store, edits }) {
     way = 0;
     if (drag?.target) edits.cancel(); // a second finger
     const needle = pointers.size === 1 && event.button === 0 ? needleUnder(event) : null;
-    drag = needle ? "needle" : event.button === 0 && !event.shiftKey ? "orbit" : "pan";
+    drag = event.button === 0 && !event.shiftKey ? "orbit" : "pan";
     if (needle) {
-      drag = { ...needle, y: event.clientY };
-      store.set({ support: { table: needle.table, point: needle.point } });
+      const { table, point, target } = needle;
+      const [one, support, { tables, pins }] = [{ table, point }, store.get("support"), store.get("sheet")];
+      const members = isChosen(support, one) ? membersOf(support) : [one];
+      drag = { target, members, tables, pins, y: event.clientY };
+      if (event.ctrlKey || event.metaKey) return void store.set({ support: withChosen(support, one) });
+      if (members.length === 1) store.set({ support: one });
       edits.begin();
     }
   });
@@ -111,11 +115,10 @@ export function listenToView(view, { store, edits }) {
   }
 
   function liftTo(event) {
-    const sheet = store.get("sheet");
-    const [x, y, z] = drag.target;
     if (!edits.isOpen) return; // called off
-    const height = Math.max(0, z + (drag.y - event.clientY) * view.camera.pixelMm(canvas.clientHeight));
-    const tables = withMoved(sheet.tables, sheet.pins, drag, { target: [x, y, Math.round(height * 2) / 2] });
-    edits.design({ pins: tables }, { pins: tables });
+    const { target, members, tables, pins, y } = drag;
+    const height = Math.max(0, target[2] + (y - event.clientY) * view.camera.pixelMm(canvas.clientHeight));
+    const lifted = withShifted(tables, pins, members, [0, 0, Math.round(height * 2) / 2 - target[2]]);
+    edits.design({ pins: lifted }, { pins: lifted });
   }
 }

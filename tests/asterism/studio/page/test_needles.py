@@ -57,6 +57,29 @@ def test_a_needle_is_lifted_in_the_view(page: StudioPage) -> None:
     assert page.item("needle-target-z").input_value() == str(table(page)["target_mm"][0][2])
 
 
+def test_several_needles_are_lifted_in_the_view(page: StudioPage) -> None:
+    page.page.keyboard.press("Escape")
+    page.page.evaluate("document.getElementById('view-canvas').focus()")
+    box = page.item("view").bounding_box()
+    mouse = page.page.mouse
+    page.page.keyboard.down("Control")
+    for k in (0, 3):
+        target = table(page)["target_mm"][k]
+        x, y = page.get(f"studio.viewOf([{target[0]}, {target[1]}, {target[2] + 3.4}])")
+        mouse.click(box["x"] + x, box["y"] + y)
+    page.page.keyboard.up("Control")
+    assert page.item("several-height").is_visible()
+
+    def lift() -> None:
+        mouse.down()
+        mouse.move(box["x"] + x, box["y"] + y - 60, steps=5)
+        mouse.up()
+
+    page.changed(lift)
+    heights = [target[2] for target in table(page)["target_mm"]]
+    assert heights[0] == heights[3] > 5 and heights[1] == heights[2] == 0
+
+
 def test_needles_are_drawn_together_by_one_number(page: StudioPage) -> None:
     page.item("support-0").click()
     before = table(page)

@@ -4,11 +4,13 @@
 import { distance } from "../../geometry.js";
 import { fixed } from "../../format.js";
 import {
+  isChosen,
   isPoints,
   membersOf,
   pointsOf,
   targetsOf,
   usualScale,
+  withChosen,
   withMoved,
   withNeedle,
   withShifted,
@@ -20,8 +22,6 @@ import { label } from "../draw.js";
 const GRIP_PX = 12;
 const LIFT_STEP_MM = 1;
 const SAME_PLACE_MM = 0.5;
-
-const isSame = (one, other) => one.table === other.table && one.point === other.point;
 
 export class NeedleTool {
   cursor = "crosshair";
@@ -63,14 +63,10 @@ export class NeedleTool {
     const hit = this.#under(event);
     if (hit) {
       const one = { table: hit.table, point: isPoints(sheet.tables[hit.table]) ? hit.point : null };
-      const chosen = membersOf(this.store.get("support"));
-      const isChosen = chosen.some((other) => isSame(other, one));
-      if (event.control) {
-        const [first, ...also] = isChosen ? chosen.filter((other) => !isSame(other, one)) : [...chosen, one];
-        return this.store.set({ support: first ? { ...first, also } : null });
-      }
-      if (!isChosen) this.store.set({ support: one });
-      const members = isChosen ? chosen : [one];
+      const support = this.store.get("support");
+      if (event.control) return this.store.set({ support: withChosen(support, one) });
+      const members = isChosen(support, one) ? membersOf(support) : [one];
+      if (members.length === 1) this.store.set({ support: one });
       this.edits.begin();
       const isAlone = members.length === 1 && one.point !== null;
       const { tables, pins } = sheet;
