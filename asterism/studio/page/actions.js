@@ -5,7 +5,8 @@ import { borderOf } from "./border.js";
 import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
-import { toast } from "./panels/toasts.js";
+import { QUANTITIES } from "./format.js";
+import { announce, toast } from "./panels/toasts.js";
 import { openTable } from "./table.js";
 import { openHelp } from "./keys.js";
 
@@ -82,13 +83,29 @@ export function createActions(studio) {
     selectAll() {
       store.set({ selection: new Set(store.get("sheet")?.stars.map((star) => star.key)) });
     },
+    /** The selected stars that are there; without a selection that of the keyboard. */
+    chosen() {
+      const keys = store.get("selection").size ? [...store.get("selection")] : [store.get("cursor")];
+      return keys.map((key) => store.get("sheet")?.byKey.get(key)).filter((star) => star?.removed === false);
+    },
     removeSelected() {
-      const sheet = store.get("sheet");
-      let keys = [...store.get("selection")];
-      if (!keys.length && store.get("cursor")) keys = [store.get("cursor")];
-      keys = keys.filter((key) => sheet.byKey.get(key)?.removed === false);
-      if (!keys.length) return;
-      edits.once(() => edits.remove(keys));
+      const keys = actions.chosen().map((star) => star.key);
+      if (keys.length) edits.once(() => edits.remove(keys));
+    },
+    /** The sizes of the first of the chosen stars, which others can get. */
+    copySizes() {
+      const [star] = actions.chosen();
+      if (!star) return;
+      const copied = Object.entries(QUANTITIES).map(([quantity, { column }]) => [quantity, star.sizes[column]]);
+      store.set({ copied });
+      announce("Sizes copied");
+    },
+    pasteSizes() {
+      const [stars, copied] = [actions.chosen(), store.get("copied")];
+      if (!stars.length || !copied) return;
+      edits.once(() =>
+        copied.forEach(([quantity, value]) => edits.sizes(quantity, new Map(stars.map(({ key }) => [key, value])))),
+      );
     },
     escape() {
       if (studio.plan.cancel() || edits.isOpen) edits.cancel();

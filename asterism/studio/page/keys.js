@@ -26,8 +26,10 @@ const HELP = {
     ["Delete", "Remove stars, a corner, a hole or a needle"],
     ["Insert", "A corner after the selected one"],
     ["Shift+click", "Straight line with the brush; add to the selection"],
+    ["Alt+click", "Take away from the selection; the brush subtracts"],
     ["Double click", "Select the ring"],
     ["Ctrl+A", "Select all stars"],
+    ["Ctrl+C, Ctrl+V", "Copy the sizes of a star, give them to the selected ones"],
     ["[ ]", "Radius of the brush"],
     ["Page up, Page down", "Lift or lower a needle"],
     ["S, P", "Snapping, frame and printable area"],
@@ -111,6 +113,8 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     else if (key === "z") actions.undo();
     else if (key === "y") actions.redo();
     else if (key === "a") actions.selectAll();
+    else if (key === "c" && String(getSelection()) === "") actions.copySizes();
+    else if (key === "v") actions.pasteSizes();
     else return false;
     return true;
   }
@@ -185,20 +189,10 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
   function grow(sheet, sign) {
     const { quantity } = store.get("brush");
     const { column, step, name } = QUANTITIES[quantity];
-    const keys = store.get("selection").size ? [...store.get("selection")] : [store.get("cursor")].filter(Boolean);
-    const values = new Map();
-    for (const key of keys) {
-      const star = sheet.byKey.get(key);
-      if (star && !star.removed)
-        values.set(
-          key,
-          sheet.allowed(
-            quantity,
-            star.sizes[column] + sign * (sheet.printable(quantity)?.step ?? step),
-            store.get("inLaw"),
-          ),
-        );
-    }
+    const more = sign * (sheet.printable(quantity)?.step ?? step);
+    const values = new Map(
+      actions.chosen().map((star) => [star.key, sheet.allowed(quantity, star.sizes[column] + more, store.get("inLaw"))]),
+    );
     if (!values.size) return;
     edits.once(() => edits.sizes(quantity, values));
     announce(`${name} ${mm([...values.values()][0], 2)}`);

@@ -91,6 +91,8 @@ export function createStore() {
     grid: true,
     printArea: false,
     selection: new Set(),
+    selecting: "new", // what a click or a lasso does with the stars: new | more | less
+    copied: null, // sizes of a star, by quantity
     hover: null,
     cursor: null, // star of the keyboard
     support: null, // selected needle: {table, point}

@@ -1,6 +1,6 @@
 // Panel of the selection: exact sizes, ring, same size, remove and restore.
 
-import { button, h, hint, section } from "../dom.js";
+import { button, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES, plural } from "../format.js";
 import { ringKeys, sameSizeKeys } from "../plan/tools/select.js";
 import { numberField } from "./fields.js";
@@ -52,13 +52,27 @@ export function selectionPanel({ store, edits, actions }, { on }) {
       "select-painted",
     ),
   );
+  const selecting = segments({
+    label: "What a click or a lasso does",
+    testid: "selecting",
+    options: [
+      { value: "new", text: "New" },
+      { value: "more", text: "Add", title: "Add (Shift)" },
+      { value: "less", text: "Take away", title: "Take away (Alt)" },
+    ],
+    value: store.get("selecting"),
+    onchange: (value) => store.set({ selecting: value }),
+  });
   const keys = () => stars().map((star) => star.key);
+  const paste = button({ text: "Paste sizes", keys: "Ctrl+V", testid: "paste-sizes", onclick: actions.pasteSizes });
   const change = h(
     "div",
     { class: "row wrap" },
     button({ icon: "trash", text: "Remove", keys: "Delete", testid: "remove", onclick: actions.removeSelected }),
     act("Restore", () => edits.once(() => edits.restore(keys())), "restore"),
     act("Back to the profile", () => edits.once(() => edits.reset(keys())), "reset"),
+    button({ text: "Copy sizes", keys: "Ctrl+C", testid: "copy-sizes", onclick: actions.copySizes }),
+    paste,
   );
   const chosen = h(
     "div",
@@ -71,6 +85,7 @@ export function selectionPanel({ store, edits, actions }, { on }) {
     title.firstChild.textContent = all.length ? `${plural(all.length, "star")} selected` : "No star selected";
     empty.hidden = all.length > 0;
     chosen.hidden = all.length === 0;
+    paste.disabled = !store.get("copied");
     for (const id of ["select-ring", "select-same"])
       grow.querySelector(`[data-testid="${id}"]`).disabled = all.length === 0;
     Object.entries(QUANTITIES).forEach(([quantity, { column }], k) => {
@@ -82,7 +97,7 @@ export function selectionPanel({ store, edits, actions }, { on }) {
         isSame || !values.length ? "" : `${Math.min(...values).toFixed(1)}–${Math.max(...values).toFixed(1)}`;
     });
   }
-  on(["selection", "sheet"], update);
+  on(["selection", "sheet", "copied"], update);
   update();
-  return [title, empty, chosen, section("Extend"), grow];
+  return [selecting.element, title, empty, chosen, section("Extend"), grow];
 }

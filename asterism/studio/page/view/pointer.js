@@ -1,5 +1,6 @@
 // Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars.
 
+import { selected } from "../plan/tools/select.js";
 import { isChosen, isPoints, membersOf, pointsOf, targetsOf, withChosen, withShifted } from "../supports.js";
 import { headOf } from "./solids.js";
 
@@ -89,11 +90,8 @@ export function listenToView(view, { store, edits }) {
   }
 
   function click(event) {
-    const star = starUnder(event);
-    const selection = new Set(event.shiftKey ? store.get("selection") : []);
-    if (star && event.shiftKey && selection.has(star.key)) selection.delete(star.key);
-    else if (star) selection.add(star.key);
-    store.set({ selection });
+    const keys = [starUnder(event)?.key].filter(Boolean);
+    store.set({ selection: selected(store, keys, { shift: event.shiftKey, alt: event.altKey }, true) });
   }
 
   function needleUnder(event) {

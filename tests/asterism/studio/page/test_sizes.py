@@ -158,3 +158,29 @@ def test_exact_values_change_the_selected_stars(page: StudioPage) -> None:
     assert max(size[1] for size in page.get("studio.sizes")) == 1.1
     page.summarised()
     assert "outside" not in " ".join(warning["text"] for warning in page.get("studio.state.warnings"))
+
+
+def test_alt_takes_stars_away_and_sizes_are_copied_to_the_others(page: StudioPage) -> None:
+    page.item("tool-select").click()
+    page.drag((-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23))
+    page.page.keyboard.down("Alt")
+    page.drag((-6, -6), (6, -6), (6, 6), (-6, 6), (-6, -5))
+    page.page.mouse.click(*page.point((15.0, 8.7)))
+    page.page.keyboard.up("Alt")
+    assert len(page.get("studio.selection")) == 5
+    page.item("selecting-less").click()
+    page.page.mouse.click(*page.point((-15.0, 8.7)))
+    page.item("selecting-new").click()
+    rest = page.get("studio.selection")
+    assert len(rest) == 4
+    page.page.mouse.click(*page.point((0.0, 0.0)))
+    page.page.keyboard.press("Control+c")
+    page.item("selecting-more").click()
+    for at in ((0.0, 17.3), (0.0, -17.3)):
+        page.page.mouse.click(*page.point(at))
+    page.item("selecting-new").click()
+    middle = page.get("studio.sizes[0]")
+    assert len(repainted(page, lambda: page.page.keyboard.press("Control+v"))) == 2
+    assert [size for size in page.get("studio.sizes") if size == middle] == [middle] * 3
+    page.changed(lambda: page.item("undo").click())
+    assert page.get("studio.sizes").count(middle) == 1

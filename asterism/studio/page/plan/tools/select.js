@@ -1,4 +1,4 @@
-// Selection: click, Shift+click, lasso, double click for the ring.
+// Selection: click or lasso, with Shift also, with Alt no longer; double click for the ring.
 
 import { distance, isInside } from "../../geometry.js";
 import { polyline } from "./common.js";
@@ -14,7 +14,7 @@ export class SelectTool {
   }
 
   get hint() {
-    return "Click or lasso\u00a0· Shift adds\u00a0· double click: the ring";
+    return "Click or lasso\u00a0· Shift adds\u00a0· Alt takes away\u00a0· double click: the ring";
   }
 
   down(event) {
@@ -36,7 +36,7 @@ export class SelectTool {
     let keys;
     if (isLasso) keys = sheet.stars.filter((star) => isInside(star.at, path)).map((star) => star.key);
     else keys = [sheet.starAt(event.at)?.key].filter(Boolean);
-    this.#select(keys, event.shift, !isLasso);
+    this.#select(keys, event, !isLasso);
     this.plan.invalidate();
   }
 
@@ -48,7 +48,7 @@ export class SelectTool {
   double(event) {
     const sheet = this.store.get("sheet");
     const star = sheet.starAt(event.at);
-    if (star) this.#select(ringKeys(sheet, star), event.shift, false);
+    if (star) this.#select(ringKeys(sheet, star), event, false);
   }
 
   hover(event) {
@@ -60,12 +60,8 @@ export class SelectTool {
     this.store.set({ hover: null });
   }
 
-  #select(keys, isAdded, isToggled) {
-    const selection = new Set(isAdded ? this.store.get("selection") : []);
-    for (const key of keys) {
-      if (isAdded && isToggled && selection.has(key)) selection.delete(key);
-      else selection.add(key);
-    }
+  #select(keys, event, isToggled) {
+    const selection = selected(this.store, keys, event, isToggled);
     this.store.set({ selection, cursor: keys.at(-1) ?? this.store.get("cursor") });
   }
 
@@ -82,6 +78,17 @@ export class SelectTool {
     context.stroke();
     context.setLineDash([]);
   }
+}
+
+/** The selection with some stars: these alone, with Shift also these, with Alt without these. */
+export function selected(store, keys, { shift, alt }, isToggled) {
+  const way = alt ? "less" : shift ? "more" : store.get("selecting");
+  const selection = new Set(way === "new" ? [] : store.get("selection"));
+  for (const key of keys) {
+    if (way === "less" || (way === "more" && isToggled && selection.has(key))) selection.delete(key);
+    else selection.add(key);
+  }
+  return selection;
 }
 
 export function ringKeys(sheet, star) {
