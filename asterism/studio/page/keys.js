@@ -42,6 +42,7 @@ const HELP = {
     ["Wheel, + −", "Zoom"],
     ["1 … 7", "Perspective, top, bottom, front, back, left, right"],
     ["O", "Orthographic"],
+    ["D", "Paint on the sheet; a drag beside it turns"],
     ["F", "Fit"],
   ],
 };
@@ -128,6 +129,7 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     else if (event.key === "[" || event.key === "]") brush().grow(event.key === "]" ? 1 : -1);
     else if (event.key.toLowerCase() === "s") store.set({ snap: !store.get("snap") });
     else if (event.key.toLowerCase() === "p") store.set({ printArea: !store.get("printArea") });
+    else if (event.key.toLowerCase() === "d") store.set({ paintOnSheet: !store.get("paintOnSheet") });
     else if (event.key.toLowerCase() === "f") plan.fit();
     else if (event.key === "Escape") actions.escape();
     else return false;

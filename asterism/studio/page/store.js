@@ -94,6 +94,8 @@ export function createStore() {
     selecting: "new", // what a click or a lasso does with the stars: new | more | less
     copied: null, // sizes of a star, by quantity
     hover: null,
+    under: new Set(), // stars under a brush on the sheet in space
+    paintOnSheet: false, // whether a drag on the sheet in space paints
     cursor: null, // star of the keyboard
     support: null, // selected needle: {table, point}
     corner: null, // selected corner of the outline

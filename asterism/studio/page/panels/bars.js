@@ -84,6 +84,14 @@ export function buildViewBar(element, { store, view }) {
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
   const toggles = [
+    toggle({
+      store,
+      key: "paintOnSheet",
+      picture: "brush",
+      label: "Paint on the sheet; drag beside it to turn",
+      keys: "D",
+      testid: "paint-on-sheet",
+    }),
     toggle({ store, key: "orthographic", picture: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
     toggle({ store, key: "showArms", picture: "arms", label: "Arms", testid: "show-arms" }),
     toggle({ store, key: "showBumps", picture: "bumps", label: "Bumps", testid: "show-bumps" }),
@@ -98,7 +106,7 @@ export function buildViewBar(element, { store, view }) {
   );
 }
 
-const SHOWN_PARTS = { orthographic: "Orthographic", showArms: "Arms", showBumps: "Bumps" };
+const SHOWN_PARTS = { paintOnSheet: "Paint on the sheet", orthographic: "Orthographic", showArms: "Arms", showBumps: "Bumps" };
 
 /** Named views, and the parts of the picture, whose buttons a narrow bar has no room for. */
 function viewMenu({ store, view }) {

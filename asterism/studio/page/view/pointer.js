@@ -1,4 +1,5 @@
-// Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars.
+// Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars; strokes of a
+// brush on the sheet, where that is switched on.
 
 import { selected } from "../plan/tools/select.js";
 import { isChosen, isPoints, membersOf, pointsOf, targetsOf, withChosen, withShifted } from "../supports.js";
@@ -7,7 +8,7 @@ import { headOf } from "./solids.js";
 const GRIP_PX = 16;
 const CLICK_PX = 4;
 
-export function listenToView(view, { store, edits }) {
+export function listenToView(view, { store, edits, tools }) {
   const { canvas } = view;
   const pointers = new Map();
   let last = null;
@@ -25,6 +26,7 @@ export function listenToView(view, { store, edits }) {
     last = span();
     way = 0;
     if (drag?.target) edits.cancel(); // a second finger
+    drag?.brush?.cancel();
     const needle = pointers.size === 1 && event.button === 0 ? needleUnder(event) : null;
     drag = event.button === 0 && !event.shiftKey ? "orbit" : "pan";
     if (needle) {
@@ -35,7 +37,13 @@ export function listenToView(view, { store, edits }) {
       if (event.ctrlKey || event.metaKey) return void store.set({ support: withChosen(support, one) });
       if (members.length === 1) store.set({ support: one });
       edits.begin();
+      return;
     }
+    const brush = pointers.size === 1 && event.button === 0 ? brushOf() : null;
+    const stroke = brush && strokeAt(event);
+    if (!stroke) return;
+    drag = { brush };
+    brush.down(stroke);
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!pointers.has(event.pointerId)) return hover(event);
@@ -47,6 +55,7 @@ export function listenToView(view, { store, edits }) {
       view.camera.zoom(now.length / last.length);
       view.camera.pan(dx, dy, canvas.clientHeight);
     } else if (drag?.target) return liftTo(event);
+    else if (drag?.brush) return paint(event);
     else if (drag === "orbit") view.camera.orbit(dx, dy);
     else view.camera.pan(dx, dy, canvas.clientHeight);
     last = now;
@@ -55,13 +64,14 @@ export function listenToView(view, { store, edits }) {
   const lifted = (event) => {
     if (!pointers.delete(event.pointerId)) return;
     if (drag?.target) edits.end();
+    else if (drag?.brush) drag.brush[event.type === "pointerup" ? "up" : "cancel"]();
     else if (way < CLICK_PX && event.type === "pointerup") click(event);
     drag = pointers.size ? "pan" : null;
     if (pointers.size) last = span();
   };
   canvas.addEventListener("pointerup", lifted);
   canvas.addEventListener("pointercancel", lifted);
-  canvas.addEventListener("pointerleave", () => store.set({ hover: null }));
+  canvas.addEventListener("pointerleave", () => (brushOf() ? brushOf().leave() : store.set({ hover: null })));
   canvas.addEventListener(
     "wheel",
     (event) => {
@@ -84,7 +94,35 @@ export function listenToView(view, { store, edits }) {
     return place && store.get("sheet")?.starAt(place);
   }
 
+  /** The brush that paints on the sheet, or null. */
+  function brushOf() {
+    const { tool } = tools[store.get("tool")];
+    return store.get("paintOnSheet") && tool.dab ? tool : null;
+  }
+
+  /** The event as a tool of the plan gets it; null beside the sheet. */
+  function strokeAt(event) {
+    const at = view.printedAt(event);
+    return at && { at, shift: event.shiftKey, alt: event.altKey };
+  }
+
+  function paint(event) {
+    const stroke = strokeAt(event);
+    if (!edits.isOpen) return; // called off
+    if (!stroke) drag.isOff = true;
+    else if (drag.isOff) drag.brush.down({ ...stroke, shift: false }); // no line to where the stroke comes back
+    else drag.brush.move(stroke);
+    if (stroke) drag.isOff = false;
+  }
+
   function hover(event) {
+    const brush = brushOf();
+    const stroke = brush && strokeAt(event);
+    if (stroke) {
+      canvas.style.cursor = "crosshair";
+      return brush.hover(stroke);
+    }
+    brush?.leave();
     store.set({ hover: starUnder(event)?.key ?? null });
     canvas.style.cursor = needleUnder(event) ? "ns-resize" : "grab";
   }

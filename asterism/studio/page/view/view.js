@@ -74,7 +74,7 @@ export class View {
     store.on(["viewColour"], () => this.#colour());
     store.on(["shown", "showBumps"], () => this.#place());
     store.on(["badge", "frame"], () => this.#age());
-    store.on(["hover", "selection"], () => this.#mark());
+    store.on(["hover", "under", "selection"], () => this.#mark());
     store.on(["showArms", "theme"], () => this.invalidate());
     store.on(["orthographic"], ({ orthographic }) => {
       this.camera.isOrthographic = orthographic;
@@ -253,11 +253,10 @@ export class View {
     const sites = this.shape?.arm_site;
     const sheet = this.store.get("sheet");
     if (!sites || !sheet || !this.shape.perArm) return;
-    const hover = this.store.get("hover");
-    const selection = this.store.get("selection");
+    const [hover, under, selection] = ["hover", "under", "selection"].map((name) => this.store.get(name));
     const isMarked = (row) => {
       const key = sheet.stars[row]?.key;
-      return key !== undefined && (key === hover || selection.has(key));
+      return key !== undefined && (key === hover || under.has(key) || selection.has(key));
     };
     this.renderer.fill(this.armSurface, { colours: barColours(sites, this.shape.perArm, isMarked) });
     this.invalidate();

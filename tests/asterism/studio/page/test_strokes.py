@@ -99,3 +99,38 @@ def test_a_gradient_by_a_click_says_what_it_replaces_and_takes_it_back(shared: S
     message = shared.page.locator(".toast", has_text="radial gradient")
     shared.changed(lambda: message.get_by_text("Undo").click())
     assert shared.get("studio.sizes") == before
+
+
+def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
+    page = shared
+    page.open("gallery-dome")
+    page.item("tool-brush").click()
+    page.item("view").focus()
+    page.page.keyboard.press("2")  # from above
+    page.item("view").hover()
+    page.page.keyboard.press("d")
+    page.fill("target", 5)
+    page.fill("strength", 100)
+    before = page.get("studio.sizes.map((sizes) => sizes[0])")
+    box = page.item("view").bounding_box()
+    x, y = page.get("studio.viewOf([0, 0, 12])")
+    mouse = page.page.mouse
+
+    def stroke() -> None:
+        mouse.move(box["x"] + x, box["y"] + y)
+        mouse.down()
+        mouse.move(box["x"] + x + 3, box["y"] + y, steps=2)
+        mouse.up()
+
+    page.changed(stroke)
+    after = page.get("studio.sizes.map((sizes) => sizes[0])")
+    assert abs(after[0] - 5) < 0.2 < abs(before[0] - 5)  # the star in the middle
+    assert after[-1] == before[-1]
+    camera = page.get("studio.camera")
+    page.page.keyboard.press("d")
+    mouse.move(box["x"] + x, box["y"] + y)
+    mouse.down()
+    mouse.move(box["x"] + x + 60, box["y"] + y, steps=2)
+    mouse.up()
+    assert page.get("studio.camera.turn") != camera["turn"]
+    assert page.get("studio.sizes.map((sizes) => sizes[0])") == after

@@ -4,7 +4,7 @@ import { QUANTITIES, fixed } from "../../format.js";
 import { clamp, images } from "../../geometry.js";
 import { namesWithOwn } from "../../sheet.js";
 import { starsWithin } from "./common.js";
-import { StrokeTool } from "./stroke.js";
+import { StrokeTool, falloff } from "./stroke.js";
 
 export class BrushTool extends StrokeTool {
   #kept = new Set(); // names of rods that a stroke leaves as they are
@@ -44,7 +44,7 @@ export class BrushTool extends StrokeTool {
     const values = new Map();
     for (const { star, away } of near) {
       if (star.removed) continue;
-      const share = strength * (1 - (away / radius) ** 2) ** 2;
+      const share = strength * falloff(away / radius);
       const old = star.sizes[column];
       let value = old;
       if (mode === "set") value = old + share * (target - old);

@@ -3,9 +3,16 @@
 import { between, clamp, distance, images } from "../../geometry.js";
 import { RADII, brushOn } from "../../sheet.js";
 import { label } from "../draw.js";
-import { circle, polyline } from "./common.js";
+import { circle, polyline, starsWithin } from "./common.js";
 
 const DAB_SHARE = 0.2; // distance of two dabs over the radius
+const NONE = new Set();
+const EVEN_MODES = ["erase", "remove"]; // that do all or nothing
+const FALLOFF_STEPS = 8; // discs of the ring, one in the other, that show how a brush grows weaker
+
+/** Weight of a brush at a share of its radius, 1 in the middle; and the share at which it has a weight. */
+export const falloff = (share) => (1 - share ** 2) ** 2;
+const reachOf = (weight) => Math.sqrt(1 - Math.sqrt(weight));
 
 /** A tool that paints. It has a radius under its `setting` in the store, `dab(at, event)` and `said()`. */
 export class StrokeTool {
@@ -67,13 +74,23 @@ export class StrokeTool {
   hover(event) {
     this.#at = event.at;
     const star = this.store.get("sheet")?.starAt(event.at);
-    this.store.set({ hover: star?.key ?? null });
+    this.store.set({ hover: star?.key ?? null, under: this.#under() });
     this.plan.invalidate();
+  }
+
+  /** Stars under a brush that paints on the sheet in space, which has no ring. */
+  #under() {
+    const { store } = this;
+    if (!store.get("paintOnSheet")) return NONE;
+    const near = starsWithin(store.get("sheet"), images(this.#at, store.get("symmetry")), this.brush.radius);
+    const keys = near.map(({ star }) => star.key);
+    const before = store.get("under");
+    return keys.length === before.size && keys.every((key) => before.has(key)) ? before : new Set(keys);
   }
 
   leave() {
     this.#at = null;
-    this.store.set({ hover: null });
+    this.store.set({ hover: null, under: NONE });
     this.plan.invalidate();
   }
 
@@ -103,13 +120,17 @@ export class StrokeTool {
 
   draw(context, plan, colour) {
     if (!this.#at) return;
-    const { radius } = this.brush;
+    const { radius, mode, strength } = this.brush;
     const symmetry = this.store.get("symmetry");
+    const isEven = EVEN_MODES.includes(mode);
     images(this.#at, symmetry).forEach((place, k) => {
-      circle(context, plan, place, radius);
       context.fillStyle = colour("accent");
-      context.globalAlpha = 0.07;
-      context.fill();
+      context.globalAlpha = isEven ? 0.07 : (0.3 * strength + 0.03) / FALLOFF_STEPS;
+      for (let step = 0; step < (isEven ? 1 : FALLOFF_STEPS); step++) {
+        circle(context, plan, place, radius * reachOf(step / FALLOFF_STEPS));
+        context.fill();
+      }
+      circle(context, plan, place, radius);
       context.globalAlpha = k ? 0.5 : 1;
       context.strokeStyle = colour("accent");
       context.lineWidth = 1.5;

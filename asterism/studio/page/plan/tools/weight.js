@@ -5,7 +5,7 @@ import { clamp, images } from "../../geometry.js";
 import { announce } from "../../panels/toasts.js";
 import { label } from "../draw.js";
 import { starsWithin } from "./common.js";
-import { StrokeTool } from "./stroke.js";
+import { StrokeTool, falloff } from "./stroke.js";
 
 const KEY_FACTOR = 1.5; // of + and −
 const LEAST_LOG = Math.log(1.1);
@@ -44,7 +44,7 @@ export class WeightTool extends StrokeTool {
         continue;
       }
       // weights are factors: half of the way from 1 to 9 is 3
-      const share = strength * (1 - (away / radius) ** 2) ** 2;
+      const share = strength * falloff(away / radius);
       const kept = this.#allowed(sheet, star.weight * (weight / star.weight) ** share);
       if (star.weight === 1 && Math.abs(Math.log(kept)) < LEAST_LOG) continue; // the rim of the brush
       if (Math.abs(kept - star.weight) > 1e-3) values.set(star.key, kept);
