@@ -83,12 +83,14 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     });
     rebuild(holes, () => holesPart(curvesOf(sheet).filter(({ hole }) => hole !== null)));
     const cut = sheet.stars.filter((star) => star.isCut).map((star) => star.key);
-    refresh(said, cut, () => [
-      hint(cut.length ? `${plural(cut.length, "star")} with arms that an edge cuts.` : "No edge cuts a star."),
+    refresh(said, cut, () =>
       cut.length
-        ? button({ text: "Select them", testid: "select-cut", onclick: () => store.set({ selection: new Set(cut) }) })
-        : null,
-    ]);
+        ? [
+            hint(`${plural(cut.length, "star")} with arms that an edge cuts.`),
+            button({ text: "Select them", testid: "select-cut", onclick: () => store.set({ selection: new Set(cut) }) }),
+          ]
+        : [],
+    );
   }
   /** Place and size of a circle, an ellipse, or the place of another hole. */
   function numbers(curve, name) {
