@@ -43,11 +43,12 @@ def polyline(line: DrawnLine, curve_mm: float) -> Floats:
     [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 0.0]]
     """
     if line.circle_mm is not None:
-        points = _arc(line.circle_mm.centre, line.circle_mm.half_axes, (0.0, 2 * np.pi), curve_mm)
+        points = _arc(line.circle_mm.centre, line.circle_mm.half_axes, 0.0, 2 * np.pi, curve_mm)
         points[-1] = points[0]
         return points
     if (arc := line.arc_mm) is not None:
-        return _arc(arc.centre, (arc.radius, arc.radius), np.radians((arc.from_deg, arc.to_deg)), curve_mm)
+        start, end = np.radians([arc.from_deg, arc.to_deg])
+        return _arc(arc.centre, (arc.radius, arc.radius), float(start), float(end), curve_mm)
     key = line.outline_shape
     points = np.asarray(getattr(line, key), dtype=float)
     if line.closed and np.linalg.norm(points[0] - points[-1]) > SAME_POINT_MM:
@@ -61,11 +62,11 @@ def polyline(line: DrawnLine, curve_mm: float) -> Floats:
     return points if key == "line_mm" else _spline(points, step, line.closed, curve_mm)
 
 
-def _arc(centre: Point, half_axes: Point, between: Sequence[float] | Floats, curve_mm: float) -> Floats:
+def _arc(centre: Point, half_axes: Point, start: float, end: float, curve_mm: float) -> Floats:
     """A part of an ellipse between two angles; steps of the angle turn the curve most at the ends of the long axis."""
     short, long = sorted(half_axes)
     largest = min(2 * np.arccos(max(1 - curve_mm / long, 0.0)), MAX_PIECE_TURN_RAD * short / long)
-    angle = np.linspace(*between, int(np.ceil(abs(between[1] - between[0]) / largest)) + 1)
+    angle = np.linspace(start, end, int(np.ceil(abs(end - start) / largest)) + 1)
     return np.asarray(centre) + np.asarray(half_axes) * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
