@@ -7,6 +7,9 @@ export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 export const between = (a, b, share) => [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
 export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
+/** Weight of a brush at a share of its radius, 1 in the middle. */
+export const falloff = (share) => (1 - share ** 2) ** 2;
+
 export function bounds(points) {
   const low = [Infinity, Infinity];
   const high = [-Infinity, -Infinity];

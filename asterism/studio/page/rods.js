@@ -1,6 +1,6 @@
 // Rods while the brush paints them, until the server answers with its own.
 
-import { between, clamp, distance } from "./geometry.js";
+import { between, clamp, distance, falloff } from "./geometry.js";
 
 const STEP_MM = 1; // of the places along a rod whose sizes the server takes from its field, too
 const MEAN_SHARE = 0.5; // a smoothing brush looks so far around a place, in its radius
@@ -14,7 +14,7 @@ export function brushed(rods, brush, images, kept) {
     if (kept.has(rod.name)) continue;
     rod.points_mm.forEach((at, k) => {
       const away = Math.min(...images.map((place) => distance(place, at)));
-      if (away < radius) near.push({ rod, k, at, old: rod[size][k], share: strength * (1 - (away / radius) ** 2) ** 2 });
+      if (away < radius) near.push({ rod, k, at, old: rod[size][k], share: strength * falloff(away / radius) });
     });
   }
   for (const { rod, k, at, old, share } of near) {

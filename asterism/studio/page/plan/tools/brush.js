@@ -1,10 +1,10 @@
 // The brush: paints sizes of stars or rods along a stroke, or smooths them; erases, removes and restores stars.
 
 import { QUANTITIES, fixed } from "../../format.js";
-import { clamp, images } from "../../geometry.js";
+import { clamp, falloff, images } from "../../geometry.js";
 import { namesWithOwn } from "../../sheet.js";
 import { starsWithin } from "./common.js";
-import { StrokeTool, falloff } from "./stroke.js";
+import { StrokeTool } from "./stroke.js";
 
 export class BrushTool extends StrokeTool {
   #kept = new Set(); // names of rods that a stroke leaves as they are

@@ -10,8 +10,7 @@ const NONE = new Set();
 const EVEN_MODES = ["erase", "remove"]; // that do all or nothing
 const FALLOFF_STEPS = 8; // discs of the ring, one in the other, that show how a brush grows weaker
 
-/** Weight of a brush at a share of its radius, 1 in the middle; and the share at which it has a weight. */
-export const falloff = (share) => (1 - share ** 2) ** 2;
+/** Share of a brush's radius at which it has a weight: the inverse of `falloff`. */
 const reachOf = (weight) => Math.sqrt(1 - Math.sqrt(weight));
 
 /** A tool that paints. It has a radius under its `setting` in the store, `dab(at, event)` and `said()`. */

@@ -1,11 +1,11 @@
 // The brush of weights: paints where a fit comes nearer to the target.
 
 import { times } from "../../format.js";
-import { clamp, images } from "../../geometry.js";
+import { clamp, falloff, images } from "../../geometry.js";
 import { announce } from "../../panels/toasts.js";
 import { label } from "../draw.js";
 import { starsWithin } from "./common.js";
-import { StrokeTool, falloff } from "./stroke.js";
+import { StrokeTool } from "./stroke.js";
 
 const KEY_FACTOR = 1.5; // of + and −
 const LEAST_LOG = Math.log(1.1);
