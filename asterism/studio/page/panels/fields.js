@@ -27,6 +27,7 @@ export function numberField({
   const places = digits ?? Math.max(0, -Math.floor(Math.log10(step)));
   let limits = [min, max];
   let present = value;
+  let entered = null; // text that Enter has accepted: the change that the browser reports then is no other one
   const text = (number) => (number === null || number === undefined ? "" : String(Number(number.toFixed(places))));
   const input = h("input", {
     id,
@@ -75,12 +76,18 @@ export function numberField({
     onchange(number, isFinal);
   }
   // a fault goes while the value is typed: if it went with the focus, a button below would move away under its click
-  input.addEventListener("input", () => fault.hidden || mistake() || show(null));
-  input.addEventListener("change", () => accept(true));
+  input.addEventListener("input", () => {
+    entered = null;
+    if (!fault.hidden && !mistake()) show(null);
+  });
+  input.addEventListener("change", () => input.value === entered || accept(true));
   input.addEventListener("blur", () => element.classList.contains("bad") || (input.value = text(present)));
   input.addEventListener("keydown", (event) => {
     event.stopPropagation();
-    if (event.key === "Enter") accept(true);
+    if (event.key === "Enter") {
+      accept(true);
+      entered = input.value;
+    }
     if (event.key === "Escape") {
       input.value = text(present);
       show(null);
