@@ -51,7 +51,6 @@ from asterism.studio.messages import (
 )
 from asterism.studio.search_bounds import (
     MAX_DRAGGED_SEARCH_S,
-    MAX_LONG_STEP_S,
     SIGN_EVERY_S,
     Cancelled,
     SearchBounds,
@@ -147,7 +146,7 @@ class Engine:
     def say(self, text: str) -> None:
         """Pass on what begins, which may take long."""
         self._send(Busy(self._bounds.seq, text))
-        self._bounds.go_on(MAX_LONG_STEP_S)
+        self._bounds.wait()
 
     @property
     def is_stuck(self) -> bool:

@@ -52,9 +52,15 @@ class SearchBounds:
     def begin(self, seq: int, yields: bool = False) -> None:
         """Begin the work on a message; work that yields ends when another one waits, and is not cancelled."""
         self.seq, self.longest_s, self._yields = seq, MAX_SEARCH_S, yields
-        self._begun, self.last_sign = self._clock(), time.monotonic()
+        self._begun = self._searching_from = self._clock()
+        self.last_sign = time.monotonic()
         self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
         self.go_on()
+
+    def wait(self) -> None:
+        """A long step begins that is no search, as when cells are solved: its time does not count."""
+        self._searching_from = self._clock()
+        self.go_on(MAX_LONG_STEP_S)
 
     def go_on(self, step_s: float | None = None) -> None:
         """The work is not stuck: a step begins, which may take so much processor time; at rest, steps are longer."""
@@ -94,7 +100,7 @@ class SearchBounds:
         compiled = time.perf_counter() - self._clock() - self._compiled
         worked = time.thread_time() - self._worked - compiled
         # largest ratio of wall time to processor time: other programs may use the cores as well
-        if worked > self.longest_s or self.seconds > 3.0 * self.longest_s:
+        if worked > self.longest_s or self._clock() - self._searching_from > 3.0 * self.longest_s:
             raise SearchLimitError(f"no equilibrium within {self.longest_s:g} s; the shape is that before the edit")
         if time.monotonic() - self.last_sign > SIGN_EVERY_S:
             self._send(Busy(self.seq, f"searching for the equilibrium, {self.seconds:.0f} s"))

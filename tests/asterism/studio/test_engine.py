@@ -13,6 +13,7 @@ import pytest
 import asterism
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.layout.build import layout
+from asterism.previews.session import SearchLimitError
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Busy, Edit, Frame, Limits, Rested, ShownMesh
 from asterism.studio.search_bounds import SearchBounds
@@ -172,6 +173,17 @@ def test_a_step_without_end_is_one_that_takes_too_much_processor_time() -> None:
     assert bounds.is_stuck
     bounds.check()
     assert not bounds.is_stuck
+
+
+def test_time_in_which_cells_are_learned_is_no_search() -> None:
+    bounds = SearchBounds(Inbox(threading.Event().wait), lambda message: None, time.perf_counter)
+    bounds.longest_s = 0.2
+    time.sleep(0.7)
+    bounds.wait()
+    bounds.check()
+    time.sleep(0.7)
+    with pytest.raises(SearchLimitError, match="no equilibrium within"):
+        bounds.check()
 
 
 def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,14 +1,17 @@
-// Panel of fabric, plastic, pattern and printer. What the law does not allow is shown as such before it is tried.
+// Panel of fabric, plastic, stars and printer. What the law does not allow is shown as such before it is tried.
 
+import { borderOf } from "../border.js";
 import { button, check, choice, h, hint, refresh, section } from "../dom.js";
 import { fixed } from "../format.js";
+import { roundPoint } from "../geometry.js";
 import { patternOf } from "../sheet.js";
 import { withRatio } from "../supports.js";
 import { numberField } from "./fields.js";
 
+const LATTICE = { spacing_mm: 10 * Math.sqrt(3), arms: 3, orientation_deg: 0 }; // of a design that says nothing
 const DEFAULT_ROUNDING = { first_layer_mm: 0.3, layer_mm: 0.2, line_mm: 0.4 };
 
-export function materialPanel({ store, edits, connection }, { on }) {
+export function materialPanel({ store, edits, connection, actions }, { on }) {
   const send = (changes) => edits.once(() => edits.design(changes));
   const design = () => store.get("sheet")?.design ?? {};
   const stretch = numberField({
@@ -76,6 +79,39 @@ export function materialPanel({ store, edits, connection }, { on }) {
       send({ [`${patternOf(design())}.rounding`]: value ? (store.get("sheet").limits.rounding ?? DEFAULT_ROUNDING) : null }),
   });
   const roundingHint = hint("");
+  /** A key of the lattice changed; on a lattice without rings the outline stays as it is. */
+  const arrange = (key, value) => {
+    const { design: now, outline } = store.get("sheet");
+    const isLost = key === "kind" && now.border?.rings !== undefined;
+    const border = isLost ? { border: borderOf(now, { polygon_mm: outline.map((corner) => roundPoint(corner)) }) } : {};
+    send({ [`lattice.${key}`]: value, ...border });
+    actions.fitSoon();
+  };
+  const lattice = choice({
+    label: "Lattice of the stars",
+    testid: "lattice",
+    options: [
+      { value: "triangular", text: "Triangular lattice" },
+      { value: "square", text: "Square lattice" },
+      { value: "custom", text: "Own lattice" },
+    ],
+    value: "triangular",
+    onchange: (value) => arrange("kind", value),
+  });
+  const latticeField = (label, key, rest) =>
+    numberField({
+      label,
+      value: LATTICE[key],
+      testid: `lattice-${key}`,
+      field: `lattice.${key}`,
+      onchange: (value) => arrange(key, value),
+      ...rest,
+    });
+  const places = {
+    spacing_mm: latticeField("Spacing", "spacing_mm", { min: 1, max: 500, step: 0.5, digits: 2 }),
+    arms: latticeField("Arms of a star", "arms", { unit: "", min: 3, max: 8, whole: true }),
+    orientation_deg: latticeField("Turned by", "orientation_deg", { unit: "°", min: -360, max: 360 }),
+  };
   const branch = choice({
     label: "Stars rise",
     testid: "branch",
@@ -87,12 +123,14 @@ export function materialPanel({ store, edits, connection }, { on }) {
     value: "up",
     onchange: (value) => send({ "stars.branch": value }),
   });
-  const rise = h(
+  const stars = h(
     "div",
-    { class: "row" },
-    h("label", { class: "muted" }, "Stars rise"),
-    h("span", { class: "grow" }),
-    branch.element,
+    {},
+    section("Stars"),
+    h("div", { class: "row" }, lattice.element),
+    Object.values(places).map((one) => one.element),
+    hint("The preview learns another lattice when it is first used, in a minute or so."),
+    h("div", { class: "row" }, h("label", { class: "muted" }, "Rise"), h("span", { class: "grow" }), branch.element),
   );
   const facts = h("dl", { class: "figures" });
 
@@ -141,14 +179,14 @@ export function materialPanel({ store, edits, connection }, { on }) {
       ),
     );
     printer.set(sheet.printer?.name ?? "");
-    rise.hidden = sheet.isOfRods;
+    stars.hidden = sheet.isOfRods;
+    const { kind = "triangular", ...own } = now.lattice ?? {};
+    lattice.set(kind);
+    lattice.element.querySelector('[value="custom"]').disabled = kind !== "custom";
+    lattice.element.disabled = places.spacing_mm.input.disabled = kind === "custom";
+    for (const [key, one] of Object.entries(places)) one.set(key === "spacing_mm" ? sheet.spacing : (own[key] ?? LATTICE[key]));
     const rows = [
-      ...(sheet.isOfRods
-        ? [["Rods", String(sheet.rods.length)]]
-        : [
-            ["Spacing of the stars", `${fixed(sheet.spacing, 2)} mm`],
-            ["Arms of a star", String(sheet.directions.length)],
-          ]),
+      ...(sheet.isOfRods ? [["Rods", String(sheet.rods.length)]] : []),
       ["Plastic over fabric modulus", String(now.plastic?.modulus_ratio ?? 3200)],
       ["Printed size", `${fixed(sheet.box.size[0], 0)} × ${fixed(sheet.box.size[1], 0)} mm`],
     ];
@@ -165,13 +203,13 @@ export function materialPanel({ store, edits, connection }, { on }) {
     thickness.element,
     section("Plastic"),
     kappa.element,
-    rise,
     rounding.element,
     roundingHint,
+    stars,
     section("Printer"),
     h("div", { class: "row" }, printer.element),
     area.element,
-    section("Pattern"),
+    section("Sheet"),
     facts,
   ];
 }

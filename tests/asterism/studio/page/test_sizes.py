@@ -184,3 +184,24 @@ def test_alt_takes_stars_away_and_sizes_are_copied_to_the_others(page: StudioPag
     assert [size for size in page.get("studio.sizes") if size == middle] == [middle] * 3
     page.changed(lambda: page.item("undo").click())
     assert page.get("studio.sizes").count(middle) == 1
+
+
+def test_lattice_spacing_and_arms_are_edited(shared: StudioPage) -> None:
+    page = shared
+    page.open("file-canopy.toml")
+    page.item("tab-sheet").click()
+    page.changed(lambda: page.fill("lattice-spacing_mm", 18.5))  # learns two cells
+    assert page.get("studio.document.plan.spacing_mm") == 18.5
+    outline = page.get("studio.document.plan.outline_mm")
+    page.item("lattice").select_option("square")
+    page.fill("lattice-arms", 4)
+    page.fill("lattice-orientation_deg", 45)
+    page.wait("studio.document.design.lattice.orientation_deg === 45")
+    design, sites = page.get("studio.document.design"), page.get("studio.document.plan.sites")
+    assert design["lattice"] == {"kind": "square", "spacing_mm": 18.5, "arms": 4, "orientation_deg": 45}
+    assert design["border"]["polygon_mm"] == [[round(value, 3) for value in at] for at in outline]
+    assert all(len(site["arms"]) == 4 for site in sites)
+    for _ in range(3):
+        page.item("undo").click()
+    page.wait("JSON.stringify(studio.document.design.lattice) === '{\"spacing_mm\":18.5}'")
+    assert page.get("studio.document.design.border.rings") == 2
