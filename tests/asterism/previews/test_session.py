@@ -54,7 +54,7 @@ def curly() -> Preview:
 def test_a_free_sheet_rolls_with_the_plastic_outside(curly: Preview) -> None:
     assert curly.equilibrium.is_minimum
     centre = curly.at(np.zeros((1, 2)))
-    kappa = curly.values.value["kappa"][0]
+    kappa = curly.state.values.value["kappa"][0]
     # positive mean curvature is convex on the plastic side; of a tube it is half of the curvature around it, and the
     # bare rim holds a small sheet open by a part of that
     assert 0.7 < centre.surface.mean_curvature[0] / (kappa / 2) < 1.0
@@ -76,10 +76,10 @@ def test_bumps_are_as_high_as_the_law_says(curly: Preview, monkeypatch: pytest.M
     bump = shape.point_fields["bump_mm"]
     heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])
     wave = curly.law.waves(np.zeros((1, 2)))[0, 0]
-    flat, more = curly.values.corrugation[0, :, 0]
+    flat, more = curly.state.values.corrugation[0, :, 0]
     inner = shape.star_vertices[:7]
     curvature = 2.0 * shape.point_fields["mean_curvature_per_mm"][inner]
-    kappa, turn = curly.values.value["kappa"][0], SPACING / TURN
+    kappa, turn = curly.state.values.value["kappa"][0], SPACING / TURN
     way = kappa * np.tanh(curvature * turn) / np.tanh(kappa * turn)
     assert heights[inner] == pytest.approx((flat + more * way) * wave, rel=0.02)
     # off the bumps the surface is the shell's
