@@ -32,7 +32,10 @@ def preview_layout(design: Design) -> Layout:
     ------
     DesignError
         The design cannot be printed; or its lines have no law, which is found before anything is computed.
+    TypeError
+        `design` is not a `Design`.
     """
+    check_type(design, Design, "load_design reads one from a file")
     if design.rods is not None and (refused := without_law(design)) is not None:
         raise refused
     return layout(design)
