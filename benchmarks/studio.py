@@ -23,6 +23,7 @@ from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.studio.child import ENGINE, StartedProcess
+from asterism.studio.drawing import OUTLINE_KEYS
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Edit, Frame, Stop, StudioProblem
@@ -54,7 +55,7 @@ def edits(name: str, kind: str) -> Iterator[dict[str, Any]]:
     data = gallery.load(name).to_dict()
     plan = layout(gallery.load(name))
     corners = plan.outline.tolist()
-    border = {key: value for key, value in data["border"].items() if key not in ("rings", "rectangle_mm", "polygon_mm")}
+    border = {key: value for key, value in data["border"].items() if key not in OUTLINE_KEYS}
     while True:
         way = 0.5 + 0.5 * float(rng.random())
         if kind == "brush":

@@ -129,7 +129,9 @@ class Document:
         DesignError
             The stars or rods do not fit the sheet, or the outline cannot be cut.
         """
-        self.layout = layout(self.design())
+        design = self.design()
+        self.layout = layout(design)
+        self.hole_rings = [len(hole.rings_mm) or 1 for hole in design.border.holes]
         self._is_checked = True
         self.thumbnails.add(self.revision, self.layout)
         return self.layout

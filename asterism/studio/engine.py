@@ -25,6 +25,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
 from asterism.exact.cost import exact_cost
 from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.plan import without_law
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
@@ -174,7 +175,7 @@ class Engine:
         except BlankSheetError:
             self._show_blank(design)
         except (DesignError, LawError):
-            if design.rods is None:
+            if without_law(design) is None:
                 raise
             self._show_printed(design)
 
@@ -290,7 +291,7 @@ class Engine:
         self._send(blank_summary(self._bounds.seq))
 
     def _show_printed(self, design: Design) -> None:
-        """Send the flat sheet of a pattern that has no preview: the exact model has to compute it."""
+        """Send the flat sheet of a design that has no preview: the exact model has to compute it."""
         self._preview = None
         self._printed = design
         self._frames.send_printed(design, self._bounds.seq)

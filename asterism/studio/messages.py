@@ -215,7 +215,7 @@ class Frame:
     arms, arm_normals : (A, K, 3, 3) left and right upper edges of the arms, their middle on the fabric, (A, K, 3).
     needles : (N, 2, 3) foot and tip; of the tube along a held curve, both ends of a piece.
     smooth, target : what `Parts` asks for.
-    before : of an exact shape, the preview from which it was computed, at the same vertices and in the same pose.
+    before : of an exact shape, the preview of its design, at the same vertices and in the same pose.
     is_again : a shape that was shown before, with other parts.
     snapshot : the form, to come back to; None for linear stages. It is pickled, since only an engine can read it.
     """

@@ -65,6 +65,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "design": _shown_design(document),
         "plan": {
             **plan_data(layout, painted_sites, weights_by_site(table)),
+            "hole_rings": document.hole_rings,
             "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
         },
         "printers": list(printers),

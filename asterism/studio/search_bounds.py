@@ -52,14 +52,18 @@ class SearchBounds:
     def begin(self, seq: int, yields: bool = False) -> None:
         """Begin the work on a message; work that yields ends when another one waits, and is not cancelled."""
         self.seq, self.longest_s, self._yields = seq, MAX_SEARCH_S, yields
-        self._begun = self._searching_from = self._clock()
-        self.last_sign = time.monotonic()
-        self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
+        self._begun, self.last_sign, self._waits = self._clock(), time.monotonic(), False
+        self._start()
         self.go_on()
 
-    def wait(self) -> None:
-        """A long step begins that is no search, as when cells are solved: its time does not count."""
+    def _start(self) -> None:
+        """The search begins, or goes on after a long step that does not count."""
         self._searching_from = self._clock()
+        self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
+
+    def wait(self) -> None:
+        """A long step begins that is no search, as when cells are solved: its time does not count, until `check`."""
+        self._waits = True
         self.go_on(MAX_LONG_STEP_S)
 
     def go_on(self, step_s: float | None = None) -> None:
@@ -90,6 +94,9 @@ class SearchBounds:
             The work ends.
         """
         self.go_on()
+        if self._waits:
+            self._waits = False
+            self._start()
         if self._inbox.is_closed or (not self._yields and self._inbox.is_cancelled(self.seq)):
             raise Cancelled
         if self._inbox.has_waiting and self._yields:

@@ -6,6 +6,7 @@ The release from the flat print follows; it may end in another form, which is ke
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 from asterism.studio.child import Child, StartedProcess
@@ -101,7 +102,8 @@ class Settling:
 
     def show_form(self, released: bool) -> None:
         """Show the exact shape that the release led to, or the one that followed the preview."""
-        form = self._settled if not released or self._released is None else self._released.other
+        other = None if self._released is None else self._released.other
+        form = other if released else self._settled
         if form is not None and self._is_shown:
             self._shows_release = released
             self._show(form)
@@ -164,21 +166,34 @@ class Settling:
                 self._progress = message
             case Settled():
                 self._settled, self._progress = message, None
-                self._show(message)
+                if not self._shows_release:  # else the release follows at once, with other parts than before
+                    self._show(message)
             case Released():
                 self._released = message
-                if self._shows_release and message.other is not None:  # it was shown with the parts of before
+                if self._shows_release and message.other is not None:
                     self._show(message.other)
+            case StudioProblem() if self._settled is not None:
+                self._forgo_release()
             case StudioProblem():
                 revision, self._order = self._order[1], None
                 studio.tell({**engine_problem_data(message), "revision": revision})
         studio.tell_state()
 
+    def _forgo_release(self) -> None:
+        """The release has failed, or its process is gone; the exact shape stays."""
+        assert self._order is not None
+        if self._released is None:
+            order, revision = self._order
+            self._order, self._shows_release = (replace(order, release_mesh=None), revision), False
+
     def _died(self, child: Child) -> None:
-        self._child, had, had_work = None, self._order, self._is_at_work
-        self._order = None
-        if had is not None and had_work:
-            studio = self._studio
+        studio, self._child = self._studio, None
+        if self._order is not None and not self._is_at_work:
+            self._forgo_release()
+            studio.tell_state()
+            return
+        had, self._order = self._order, None
+        if had is not None:
             text = "the exact model ended unexpectedly; an edit starts it again"
             studio.tell({**engine_problem_data(StudioProblem(0, "engine", text)), "revision": had[1]})
             studio.tell_state()

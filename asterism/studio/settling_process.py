@@ -50,7 +50,7 @@ def run_settling(connection: Connection) -> None:
             if known is None or not known.is_of(order):
                 known = ExactForms(order, design, connection)
             connection.send(known.settled(order))
-            if order.release_mesh is not None and not connection.poll(REST_BEFORE_RELEASE_S):
+            if order.release_mesh is not None and (known.has_release or not connection.poll(REST_BEFORE_RELEASE_S)):
                 connection.send(known.released(order))
         except _Newer:
             continue
@@ -98,6 +98,11 @@ class ExactForms:
         """Whether an order is about the same design and preview."""
         return self._order.near == order.near and self._order.table == order.table
 
+    @property
+    def has_release(self) -> bool:
+        """Whether the release is known already."""
+        return self._released is not None
+
     def settled(self, order: Settle) -> Settled:
         """The exact shape that follows the preview."""
         return self._message(order, self._exact, order.job)
@@ -112,6 +117,7 @@ class ExactForms:
         return Released(order.job, False, other, release.energy_percent, release.apart_percent)
 
     def _release(self, job: int) -> _Release:
+        from asterism.discrete.release.forms import SAME_FORM_PERCENT
         from asterism.pattern.layout.symmetries import symmetries
         from asterism.verification.minima import gap, same_minimum
 
@@ -124,7 +130,7 @@ class ExactForms:
             return _Release(None)
         same = symmetries(self._design, self._plan)
         is_same, between = same_minimum(exact, shape, self._plan, same, self._design.gravity.pull)
-        if is_same:
+        if is_same or (not exact.summary["is_minimum"] and between.rms_percent < SAME_FORM_PERCENT):
             return _Release(True)
         sign = 1.0 if shape.summary["energy_n_mm"] >= exact.summary["energy_n_mm"] else -1.0
         return _Release(False, shape, sign * 100.0 * gap(exact.summary, shape.summary), between.rms_percent)

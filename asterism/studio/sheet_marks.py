@@ -58,8 +58,8 @@ class SheetMarks:
     def needles(self, layout: Layout, positions: Floats) -> Floats:
         """(N, 2, 3) needles: foot on the ground and tip in the sheet, along supported edges one in each spacing.
 
-        Edges shorter than the spacing are pieces of a curve, which a tube holds: after the needles come the two ends of
-        each piece.
+        A tube holds edges shorter than the spacing, such as the pieces of a curve: after the needles come both ends of
+        each.
         """
         start, end = (ends[layout.supported_edges] for ends in (layout.edges.start, layout.edges.end))
         counts = (np.linalg.norm(end - start, axis=1) / layout.spacing_mm).astype(int)

@@ -5,7 +5,7 @@ import { borderOf } from "./border.js";
 import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
-import { QUANTITIES } from "./format.js";
+import { QUANTITIES, plural } from "./format.js";
 import { announce, toast } from "./panels/toasts.js";
 import { openTable } from "./table.js";
 import { openHelp } from "./keys.js";
@@ -25,8 +25,9 @@ export function createActions(studio) {
   }
 
   const actions = {
-    undo: () => connection.send("undo"),
-    redo: () => connection.send("redo"),
+    // a hole is chosen by its number, which another state of the design may give to another
+    undo: () => (store.set({ hole: null }), connection.send("undo")),
+    redo: () => (store.set({ hole: null }), connection.send("redo")),
     save: () => store.get("document") && send("save", {}),
     saveAs: (name) => send("save", { name }),
     /** After the server has refused to write over a file: write all the same, or show what the file holds. */
@@ -98,7 +99,7 @@ export function createActions(studio) {
       if (!star) return;
       const copied = Object.entries(QUANTITIES).map(([quantity, { column }]) => [quantity, star.sizes[column]]);
       store.set({ copied });
-      announce("Sizes copied");
+      toast("Sizes copied.", { stay: 2000 });
     },
     pasteSizes() {
       const [stars, copied] = [actions.chosen(), store.get("copied")];
@@ -106,6 +107,7 @@ export function createActions(studio) {
       edits.once(() =>
         copied.forEach(([quantity, value]) => edits.sizes(quantity, new Map(stars.map(({ key }) => [key, value])))),
       );
+      announce(`Sizes of ${plural(stars.length, "star")} changed`);
     },
     escape() {
       if (studio.plan.cancel() || edits.isOpen) edits.cancel();

@@ -11,7 +11,7 @@ export const isLong = ({ searching, busy, engine, settling, badge }) =>
 /** What each state means. */
 export const MEANINGS = {
   computing: "A newer shape is on its way.",
-  none: "This pattern has no preview and is shown as it is printed: the exact model computes its shape.",
+  none: "This design has no preview and is shown as it is printed: the exact model computes its shape.",
   outdated: "The shape is of an earlier state of the design.",
   doubtful: "The computation ended without a certified minimum.",
   preview: "Root mean square distance to the exact shape, in percent of the diameter. The exact shape follows in a pause.",

@@ -87,7 +87,8 @@ export class Edits {
 
   /** Changes of the design file by dotted key; `local` is what to draw until the server answers. */
   design(changes, local = {}) {
-    Object.assign(this.#local, local);
+    const { border } = changes;
+    Object.assign(this.#local, border ? { border } : {}, local);
     const pending = this.#waiting.get("edit")?.changes ?? {};
     this.#later("edit", { kind: "edit", changes: { ...pending, ...changes } });
     this.#draw();

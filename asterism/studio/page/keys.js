@@ -114,8 +114,8 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     else if (key === "z") actions.undo();
     else if (key === "y") actions.redo();
     else if (key === "a") actions.selectAll();
-    else if (key === "c" && String(getSelection()) === "") actions.copySizes();
-    else if (key === "v") actions.pasteSizes();
+    else if (key === "c" && !event.shiftKey && String(getSelection()) === "") actions.copySizes();
+    else if (key === "v" && !event.shiftKey) actions.pasteSizes();
     else return false;
     return true;
   }

@@ -127,6 +127,7 @@ const DARK_MEDIA = { auto: "(prefers-color-scheme: dark)", dark: "all", light: "
 function showTheme() {
   $("dark").media = DARK_MEDIA[store.get("theme")];
 }
+store.on(["paintOnSheet"], () => studio.plan.tool?.leave?.()); // what is marked under the brush
 store.on(["theme"], showTheme);
 showTheme();
 

@@ -1,5 +1,6 @@
 // What the page does with the server's messages.
 
+import { holesOf } from "./border.js";
 import { date, plainField } from "./format.js";
 import { openKept } from "./panels/history.js";
 import { announce, toast } from "./panels/toasts.js";
@@ -77,6 +78,8 @@ export function listen(studio) {
       support: null,
       corner: null,
       hole: null,
+      under: new Set(),
+      selecting: "new",
       cursor: null,
       hover: null,
       measured: null,
@@ -153,6 +156,7 @@ export function listen(studio) {
     const table = support && sheet.tables[support.table];
     if (support && (!table || (support.point !== null && table.points_mm && !table.points_mm[support.point])))
       store.set({ support: null });
+    if (store.get("hole") >= holesOf(sheet).length && !edits.isWaiting) store.set({ hole: null });
   }
 
   store.on(["badge"], ({ badge }) => ["preview", "exact"].includes(badge.kind) && announce(badge.words));

@@ -66,10 +66,11 @@ export const brushOn = (sheet, brush) => ({ ...brush, radius: brush.radius ?? sh
 
 export const keyOf = (site) => `${site[0]},${site[1]}`;
 
-/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, rods, outline, holes, pins}. */
+/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), weights, rods, border, outline, holes, pins}. */
 export class Sheet {
   constructor(document, local = emptyLocal()) {
-    const { plan, design, limits } = document;
+    const { plan, limits } = document;
+    const design = local.border ? { ...document.design, border: local.border } : document.design;
     this.design = design;
     this.local = local;
     this.outline = local.outline ?? plan.outline_mm;
@@ -83,6 +84,7 @@ export class Sheet {
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
     this.holes = local.holes ?? plan.holes_mm ?? [];
+    this.fileRings = plan.hole_rings ?? []; // numbers of rings of the tables of holes, 1 unless they are files
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
     this.rods = local.rods ?? plan.rods ?? [];
     this.byKey = new Map(this.stars.map((star) => [star.key, star]));
@@ -240,7 +242,7 @@ function heldEdges(table, outline) {
 }
 
 export function emptyLocal() {
-  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), rods: null, outline: null, holes: null, pins: null };
+  return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), rods: null, border: null, outline: null, holes: null, pins: null };
 }
 
 function readLimits(limits) {

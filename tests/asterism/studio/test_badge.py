@@ -242,6 +242,29 @@ def test_the_form_of_the_release_is_shown_on_request_and_goes_with_an_edit(day: 
     assert day.exact is None
 
 
+def test_a_release_that_fails_leaves_the_exact_shape(day: Day) -> None:
+    settled(day)
+    order, settling = day.child.orders[-1], day.studio.settling
+    settling._message(day.child, StudioProblem(order.job, "error", "singular"))  # type: ignore[arg-type]
+    assert settling.release is None and day.said[1] == "Exact, mesh error 0.7 %"
+    settling._died(day.child)  # type: ignore[arg-type]
+    settling.show_form(released=True)
+    assert day.exact == b"exact" and day.said[0] == "exact"
+
+
+def test_another_target_shows_the_form_of_the_release_again(day: Day) -> None:
+    settled(day)
+    settling, order = day.studio.settling, day.child.orders[-1]
+    settling._message(day.child, Released(order.job, False, replace(exact(7), shape=b"released")))  # type: ignore[arg-type]
+    settling.show_form(released=True)
+    settling.show_again()
+    day.settle()
+    assert day.exact == b"released"
+    again = replace(exact(8), shape=b"released again")
+    settling._message(day.child, Released(day.child.orders[-1].job, False, again))  # type: ignore[arg-type]
+    assert day.exact == b"released again"
+
+
 def test_no_exact_shape_of_another_design_is_ever_shown_as_the_present_one(day: Day) -> None:
     random, exacts = np.random.default_rng(5), 0
     of_order: dict[int, dict[str, Any]] = {}

@@ -28,6 +28,7 @@ export function buildBadge(element, { store, connection, actions }) {
     const { settling, settle_s: waits, release } = store.get("state");
     element.hidden = !store.get("document");
     const takesOther = release?.is_same === false && !release.is_shown;
+    const hadFocus = state.contains(document.activeElement);
     refresh(state, [badge, settling, waits, takesOther], () => [
       h("i", { class: `dot ${dotOf(badge, settling)}`, "aria-hidden": "true" }),
       h("b", { title: MEANINGS[badge.kind], testid: "badge-words" }, badge.words),
@@ -45,6 +46,8 @@ export function buildBadge(element, { store, connection, actions }) {
     ]);
     const hasBoth = Boolean(store.get("frame")?.hasBefore);
     shown.element.hidden = !hasBoth;
+    // a button that is taken away hands the keyboard on
+    if (hadFocus && !state.contains(document.activeElement)) shown.element.querySelector("[tabindex='0']")?.focus();
     key.hidden = !hasBoth || store.get("shown") !== "both";
     shown.set(store.get("shown"));
   };

@@ -28,7 +28,9 @@ export function formsPart(studio, { on }) {
     const focused = document.activeElement;
     const hadFocus = focused === flip || forms.contains(focused);
     refresh(forms, [others, isSearching], () => (others.length > 1 ? list(others, isSearching) : []));
+    const held = released.contains(focused) ? focused.dataset.testid : null;
     refresh(released, [release], () => (release ? releaseParts(release) : []));
+    if (held) (released.querySelector(`[data-testid="${held}"]`) ?? flip).focus();
     flip.hidden = !store.get("state").has_preview;
     flip.disabled = !store.get("frame") || isSearching;
     flip.lastChild.textContent = searching === "flip" ? "Searching …" : "Flip to the other side";
@@ -63,7 +65,7 @@ export function formsPart(studio, { on }) {
       h(
         "ul",
         { class: "list" },
-        h("li", {}, exactItem(false, "Nearest to the preview", isShown ? -energy : 0, !isShown)),
+        h("li", {}, exactItem(false, "Nearest to the preview", isShown ? -energy / (1 + energy / 100) : 0, !isShown)),
         h("li", {}, exactItem(true, "Released from the flat print", isShown ? 0 : energy, isShown)),
       ),
     ];

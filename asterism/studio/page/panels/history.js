@@ -25,7 +25,7 @@ export function openHistory({ store, connection }) {
         class: "thumbnail",
         "aria-current": String(Boolean(state.is_shown)),
         testid: `state-${state.position}`,
-        onclick: () => connection.send("go", { position: state.position }),
+        onclick: () => (store.set({ hole: null }), connection.send("go", { position: state.position })),
       },
       picture,
       h("span", {}, titled(state.label)),

@@ -85,7 +85,7 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
     const isLost = key === "kind" && now.border?.rings !== undefined;
     const border = isLost ? { border: borderOf(now, { polygon_mm: outline.map((corner) => roundPoint(corner)) }) } : {};
     send({ [`lattice.${key}`]: value, ...border });
-    actions.fitSoon();
+    if (key === "spacing_mm" && now.border?.rings !== undefined) actions.fitSoon(); // another outline
   };
   const lattice = choice({
     label: "Lattice of the stars",

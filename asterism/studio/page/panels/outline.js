@@ -145,7 +145,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
                 onclick: () => store.set({ hole: curve.hole, corner: null }),
               },
               icon("outline"),
-              h("span", { class: "grow" }, `Hole ${curve.hole + 1}`),
+              h("span", { class: "grow" }, `Hole ${curve.number}`),
               h("span", { class: "count" }, sizeOf(curve)),
             ),
           ),
@@ -172,7 +172,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
         testid: `corner-${k}-${"xy"[axis]}`,
       });
       input.addEventListener("keydown", (event) => event.stopPropagation());
-      input.addEventListener("focus", () => store.set({ corner: k }));
+      input.addEventListener("focus", () => store.set({ corner: k, hole: null }));
       input.addEventListener("change", () => {
         const refused = mistakeOf(input.value, { unit: "mm" });
         input.classList.toggle("bad-field", Boolean(refused));

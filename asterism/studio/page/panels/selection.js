@@ -99,5 +99,6 @@ export function selectionPanel({ store, edits, actions }, { on }) {
   }
   on(["selection", "sheet", "copied"], update);
   update();
+  on(["selecting"], ({ selecting: way }) => selecting.set(way));
   return [selecting.element, title, empty, chosen, section("Extend"), grow];
 }

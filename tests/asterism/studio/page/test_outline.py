@@ -167,6 +167,17 @@ def test_a_hole_is_cut_by_the_keyboard_and_typed(page: StudioPage) -> None:
     assert len(holes(page)) == 2
 
 
+def test_holes_that_are_cut_at_once_are_all_there_and_supports_follow_their_numbers(page: StudioPage) -> None:
+    twice = "document.querySelector('[data-testid=add-hole]').click()"
+    page.changed(lambda: page.get(f"void ({twice}, {twice})"))
+    page.wait("(studio.document.design.border.holes ?? []).length === 2")
+    page.item("hole-0").click()
+    page.changed(lambda: page.item("remove-hole").click())
+    (left,) = holes(page)
+    page.changed(lambda: page.item("undo").click())
+    assert holes(page)[1] == left and page.get("studio.document.plan.hole_rings") == [1, 1]
+
+
 def test_an_outline_is_an_ellipse_with_handles(page: StudioPage) -> None:
     page.item("shape-circle").click()
     page.fill("shape-width", 120)

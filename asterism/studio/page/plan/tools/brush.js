@@ -4,7 +4,7 @@ import { QUANTITIES, fixed } from "../../format.js";
 import { clamp, falloff, images } from "../../geometry.js";
 import { namesWithOwn } from "../../sheet.js";
 import { starsWithin } from "./common.js";
-import { StrokeTool } from "./stroke.js";
+import { EVEN_MODES, StrokeTool } from "./stroke.js";
 
 export class BrushTool extends StrokeTool {
   #kept = new Set(); // names of rods that a stroke leaves as they are
@@ -15,7 +15,7 @@ export class BrushTool extends StrokeTool {
 
   down(event) {
     const { quantity, mode } = this.brush;
-    const paints = mode !== "erase" && mode !== "remove";
+    const paints = !EVEN_MODES.includes(mode);
     // a plain plan shows lengths and widths only
     if (paints && quantity === "thickness" && this.store.get("planColour") === "none") {
       this.store.set({ planColour: "thickness" });

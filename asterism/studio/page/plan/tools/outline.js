@@ -1,8 +1,8 @@
 // The outline and holes: drag corners, click an edge to add one, Delete removes; circles and ellipses have handles at
 // their centre and at the ends of their half axes. A drag over the sheet cuts a round hole.
 
-import { borderOf, circleOf, curvesOf, leavesFabric, withCurve, withHole, withoutHole } from "../../border.js";
-import { crossesItself, distance, ellipse, isInside, nearestEdge, nearestIndex, roundPoint } from "../../geometry.js";
+import { borderOf, circleOf, curvesOf, holesOf, leavesFabric, withCurve, withHole, withoutHole } from "../../border.js";
+import { clamp, crossesItself, distance, ellipse, isInside, nearestEdge, nearestIndex, roundPoint } from "../../geometry.js";
 import { toast } from "../../panels/toasts.js";
 import { circle, polyline, snapped } from "./common.js";
 import { label } from "../draw.js";
@@ -11,6 +11,7 @@ import { fixed } from "../../format.js";
 const GRIP_PX = 12;
 const CLICK_PX = 4;
 const LEAST_RADIUS_MM = 2; // of a hole that is drawn
+const MAX_ASPECT = 20; // of the half axes of an ellipse
 
 export class OutlineTool {
   cursor = "crosshair";
@@ -108,13 +109,14 @@ export class OutlineTool {
     if (!curve) {
       const centre = snap(start);
       const radius = Math.max(LEAST_RADIUS_MM, Math.round(2 * distance(event.at, centre)) / 2);
-      return this.#change(sheet, withHole(sheet, centre, [radius, radius]), (sheet.design.border?.holes ?? []).length);
+      return this.#change(sheet, withHole(sheet, centre, [radius, radius]), holesOf(sheet).length);
     }
     let { centre, axes } = curve;
     if (part === "centre") centre = snap(centre.map((value, axis) => value + event.at[axis] - start[axis]));
     else {
+      const [isAlone, other] = [axes[0] !== axes[1] || event.shift, axes[1 - part]];
       const length = Math.max(1, Math.abs(snap(event.at, true)[part] - centre[part]));
-      axes = axes[0] === axes[1] && !event.shift ? [length, length] : axes.with(part, length);
+      axes = isAlone ? axes.with(part, clamp(length, other / MAX_ASPECT, other * MAX_ASPECT)) : [length, length];
     }
     this.#change(sheet, withCurve(sheet, curve, { centre, axes }), curve.hole);
   }
@@ -128,9 +130,9 @@ export class OutlineTool {
     return true;
   }
 
-  /** The first of some changes that leaves fabric, as one step; the page says if none does. */
+  /** The first of some changes, each made when it is tried, that leaves fabric, as one step; the page says if none does. */
   #once(sheet, changes, hole) {
-    const isChanged = changes.some((change) => this.#change(sheet, change, hole));
+    const isChanged = changes.some((make) => this.#change(sheet, make(), hole));
     this.edits.end();
     if (!isChanged) toast(`No room: a hole needs ${sheet.tipMargin} mm of fabric around it.`, { isBad: true });
     return isChanged;
@@ -139,7 +141,7 @@ export class OutlineTool {
   /** The outline, or a hole, at another place or with other half axes. */
   setCurve(curve, change) {
     const sheet = this.store.get("sheet");
-    return this.#once(sheet, [withCurve(sheet, curve, { ...curve, ...change })], curve.hole);
+    return this.#once(sheet, [() => withCurve(sheet, curve, { ...curve, ...change })], curve.hole);
   }
 
   /** A round hole at the star of the keyboard, or as near to the middle of the sheet as there is room. */
@@ -148,14 +150,14 @@ export class OutlineTool {
     const radius = Math.max(LEAST_RADIUS_MM, Math.round(0.4 * sheet.spacing));
     const stars = sheet.stars.map(({ at }) => at).sort((a, b) => distance(a, sheet.centre) - distance(b, sheet.centre));
     const places = star ? [star.at] : [sheet.centre, ...stars];
-    const changes = places.map((at) => withHole(sheet, at, [radius, radius]));
-    return this.#once(sheet, changes, (sheet.design.border?.holes ?? []).length);
+    const changes = places.map((at) => () => withHole(sheet, at, [radius, radius]));
+    return this.#once(sheet, changes, holesOf(sheet).length);
   }
 
   removeHole() {
     const sheet = this.store.get("sheet");
     this.edits.once((edits) => edits.design(...withoutHole(sheet, this.chosenHole())));
-    this.store.set({ hole: null });
+    this.store.set({ hole: null, support: null }); // the number of a support may have changed
   }
 
   up() {
@@ -195,7 +197,7 @@ export class OutlineTool {
     if (event.key === "Insert" && corner !== null) return this.addCorner(corner);
     if (event.key === "Enter" && star) return this.addHole(star) || true;
     if (step && hole?.axes) {
-      this.setCurve(hole, { axes: hole.axes.map((value) => Math.max(1, value + step)) });
+      if (Math.min(...hole.axes) + step >= 1) this.setCurve(hole, { axes: hole.axes.map((value) => value + step) });
       return true;
     }
     if (event.key !== "Delete" && event.key !== "Backspace") return false;
@@ -308,7 +310,7 @@ function drawCross(context, plan, [px, py]) {
   context.globalAlpha = 1;
 }
 
-/** Shapes of about the present size. */
+/** The table of a regular shape of a size, in mm. */
 export function regularShape(kind, { width, height, sides, rings }) {
   if (kind === "rectangle") return { rectangle_mm: [width, height] };
   if (kind === "hexagon") return { rings };

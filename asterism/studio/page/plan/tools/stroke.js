@@ -7,7 +7,7 @@ import { circle, polyline, starsWithin } from "./common.js";
 
 const DAB_SHARE = 0.2; // distance of two dabs over the radius
 const NONE = new Set();
-const EVEN_MODES = ["erase", "remove"]; // that do all or nothing
+export const EVEN_MODES = ["erase", "remove"]; // that do all or nothing
 const FALLOFF_STEPS = 8; // discs of the ring, one in the other, that show how a brush grows weaker
 
 /** Share of a brush's radius at which it has a weight: the inverse of `falloff`. */
