@@ -21,6 +21,8 @@ def fabric_modulus_mpa(
 ) -> float:
     """The modulus `fabric.modulus_mpa` with which a hanging strip has the measured stretch.
 
+    Of fabric with two moduli a strip gives one of them at small stretches only.
+
     Parameters
     ----------
     mass_g : of the weight with its clamp; a strip that is long against its width contracts freely between the clamps.

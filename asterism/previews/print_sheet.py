@@ -128,7 +128,8 @@ class PrintSheet(ABC):
 
     def _follow(self, before: Self) -> None:
         """Take over what the new pattern leaves as it is: the triangles to show, if a shape was asked for."""
-        if "shown" in vars(before) and before.has_rods_of(self.layout) and before.design.mesh == self.design.mesh:
+        meshes = [(each.mesh, each.usual_edge_mm) for each in (before.design, self.design)]
+        if "shown" in vars(before) and before.has_rods_of(self.layout) and meshes[0] == meshes[1]:
             self.shown = replace(before.shown, lens=before.shown.lens.renewed(self))
 
     @abstractmethod

@@ -117,8 +117,7 @@ def preview_warnings(
             "not an equilibrium: at wide rims the tension of the fabric bends the preview more than its rods resist; "
             "make the rods thicker or wider, or use the exact model: asterism simulate"
         )
-    else:
-        yield from state.sheet.doubts()
+    yield from state.sheet.doubts()
     yield from _about_supports(state, shape)
     if not collapses:
         yield from _about_equilibrium(state)

@@ -140,8 +140,14 @@ def grain_arrow(job: Job, is_stretched: bool) -> DrawingItems:
 
 def grain_in_words(job: Job) -> str:
     """How the grain lies, in one sentence for a fabric that has one."""
-    along, across = job.design.fabric.moduli
-    return f"Along the arrow runs the direction of the fabric that has {along:g} MPa; across it has {across:g} MPa."
+    fabric, unit = job.design.fabric, "MPa"
+    along, across = fabric.moduli
+    if along == across and isinstance(fabric.bending_stiffness_n_mm, tuple):
+        (along, across), unit = fabric.bending_stiffness_n_mm, "N mm of bending stiffness"
+    if along == across:
+        return "Along the arrow runs the grain of the fabric."
+    ahead = f"Along the arrow runs the direction of the fabric that has {along:g} {unit}"
+    return f"{ahead}; across it, it has {across:g} {unit}."
 
 
 def check_squares(job: Job) -> DrawingItems:

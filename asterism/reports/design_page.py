@@ -222,9 +222,12 @@ def _fabric(design: Design) -> list[str]:
     x, y = design.fabric.stretch_xy
     stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
     lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
-    if design.gravity.on:  # without gravity, the shape does not depend on the modulus
+    # of a fabric without a grain only the weight depends on the modulus
+    if design.fabric.is_orthotropic or design.gravity.on:
+        lines.append(f"E {design.fabric.modulus_text}")
+    if design.gravity.on:
         x, y, z = design.gravity.direction
-        lines.append(f"E {design.fabric.modulus_text}, weight along ({x:g}, {y:g}, {z:g})")
+        lines.append(f"weight along ({x:g}, {y:g}, {z:g})")
     return lines
 
 

@@ -60,9 +60,9 @@ def shape_for_report(
         else:
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
-    if design.rods is not None and without_law(design) is not None:
-        say("the page has no picture: drawn lines that do not repeat have no preview; run asterism simulate first")
-        return None, "not known: drawn lines that do not repeat have no preview"
+    if (refused := without_law(design)) is not None:
+        say(f"the page has no picture: {refused} first")
+        return None, "not known: this design has no preview"
     try:
         with announce_compiling(say):
             shape = preview(design, law)

@@ -3,13 +3,13 @@
 With the deformation gradient F (3 x 2) by coordinates along and across the grain, `C = F^T F`, `J = sqrt(det C)` and
 `L = ln J`, the energy per rest volume is
 
-    W = mu/2 [(C11^p - 1)/p + (C22^q - 1)/q] - alpha L + lam/2 L^2 + beta/2 (exp(-2 L) - 1).
+    W = mu/2 [(C11^r1 - 1)/r1 + (C22^r2 - 1)/r2] - alpha L + lam/2 L^2 + beta/2 (exp(-2 L) - 1).
 
-Neo-Hookean (plane stress): `p = q = 1`, `alpha = mu`, `beta = 0`, `mu = E/(2 (1 + nu))`, `lam = E nu/(1 - nu^2)`.
-Incompressible: `p = q = 1`, `alpha = lam = 0`, `beta = mu = E/3`, which is `mu/2 (tr C + 1/det C - 3)`.
-Orthotropic: `mu = alpha = G`, `lam = Q12`, `p = (Q11 - Q12)/(2 G)`, `q = (Q22 - Q12)/(2 G)`, so that small strains have
-the plane stiffness Q and the shear modulus G. The powers of C11 and C22 are terms of Itskov and Aksel (2004, Int. J.
-Solids Struct. 41, 3833); they are convex in F if the exponents are at least 1/2.
+Neo-Hookean (plane stress): `r1 = r2 = 1`, `alpha = mu`, `beta = 0`, `mu = E/(2 (1 + nu))`, `lam = E nu/(1 - nu^2)`.
+Incompressible: `r1 = r2 = 1`, `alpha = lam = 0`, `beta = mu = E/3`, which is `mu/2 (tr C + 1/det C - 3)`.
+Orthotropic: `mu = alpha = G`, `lam = Q12`, `r1 = (Q11 - Q12)/(2 G)`, `r2 = (Q22 - Q12)/(2 G)`, so that small strains
+have the plane stiffness Q and the shear modulus G. The powers of C11 and C22 are terms of Itskov and Aksel (2004, Int.
+J. Solids Struct. 41, 3833); they are convex in F if the exponents are at least 1/2.
 All energies go to infinity as a triangle collapses (J -> 0).
 """
 
@@ -60,7 +60,7 @@ def negative_stress(p, s11, s12, s22):  # type: ignore[no-untyped-def]
 
 @formula
 def strain_energy(p, c11, c22, log_j):  # type: ignore[no-untyped-def]
-    """W times the rest volume V, in N mm; p[6:12] = (mu V, alpha V, lam V, beta V, p, q)."""
+    """W times the rest volume V, in N mm; p[6:12] = (mu V, alpha V, lam V, beta V, r1, r2)."""
     return (
         0.5 * p[6] * ((c11 ** p[10] - 1.0) / p[10] + (c22 ** p[11] - 1.0) / p[11])
         - p[7] * log_j
@@ -71,7 +71,7 @@ def strain_energy(p, c11, c22, log_j):  # type: ignore[no-untyped-def]
 
 @formula
 def membrane_energy(q, p):  # type: ignore[no-untyped-def]
-    """Energy of a triangle in N mm; p = (b0, b1, b2, mu V, alpha V, lam V, beta V, p, q), b_i shape gradients."""
+    """Energy of a triangle in N mm; p = (b0, b1, b2, mu V, alpha V, lam V, beta V, r1, r2), b_i shape gradients."""
     _, _, c11, _, c22, log_j = invariants(q, p)
     return strain_energy(p, c11, c22, log_j)
 

@@ -418,7 +418,7 @@ def without_law(design: Design) -> DesignError | None:
     if not design.fabric.has_bending:
         return DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
     if design.fabric.is_orthotropic:
-        return DesignError("fabric", f"has a grain, so it has no law: {_EXACT}", design.fabric.modulus_text)
+        return DesignError("fabric", f"has a grain, so it has no law; {_EXACT}", design.fabric.modulus_text)
     sx, sy = design.fabric.stretch_xy
     if rods is None and not same_values(sx, sy):
         problem = f"must be one number: the law of stars is for equal stretch in x and y; {_EXACT}"

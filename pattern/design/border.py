@@ -120,7 +120,9 @@ class Border(Section):
         if self.circle_mm is not None and not np.all(
             np.abs(self.circle_mm.centre) + self.circle_mm.half_axes <= MAX_SHEET_MM
         ):
-            raise DesignError("circle_mm", f"must be within {MAX_SHEET_MM:g} mm of the origin", self.circle_mm.centre)
+            raise DesignError(
+                "circle_mm", f"must be within {MAX_SHEET_MM:g} mm of the origin", self.circle_mm.model_dump()
+            )
         if self.polygon_mm is not None:
             _check_polygon(self.polygon_mm)
         if self.rings is not None and self.star_margin_mm is not None and not self.holes:

@@ -159,7 +159,7 @@ class Fabric(Section):
         if low > high:
             problem = f"must have a ratio of at most {self._largest_ratio:.3g} with poisson = {self.poisson:g}"
             raise DesignError("modulus_mpa", problem, list(self.moduli))
-        if not low <= self.shear_modulus <= high:
+        if not 0.995 * low <= self.shear_modulus <= 1.005 * high:  # the limits as the message rounds them
             problem = f"must be from {low:.3g} to {high:.3g} for these moduli"
             raise DesignError("shear_modulus_mpa", problem, self.shear_modulus_mpa)
         return self
@@ -202,11 +202,19 @@ class Fabric(Section):
         >>> [bool(Fabric(modulus_mpa=(2.0, 1.0), grain_deg=grain).keeps(mirror)) for grain in (0.0, 45.0, 90.0)]
         [True, False, True]
         """
-        tensors = [np.diag(self.stretch_xy)]
+
+        def turns(tensor: Floats, sign: float) -> NDArray[np.bool_]:
+            """Whether they turn a tensor into itself, times a sign."""
+            off = motions @ tensor - sign * tensor @ motions
+            return np.asarray(np.abs(off).max(axis=(-2, -1)) < _SAME_DIRECTION)
+
+        kept = turns(np.diag(self.stretch_xy), 1.0)
         if self.is_orthotropic:
-            tensors.append(np.outer(self.axes[:, 0], self.axes[:, 0]))
-        kept = [np.abs(motions @ one - one @ motions).max(axis=(-2, -1)) < _SAME_DIRECTION for one in tensors]
-        return np.asarray(np.all(kept, axis=0))
+            grain = np.outer(self.axes[:, 0], self.axes[:, 0]) - 0.5 * np.eye(2)
+            pairs = (self.moduli, np.broadcast_to(self.bending_stiffness_n_mm or 1.0, 2))
+            is_fourfold = all(along == across for along, across in pairs)
+            kept &= turns(grain, 1.0) | (is_fourfold & turns(grain, -1.0))
+        return kept
 
     @property
     def moduli(self) -> tuple[float, float]:
@@ -273,7 +281,10 @@ class Fabric(Section):
         along, across = self.moduli
         if not self.is_orthotropic:
             return f"{along:g} MPa"
-        return f"{along:g} MPa along and {across:g} MPa across the grain at {self.grain_deg or 0:g} deg"
+        grain = f"the grain at {self.grain_deg or 0:g} deg"
+        return (
+            f"{along:g} MPa, {grain}" if along == across else f"{along:g} MPa along and {across:g} MPa across {grain}"
+        )
 
     @property
     def has_bending(self) -> bool:
@@ -415,6 +426,9 @@ def _strip(fabric: Fabric, direction: ArrayLike) -> _Strip:
     compliances S11, S16 and S66 in these directions,
 
         [m_tt/2, m_tn] = [[S11, S16], [S16, S66]] [tension, shear stress].
+
+    For unequal stretches, the compliances are those at the released direction of t, and n is at a right angle to t in
+    print.
     """
     t, stretch = np.asarray(direction, dtype=float), np.asarray(fabric.stretch_xy)
     m_tt = 1 - np.sum((t / stretch) ** 2, axis=-1)

@@ -179,7 +179,8 @@ def _pieces(geometry: Any, tolerance: float) -> Iterator[Floats]:
             table: Any = geometry.Knots
             knots = np.unique([table[number] for number in range(len(table))])
             ends = [float(knot) for knot in knots[(knots >= ends[0]) & (knots <= ends[1])]]
-        yield flattened_spline(partial(_along, geometry), np.array(ends), tolerance)
+        if len(ends) > 1:
+            yield flattened_spline(partial(_along, geometry), np.array(ends), tolerance)
 
 
 def _along(curve: Any, parameters: Floats) -> Floats:

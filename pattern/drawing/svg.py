@@ -145,7 +145,11 @@ class _Unfolded:
             transform += f" translate({_length(own, 'x', size[0])!r},{_length(own, 'y', size[1])!r})"
         kept = {name: value for name, value in own.items() if name not in (*_PLACES, *_HREF, "viewBox")}
         group = ElementTree.SubElement(parent, "g", kept | {"transform": transform})
-        given = {side: own[side] for side in ("width", "height") if side in own} if tag == "use" else None
+        given = (
+            {side: own[side] for side in ("width", "height") if own.get(side, "auto") != "auto"}
+            if tag == "use"
+            else None
+        )
         for child in children:
             self._add(child, group, size, layer, depth + 1, given)
 

@@ -61,6 +61,6 @@ def flattened_spline(
     knots: Float[np.ndarray, " s"],
     curve_mm: float,
 ) -> Float[np.ndarray, "n 2"]:
-    """(n, 2) points on a curve that may have corners at its knots: increasing parameters, without repeats."""
+    """(n, 2) points on a curve with corners at some of its knots, which increase; points repeat at inner knots."""
     spans = (np.linspace(start, end, SPAN_SAMPLES + 1) for start, end in pairwise(knots))
     return np.concatenate([flattened(curve, samples, curve_mm) for samples in spans])

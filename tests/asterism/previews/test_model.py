@@ -1,4 +1,4 @@
-"""The constants of the preview are described, and each part of the model can be turned off."""
+"""Each part of the model of the preview can be turned off."""
 
 from __future__ import annotations
 

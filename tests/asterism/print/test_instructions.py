@@ -186,7 +186,7 @@ def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
 
 def test_fabric_with_a_grain_is_laid_along_the_arrow() -> None:
     one = job(design(fabric={"modulus_mpa": [9.0, 4.0], "grain_deg": 30.0}))
-    assert "Along the arrow runs the direction of the fabric that has 9 MPa; across it has 4 MPa." in said(one)
+    assert "Along the arrow runs the direction of the fabric that has 9 MPa; across it, it has 4 MPa." in said(one)
     for page in instructions.as_pages(one, chapters(one)):
         check_texts(page)
     assert "grain" not in said(job())

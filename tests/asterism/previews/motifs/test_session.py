@@ -1,4 +1,4 @@
-"""Previews of motifs with their state kept for edits, and their estimated errors."""
+"""Previews of motifs, with their state kept for edits."""
 
 from __future__ import annotations
 
