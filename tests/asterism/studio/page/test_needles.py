@@ -17,6 +17,7 @@ pytestmark = pytest.mark.slow
 def page(shared: StudioPage) -> StudioPage:
     shared.open("file-canopy.toml")
     shared.item("tool-needles").click()
+    shared.page.evaluate("studio.draw()")  # the first picture places the camera
     return shared
 
 

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 def test_whatever_speaks_of_the_shape_says_the_words_of_the_badge(page: StudioPage) -> None:
     page.open("gallery-star")
     (socket,) = page.live_sockets()
-    page.wait("studio.badge.kind === 'exact'")
+    page.wait("studio.state.release?.is_same === true")  # the last message of the server's own
     page.item("tab-shape").click()
     state = page.get("studio.state")
     for kind, words, is_stale, _ in dict.fromkeys(MATRIX.values()):
