@@ -76,9 +76,9 @@ def test_the_law_holds_what_differs_between_directions(five: tuple[StarLaw, str]
     table = law.at(1.35)
     assert table.anisotropy(7.0, 0.3, 1.2).shape == (1, ANISOTROPY_SIZE)
     assert not table.anisotropy(0.0, 0.3, 1.2).any()
-    cell = next(cell["sample"] for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
-    sizes = (cell[name] for name in ("length_mm", "thickness_mm", "width_mm"))
-    np.testing.assert_allclose(law.anisotropy(sheet(5), *sizes)[0], sample_anisotropy(cell), rtol=1e-9, atol=1e-12)
+    cell = next(cell for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
+    found = law.anisotropy(sheet(5), *(cell[name] for name in ("length_mm", "thickness_mm", "width_mm")))
+    np.testing.assert_allclose(found[0], sample_anisotropy(cell["sample"]), rtol=1e-9, atol=1e-12)
 
 
 def test_a_sheet_of_five_arms_bends_differently_in_each_direction(five: tuple[StarLaw, str]) -> None:
