@@ -103,6 +103,7 @@ class Engine:
             self._try(lambda: self._frames.send_again(message, self._preview, self._is_dragging))
             return
         if isinstance(message, FitTarget):
+            self._bounds.wait()  # one long step
             self._try(lambda: self._frames.send_pose(self._preview, message.seq))
             return
         self._is_resting = False

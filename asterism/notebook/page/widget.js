@@ -33,6 +33,7 @@ const VIEW_STATE = {
   shown: "shape",
   frame: null,
   hover: null,
+  under: new Set(),
   selection: new Set(),
   theme: "auto",
   connection: "open",

@@ -96,8 +96,9 @@ export function listenToView(view, { store, edits, tools }) {
 
   /** The brush that paints on the sheet, or null. */
   function brushOf() {
+    if (!store.get("paintOnSheet")) return null; // always so in a notebook, which has no tools
     const { tool } = tools[store.get("tool")];
-    return store.get("paintOnSheet") && tool.dab ? tool : null;
+    return tool.dab ? tool : null;
   }
 
   /** The event as a tool of the plan gets it; null beside the sheet. */

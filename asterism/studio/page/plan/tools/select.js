@@ -82,7 +82,8 @@ export class SelectTool {
 
 /** The selection with some stars: these alone, with Shift also these, with Alt without these. */
 export function selected(store, keys, { shift, alt }, isToggled) {
-  const way = alt ? "less" : shift ? "more" : store.get("selecting");
+  const usual = store.get("tool") === "select" ? store.get("selecting") : "new"; // its choice stands in that tool's panel
+  const way = alt ? "less" : shift ? "more" : usual;
   const selection = new Set(way === "new" ? [] : store.get("selection"));
   for (const key of keys) {
     if (way === "less" || (way === "more" && isToggled && selection.has(key))) selection.delete(key);
