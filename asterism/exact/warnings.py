@@ -7,9 +7,8 @@ from typing import Any
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.results.words import star_numbers
+from asterism.results.words import passing, star_numbers
 from asterism.shape.design_warnings import pin_warnings, site_warnings, sizing_warnings
-from asterism.shape.self_intersections import passing
 
 # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh of hinges
 MAX_ROLL_EDGE_FACTOR = 0.03

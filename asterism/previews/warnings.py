@@ -37,9 +37,8 @@ from asterism.pattern.layout.layout import Layout
 from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import PreviewState
-from asterism.results.words import PlacedWarning, star_numbers
+from asterism.results.words import PlacedWarning, passing, star_numbers
 from asterism.shape.design_warnings import pin_warnings
-from asterism.shape.self_intersections import passing
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import deformation_gradients
 

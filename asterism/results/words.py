@@ -154,7 +154,12 @@ def _of_shape(summary: Mapping[str, Any]) -> Iterator[str]:
     if stars and isinstance(stars, int) and len(outside) >= stars:
         yield f"all {stars} stars are outside the law" if stars > 1 else "the star is outside the law"
     if pairs := summary.get("self_intersections"):
-        yield f"the sheet passes through itself ({pairs} pairs of triangles)"
+        yield passing(pairs)
+
+
+def passing(pairs: int) -> str:
+    """Warning text for a number of pairs of triangles that pass through each other."""
+    return f"the sheet passes through itself ({pairs} pairs of triangles)"
 
 
 class PlacedWarning(str):

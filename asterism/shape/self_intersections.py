@@ -61,11 +61,6 @@ def meets_itself(
     return bool((_lengths(printed, near) > MIN_REMOTE_EDGES * _lengths(printed, edges).max()).any())
 
 
-def passing(pairs: int) -> str:
-    """Warning text for a number of pairs of triangles that pass through each other."""
-    return f"the sheet passes through itself ({pairs} pairs of triangles)"
-
-
 def _lengths(points: Floats, pairs: Ints) -> Floats:
     apart = points[pairs[:, 0]] - points[pairs[:, 1]]
     return np.asarray(np.sqrt(np.einsum("pi,pi->p", apart, apart)))  # faster than numpy's norm

@@ -104,6 +104,12 @@ class BendingStiffness(NamedTuple):
         return float(np.sqrt(self.d11 * self.d22))
 
 
+def _both(value: float | tuple[float, float]) -> tuple[float, float]:
+    """A value for two directions, from one number for both or one for each."""
+    one, other = np.broadcast_to(value, 2)
+    return float(one), float(other)
+
+
 class Fabric(Section):
     """The stretched fabric, the same in all directions or orthotropic: with moduli along and across its grain.
 
@@ -179,8 +185,7 @@ class Fabric(Section):
     @property
     def stretch_xy(self) -> tuple[float, float]:
         """Stretch along x and along y."""
-        x, y = np.broadcast_to(self.stretch, 2)
-        return float(x), float(y)
+        return _both(self.stretch)
 
     @property
     def is_orthotropic(self) -> bool:
@@ -211,7 +216,7 @@ class Fabric(Section):
         kept = turns(np.diag(self.stretch_xy), 1.0)
         if self.is_orthotropic:
             grain = np.outer(self.axes[:, 0], self.axes[:, 0]) - 0.5 * np.eye(2)
-            pairs = (self.moduli, np.broadcast_to(self.bending_stiffness_n_mm or 1.0, 2))
+            pairs = (self.moduli, _both(self.bending_stiffness_n_mm or 1.0))
             is_fourfold = all(along == across for along, across in pairs)
             kept &= turns(grain, 1.0) | (is_fourfold & turns(grain, -1.0))
         return kept
@@ -219,8 +224,7 @@ class Fabric(Section):
     @property
     def moduli(self) -> tuple[float, float]:
         """MPa, Young's moduli E1 along and E2 across the grain."""
-        along, across = np.broadcast_to(self.modulus_mpa, 2)
-        return float(along), float(across)
+        return _both(self.modulus_mpa)
 
     @property
     def modulus(self) -> float:
@@ -302,7 +306,7 @@ class Fabric(Section):
             return BendingStiffness(0.0, 0.0, 0.0, 0.0)
         poisson, plates = self.poisson, 1.0
         if self.bending_stiffness_n_mm is not None:
-            along, across = map(float, np.broadcast_to(self.bending_stiffness_n_mm, 2))
+            along, across = _both(self.bending_stiffness_n_mm)
         else:
             if self.bending != "consistent":
                 poisson, plates = HINGES_POISSON, 3.0
