@@ -36,8 +36,8 @@ def test_the_facts_are_those_of_the_rods() -> None:
 def test_the_page_shows_the_exact_shape_or_says_why_it_has_no_picture(tmp_path: Path) -> None:
     said: list[str] = []
     assert report(CROSS, tmp_path / "without.pdf", say=said.append).shape is None
-    without = "the page has no picture: drawn lines that do not repeat have no preview"
-    assert said == [f"{without}; run asterism simulate first"]
+    without = "the page has no picture: rods.motif: is missing: lines that do not repeat have no law"
+    assert said == [f"{without}; use the exact model: asterism simulate first"]
     write_results(exact_shape(CROSS), tmp_path / "cross")
     written = report(CROSS, tmp_path / "with.pdf", beside=tmp_path / "cross")
     assert written.shape is not None and written.source == "by the exact model"

@@ -166,7 +166,7 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
     done = command(["report", str(design)], capsys, monkeypatch)
     assert done.status == 0 and "no picture" in done.line and "fabric.bending" in done.line
     text, image = page(design.with_name("d-report.pdf"))
-    assert "not known: no law of this material" in text
+    assert "not known: this design has no preview" in text
     assert image[300:1200, 150:1950].min() == 255
     # no law holds two stretches: none is asked for
     design.write_text(DESIGN + "[fabric]\nstretch = [1.2, 1.5]\n")

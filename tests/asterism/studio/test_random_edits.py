@@ -108,7 +108,7 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
         page.until("saved")
     assert json.dumps(studio.document.table) == json.dumps(first["design"])  # type: ignore[union-attr]
     assert path.read_bytes() == original
-    assert last["revision"] == first["revision"] and last["numbers"]["is_minimum"], last["problem"]
+    assert last["summary_revision"] == first["revision"] and last["numbers"]["is_minimum"], last["problem"]
     print(
         f"{EDITS} gestures: slowest answer {slowest:.2f} s; server and engine {memory_mb} MB after half and all of them"
     )

@@ -95,10 +95,17 @@ def test_a_view_shows_each_of_the_designs_of_one_outline_whichever_was_shown_bef
             groups[preview.sheet.layout.outline.tobytes()].append(preview)
     (previews,) = (group for group in groups.values() if len(group) > 1)
     assert len(previews) > 10
-    heights = {preview: preview.shape().height_mm for preview in previews}
-    view = SheetView(previews[0], is_fine=False)
-    for preview in (*previews, *previews[-2::-1]):  # neighbours follow each other in both orders
+
+    def height_mm(view: SheetView, preview: Preview) -> float:
         assert view.shows(preview)
         view.stand_up(preview)
-        height = view.frame(preview, 0, "equilibrium").height_mm
-        assert height == pytest.approx(heights[preview], rel=0.01), preview.design.name
+        return view.frame(preview, 0, "equilibrium").height_mm
+
+    # the mesh is that of the first design: its heights differ by about 1 % from those on a design's own mesh
+    alone = {preview: height_mm(SheetView(previews[0], is_fine=False), preview) for preview in previews}
+    assert (
+        min(abs(alone[one] / alone[other] - 1) for one in previews[:3] for other in previews[:3] if one != other) > 0.01
+    )
+    view = SheetView(previews[0], is_fine=False)
+    for preview in (*previews, *previews[-2::-1]):  # neighbours follow each other in both orders
+        assert height_mm(view, preview) == pytest.approx(alone[preview], rel=1e-6), preview.design.name

@@ -69,7 +69,7 @@ def test_several_needles_are_lifted_in_the_view(page: StudioPage) -> None:
         x, y = page.get(f"studio.viewOf([{target[0]}, {target[1]}, {target[2] + 3.4}])")
         mouse.click(box["x"] + x, box["y"] + y)
     page.page.keyboard.up("Control")
-    assert page.item("several-height").is_visible()
+    page.item("several-height").wait_for()
 
     def lift() -> None:
         mouse.down()
