@@ -20,11 +20,11 @@ import numpy as np
 
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.campaign.workers import SubmitAll
-from benchmarks.fuzz.cases import Case, make_case, make_kit
+from benchmarks.fuzz.cases import DESIGNS, Case, make_case, make_kit
 from benchmarks.fuzz.nested import difference
 
-# in one case of this many, pictures are drawn and sweeps have processes of their own; in the others pictures are blank
-# and sweeps compute in the process of the case, since a picture takes half a second and a new process seconds
+# in one case of this many, pictures are drawn, layouts have texts and sweeps have processes of their own; the others
+# do without, since a picture takes half a second, the fonts of a layout another, and a new process seconds
 COMPLETE_EVERY = 10
 UNFORESEEN = 99
 MAX_SECONDS = 60  # processor time of a case
@@ -52,7 +52,7 @@ def run_cases(
         kit = Path(room) / "kit"
         kit.mkdir()
         make_kit(kit)
-        _load_all()
+        _warm_up(kit)
         for number in numbers:
             folder = Path(room) / "case"
             folder.mkdir()
@@ -63,18 +63,20 @@ def run_cases(
     return outcomes
 
 
-def _load_all() -> None:
-    """Load what commands load, so that each case finds it."""
+def _warm_up(kit: Path) -> None:
+    """Do once what most cases do: they find modules loaded, loops compiled and fonts chosen."""
+    import asterism
     import asterism.cli.app
     import asterism.cli.fit
-    import asterism.exact.simulation
-    import asterism.measure.compare.compare
     import asterism.measure.strips.fit_strips
-    import asterism.print.export
-    import asterism.reports.compare_designs
-    import asterism.reports.design_report
     import asterism.sweeps.run
-    import asterism.verification.run  # noqa: F401
+
+    for name in ("star", "pinned"):
+        design = asterism.Design.from_dict(DESIGNS[name])
+        asterism.verify(design)
+        asterism.export(design, kit.parent / f"warm-{name}")
+        asterism.report(design, kit.parent / f"{name}.pdf")
+    asterism.compare(kit / "shape", kit / "scan.obj")
 
 
 def _run(number: int, kit: Path, folder: Path, kind: str | None) -> Outcome:
@@ -121,9 +123,10 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
 
 
 def _do_less() -> None:
-    """Make pictures of shapes blank, and let sweeps compute in this process."""
+    """Make pictures of shapes blank, leave texts out of layouts, and let sweeps compute in this process."""
     from PIL import Image
 
+    import asterism.print.formats.pdf
     import asterism.reports.write_results
     import asterism.sweeps.run
 
@@ -133,6 +136,7 @@ def _do_less() -> None:
 
     blank = Image.new("RGB", (8, 8))
     asterism.reports.write_results.draw_shape = lambda shape, title, path: blank.save(path, format="png")
+    asterism.print.formats.pdf._write_text = lambda figure, item, to_page: None
     asterism.sweeps.run.local_workers = no_workers
 
 
