@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
 import re
 import shutil
@@ -15,9 +14,12 @@ from socket import gethostname
 from tempfile import TemporaryDirectory, TemporaryFile
 
 from asterism.equilibrium.errors import Error
+from asterism.pattern.design.files import read_table
 
 # The summary goes first and comes last: a folder with it holds all files of the same run.
 SUMMARY_FILE = "summary.json"
+# it holds the design, which may hold the lines of drawings
+MAX_SUMMARY_BYTES = 100_000_000
 # Names of files that belong to a summary. Those of an earlier result are removed.
 SUMMARY_COMPANIONS = "|".join(
     (
@@ -197,10 +199,9 @@ def _is_ours(directory: Path) -> bool:
     if not holds_result(directory):
         return (directory / EXPORT_SUMMARY_FILE).is_file() or _was_interrupted(directory)
     try:
-        summary = json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return bool({"version", "digest"} & read_table(directory / SUMMARY_FILE, MAX_SUMMARY_BYTES).keys())
+    except Error:
         return False
-    return isinstance(summary, dict) and bool({"version", "digest"} & summary.keys())
 
 
 def _check_no_folder(file: Path) -> None:

@@ -177,14 +177,14 @@ def is_record(kind: Any) -> bool:
 
 
 def misfit(record: Record) -> str:
-    """The first key whose value does not have the declared type; empty if all have it, or are null."""
-    types = value_types(type(record))
-    return next((name for name, kind in types.items() if not _fits(kind, vars(record).get(name))), "")
+    """The first key whose value does not have the declared type; empty if all have it, or are missing."""
+    types, here = value_types(type(record)), vars(record)
+    return next((name for name, kind in types.items() if name in here and not _fits(kind, here[name])), "")
 
 
 def _fits(kind: Any, value: Any) -> bool:
     origin, inner = get_origin(kind), get_args(kind)
-    if value is None or kind is Any:
+    if kind is Any:
         return True
     if origin in (Union, UnionType):
         return any(_fits(each, value) for each in inner)
@@ -200,8 +200,13 @@ def _fits(kind: Any, value: Any) -> bool:
 
 
 def _typed(kind: Any, value: Any) -> Any:
-    """A value from a file, with records in place of dictionaries; unchanged if it does not have the type."""
-    if isinstance(value, Record):
+    """A value from a file, with records in place of dictionaries; unchanged if it does not have the type.
+
+    Null is not-a-number where a number must be.
+    """
+    if value is None and kind is float:
+        return math.nan
+    if value is None or isinstance(value, Record):
         return value
     if get_origin(kind) in (Union, UnionType):
         kinds = [each for each in get_args(kind) if each is not type(None)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import json
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,18 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
-from asterism.results.files import VERIFICATION_MODEL
+from asterism.pattern.design.files import read_table
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.results.files import MAX_SUMMARY_BYTES, VERIFICATION_MODEL
 from asterism.results.record import misfit
 from asterism.shape.shape import Shape, shape_record
+from asterism.shape.surface_fields import surface_triangle_areas
 
 # name of the shape in the folder of a preview or a simulation
 SHAPE_FILE = "shape.vtu"
 # name of the exact shape in the folder of a verification
 EXACT_FILE = "exact.vtu"
+_MAX_MM = 1e6
 
 
 def read_shape(path: str | Path) -> Shape:
@@ -48,7 +51,12 @@ def read_shape(path: str | Path) -> Shape:
         sheet = path / (EXACT_FILE if verified else SHAPE_FILE)
     mesh = _read(sheet)
     printed, triangles = _printed(mesh, sheet), _cells(mesh, "triangle", sheet)
-    star = np.asarray(mesh.point_data.get("star", np.full(len(mesh.points), -1)), dtype=np.int64)
+    areas = [triangle_areas(printed, triangles), surface_triangle_areas(np.asarray(mesh.points), triangles)]
+    if np.min(areas) <= 0.0:
+        raise DesignError("", "must hold triangles with an area, counterclockwise in print", file=sheet)
+    star = np.asarray(mesh.point_data.get("star", np.full(len(mesh.points), -1)))
+    if star.shape != (len(mesh.points),) or not np.issubdtype(star.dtype, np.integer):
+        raise DesignError("", "must hold whole numbers of stars", file=sheet)
     centres = np.flatnonzero(star >= 0)
     rods, rod_fields = _rods(sheet.with_name("rods.vtu"), printed)
     summary = _summary(sheet.with_name("summary.json"), sheet.stem)
@@ -111,8 +119,9 @@ def _read(path: Path) -> meshio.Mesh:
 
 def _printed(mesh: meshio.Mesh, path: Path) -> Floats:
     printed = np.asarray(mesh.point_data.get("printed_mm", ()), dtype=np.float64)
-    if printed.shape != (len(mesh.points), 3) or not np.isfinite([printed, mesh.points]).all():
-        raise DesignError("", "must hold finite points with printed_mm, as asterism writes them", file=path)
+    if printed.shape != (len(mesh.points), 3) or not (np.abs([printed, mesh.points]) < _MAX_MM).all():
+        allowed = f"must hold points below {_MAX_MM:g} mm with printed_mm, as asterism writes them"
+        raise DesignError("", allowed, file=path)
     return printed[:, :2].copy()
 
 
@@ -128,23 +137,15 @@ def _cells(mesh: meshio.Mesh, kind: str, path: Path) -> Ints:
 def _summary(path: Path, of: str) -> dict[str, Any]:
     if not path.exists():
         return {}
-    try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except UnicodeDecodeError:
-        raise DesignError("", "is not UTF-8 text", file=path) from None
-    except RecursionError:
-        raise DesignError("", "is nested too deeply", file=path) from None
-    except (OSError, ValueError) as error:
-        raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
-    if isinstance(summary, dict) and summary.get("model") == VERIFICATION_MODEL:
-        summary = summary.get(of)
-    if isinstance(summary, dict) and (wrong := misfit(shape_record(summary))):
+    summary = read_table(path, MAX_SUMMARY_BYTES)
+    if summary.get("model") == VERIFICATION_MODEL:
+        part = summary.get(of)
+        summary = part if isinstance(part, dict) else {}
+    if wrong := misfit(shape_record(summary)):
         raise DesignError(wrong, "must have the type that asterism writes", summary[wrong], file=path)
-    if isinstance(summary, dict) and of.startswith("minimum-"):
-        summary = _of_minimum(summary, of)
-    if isinstance(summary, dict) and not isinstance(summary.get("design", {}), dict):
+    if not isinstance(summary.get("design", {}), dict):
         raise DesignError("design", "must be a table of keys and values", summary["design"], file=path)
-    return summary if isinstance(summary, dict) else {}
+    return _of_minimum(summary, of) if of.startswith("minimum-") else summary
 
 
 def _of_minimum(summary: dict[str, Any], of: str) -> dict[str, Any]:

@@ -58,7 +58,7 @@ def check_regular(path: Path) -> None:
         raise OSError(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
 
 
-def read_table(path: Path) -> dict[str, Any]:
+def read_table(path: Path, max_bytes: int = MAX_DESIGN_BYTES) -> dict[str, Any]:
     """The table in a file, with `DesignError` for everything that can be wrong with one."""
 
     def wrong(problem: str) -> DesignError:
@@ -66,9 +66,9 @@ def read_table(path: Path) -> dict[str, Any]:
 
     suffix = _suffix(path)
     if os.path.isdir(path):
-        raise wrong("is a folder, not a design file")
+        raise wrong("is a folder, not a file")
     try:
-        raw = read_bytes(path)
+        raw = read_bytes(path, max_bytes)
     except (OSError, ValueError) as error:
         raise wrong(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
     try:

@@ -314,7 +314,7 @@ def test_folder_is_not_a_file(tmp_path):
     (tmp_path / "a.toml").mkdir()
     with pytest.raises(DesignError) as caught:
         load_design(tmp_path / "a.toml")
-    assert str(caught.value) == f"{tmp_path / 'a.toml'}: is a folder, not a design file"
+    assert str(caught.value) == f"{tmp_path / 'a.toml'}: is a folder, not a file"
 
 
 def test_good_design_is_good():

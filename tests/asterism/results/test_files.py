@@ -144,7 +144,7 @@ def test_a_result_may_go_beside_an_export(tmp_path: Path) -> None:
 
 
 def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
-    for mine in ("my notes", '{"sales": 3}', "[1, 2]"):
+    for mine in ("my notes", '{"sales": 3}', "[1, 2]", 5000 * "["):
         (tmp_path / "summary.json").write_text(mine)
         with pytest.raises(OutputError, match=r"summary\.json was not written by asterism; choose another folder"):
             check_writable(tmp_path)

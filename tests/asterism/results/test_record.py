@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
 import pytest
 
-from asterism.results.record import ABSENT, Record, is_record, key, keys_of, value_types
+from asterism.results.record import ABSENT, Record, is_record, key, keys_of, misfit, value_types
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.preview import PreviewRecord
 from asterism.results.reference import all_records, reference
@@ -83,6 +84,12 @@ def test_a_record_is_changed_in_a_copy() -> None:
 
 def test_numbers_that_json_lacks_become_null() -> None:
     assert Inner(size_mm=float("nan")).to_json() == {"size_mm": None}
+    assert math.isnan(Inner.from_json({"size_mm": None}).size_mm)
+
+
+def test_null_fits_numbers_and_what_may_be_missing() -> None:
+    assert misfit(Outer.from_json({"text": "a", "inner": None, "more": {"a": [{"size_mm": None}]}})) == ""
+    assert misfit(Outer.from_json({"text": None})) == "text" and misfit(Outer.from_json({"count": None})) == "count"
 
 
 def test_the_model_decides_on_the_record_of_a_shape() -> None:

@@ -15,6 +15,7 @@ import asterism
 from asterism.pattern.design.errors import DesignError
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import write_shape_vtu
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,7 @@ def test_what_is_not_a_shape_is_named(results: Path, tmp_path: Path) -> None:
         assert "\n" not in str(caught.value)
     (results / "shape.vtu").write_bytes(whole)
     (results / "summary.json").write_text("{")
-    with pytest.raises(DesignError, match=r"summary\.json: cannot be read as JSON"):
+    with pytest.raises(DesignError, match=r"summary\.json: is not JSON"):
         read_shape(results)
 
 
@@ -104,8 +105,17 @@ def test_a_wrong_corner_or_place_in_a_vtu_is_named(shape: Shape, results: Path) 
     mesh.cells[0].data = shape.triangles
     mesh.point_data["printed_mm"][5, 0] = np.nan
     meshio.vtu.write(str(results / "shape.vtu"), mesh)
-    with pytest.raises(DesignError, match=r"shape\.vtu: must hold finite points"):
+    with pytest.raises(DesignError, match=r"shape\.vtu: must hold points below"):
         read_shape(results)
+    mesh.point_data |= {"printed_mm": np.column_stack([shape.printed, shape.star]), "star": shape.star * np.nan}
+    meshio.vtu.write(str(results / "shape.vtu"), mesh)
+    with pytest.raises(DesignError, match=r"shape\.vtu: must hold whole numbers of stars"):
+        read_shape(results)
+    for printed, positions in ((0.0, 1.0), (1.0, 0.0), (-1.0, 1.0)):
+        flat = shape.printed * [printed, 1.0]
+        write_shape_vtu(replace(shape, printed=flat, positions=positions * shape.positions), results / "shape.vtu")
+        with pytest.raises(DesignError, match=r"shape\.vtu: must hold triangles with an area, counterclockwise"):
+            read_shape(results)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +123,9 @@ def test_a_wrong_corner_or_place_in_a_vtu_is_named(shape: Shape, results: Path) 
     [
         ('{"name": "Gr\xf6\xdfe"}'.encode("latin-1"), "is not UTF-8 text"),
         (b'{"a": ' * 3000 + b"1" + b"}" * 3000, "is nested too deeply"),
+        (b"[1, 2]", "must hold a table of keys and values"),
         (b'{"is_minimum": "yes"}', "is_minimum = 'yes': must have the type that asterism writes"),
+        (b'{"triangles": null}', "triangles = None: must have"),
         (b'{"energy_n_mm": [1.0]}', "energy_n_mm = [1.0]: must have"),
         (b'{"energy_parts_n_mm": {"bend": true}}', "energy_parts_n_mm = {'bend': True}: must have"),
     ],
