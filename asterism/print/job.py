@@ -283,19 +283,22 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
     # the mesh has chords of a curved outline
     if np.abs(box - other).max() > (off_sheet_mm(plan, len(shape.printed)) if plan.rim else 1e-3):
         sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
-        raise DesignError("--shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
+        raise DesignError("shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
     if len(shape.star_vertices) != len(plan.centres):
         stars = f"{len(shape.star_vertices)} stars"
-        raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)
+        raise DesignError("shape", f"must be of this design with its {len(plan.centres)} stars", stars)
     if "design" in shape.summary:
-        made_from = without_rounding(Design.from_dict(shape.summary["design"]))
+        try:
+            made_from = without_rounding(Design.from_dict(shape.summary["design"]))
+        except DesignError as error:  # it would be taken for a mistake of the design at hand
+            raise DesignError("shape", f"must be of this design, but its own has a mistake: {error}") from None
         for section in ("lattice", "stars", "rods", "border", "pins", "gravity"):
             if getattr(made_from, section) != getattr(without_rounding(design), section):
-                raise DesignError("--shape", f"must be of this design, but its {section} are others")
+                raise DesignError("shape", f"must be of this design, but its {section} are others")
         if made_from.fabric.stretch_xy != design.fabric.stretch_xy:
-            raise DesignError("--shape", "must be of this design, but its fabric was stretched otherwise")
+            raise DesignError("shape", "must be of this design, but its fabric was stretched otherwise")
         if (made_from.fabric, made_from.plastic) != (design.fabric, design.plastic):
-            raise DesignError("--shape", "must be of this design, but its material is another")
+            raise DesignError("shape", "must be of this design, but its material is another")
 
 
 def print_cost(

@@ -202,7 +202,7 @@ def test_needles_that_slide_along_z_have_a_place_and_no_height(tmp_path: Path) -
 
 def test_a_shape_of_another_design_is_refused() -> None:
     other = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
-    with pytest.raises(DesignError, match=r"--shape = 'a sheet of 80.0 x 60.0 mm': must be of this design"):
+    with pytest.raises(DesignError, match=r"^shape = 'a sheet of 80.0 x 60.0 mm': must be of this design"):
         job(shape=other)
 
 
@@ -213,6 +213,7 @@ def test_a_shape_of_another_design_is_refused() -> None:
         ({"pins": []}, "its pins are others"),
         ({"fabric": {"stretch": 1.2}}, "its fabric was stretched otherwise"),
         ({"plastic": {"modulus_ratio": 1000.0}}, "its material is another"),
+        ({"fabric": {"stretch": "x"}}, "its own has a mistake: fabric.stretch"),
     ],
 )
 def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], words: str) -> None:
@@ -224,7 +225,7 @@ def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], word
     # rounding and mesh may differ
     assert job(job(mine).design.model_copy(update={"name": "other"}), shape=same).shape is same
     other = mine.to_dict() | change
-    with pytest.raises(DesignError, match=rf"--shape: must be of this design, but {words}"):
+    with pytest.raises(DesignError, match=rf"^shape: must be of this design, but {words}"):
         job(mine, shape=replace(same, summary={"design": other}))
 
 
