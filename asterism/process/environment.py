@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import shlex
 import subprocess
@@ -25,7 +26,7 @@ def memory_problem() -> str | None:
 
 
 def mend_environment() -> None:
-    """Open the standard streams that are closed, and replace settings with which libraries refuse to load.
+    """Open the standard streams that are closed, and replace settings with which libraries fail, are slow or complain.
 
     Something else would get the number of a closed stream, such as a file of results, and would be printed into.
     """
@@ -38,8 +39,12 @@ def mend_environment() -> None:
     sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
     if os.path.expanduser("~") == "~":  # users of containers and services have no home, and libraries ask for it
         os.environ["USERPROFILE" if os.name == "nt" else "HOME"] = "/nonexistent"
+    # without a folder for its lists of fonts, which many containers lack, it works and complains
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     # no window is drawn; a notebook's value would need its packages
     os.environ["MPLBACKEND"] = "agg"
+    # loops would take some hundred times as long
+    os.environ.pop("NUMBA_DISABLE_JIT", None)
     for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
         if name in os.environ and not (os.environ[name].isdecimal() and int(os.environ[name])):
             del os.environ[name]

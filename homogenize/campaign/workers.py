@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import importlib
+import logging
 import os
 import pickle
 import queue
@@ -162,6 +163,9 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
         comm: Any = importlib.import_module("distributed.comm")
     except ImportError:
         raise AddressError("--dask: needs the package distributed: pip install 'asterism-fabric[dask]'") from None
+
+    # a lost connection would be a traceback among the lines of progress
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
 
     async def check_scheduler() -> None:
         connection = await comm.connect(address, timeout=MAX_WAIT_FOR_SCHEDULER_S)

@@ -48,8 +48,9 @@ def test_mkl_runs_whatever_layer_the_environment_names(layer: str, folder: Path)
     assert done.returncode == 0, done.stderr
 
 
-def test_settings_of_threads_and_of_windows_do_not_matter(folder: Path) -> None:
-    done = run(folder, "report", "d.toml", NUMBA_NUM_THREADS="0", OMP_NUM_THREADS="0", MPLBACKEND="nosuch")
+def test_settings_of_threads_windows_and_compilation_do_not_matter(folder: Path) -> None:
+    threads = {"NUMBA_NUM_THREADS": "0", "OMP_NUM_THREADS": "0"}
+    done = run(folder, "report", "d.toml", **threads, MPLBACKEND="nosuch", NUMBA_DISABLE_JIT="1")
     assert done.returncode == 0, done.stderr
 
 
@@ -57,7 +58,7 @@ def test_settings_of_threads_and_of_windows_do_not_matter(folder: Path) -> None:
 @pytest.mark.parametrize("words", [["export", "d.toml"], ["materials"], ["printers"], ["preview", "d.toml"]])
 def test_without_a_home(words: list[str], folder: Path) -> None:
     done = run(folder, *words, before=NOBODY)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0 and "writable" not in done.stderr, done.stderr
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the streams of Windows are others")

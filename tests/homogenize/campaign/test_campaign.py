@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import logging
 import multiprocessing
 import shutil
 import signal
@@ -256,8 +257,10 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_killed_is_named(tmp_path: Path) -> None:
+def test_a_scheduler_that_is_killed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
+    printed: list[logging.LogRecord] = []
+    monkeypatch.setattr(logging.getLogger("distributed.client"), "handle", printed.append)
     cluster = subprocess.Popen([sys.executable, "-c", CLUSTER], stdout=subprocess.PIPE, text=True)
 
     def kill(progress: CampaignProgress) -> None:
@@ -269,6 +272,7 @@ def test_a_scheduler_that_is_killed_is_named(tmp_path: Path) -> None:
         address = cluster.stdout.readline().strip()
         with pytest.raises(CampaignError, match="the scheduler is gone; finished samples are kept"):
             run_campaign(plan(), tmp_path, dask=address, respond=fake.slow, report=kill)
+        assert printed == []
     finally:
         cluster.kill()
         cluster.communicate()
