@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM, stored_line
+from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM, holes_in, stored_line
 from asterism.pattern.drawing.read import DRAWING_FORMATS, Drawing, closed_curves
 from asterism.pattern.drawing.read import read_drawing as read_lines
 from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, FileLine, NoUnitError
@@ -125,8 +125,8 @@ def with_drawing(
 
     Raises
     ------
-    UploadError
-        The choice names no layer of the drawing, or the layers of the outline hold no closed line.
+    UploadError, DesignError
+        The choice names no layer of the drawing, or the layers of the outline hold no closed line, or one beside it.
     """
     chosen = {name: layer for name, layer in choice.layers.items() if name in drawing.layers}
     if not chosen:
@@ -144,7 +144,7 @@ def with_drawing(
         changed = _with_rods(changed, drawing, {name: chosen[name] for name in rods}, shift, choice)
     if edges or rim:
         rims = [ring - shift for ring in (outer if edges else outer[:1])]
-        changed["border"] = _border(changed, rim, rims if edges else [])
+        changed["border"] = _border(changed, rim, rims if edges else [], drawing.name)
         return _with_pins_on(changed, rims)
     if choice.sheet == "around":
         margin_mm = 10.0  # of fabric around the drawing
@@ -187,18 +187,14 @@ def _with_rods(
     return shown
 
 
-def _border(table: Mapping[str, Any], rim: str | None, outer: list[Floats]) -> dict[str, Any]:
+def _border(table: Mapping[str, Any], rim: str | None, outer: list[Floats], file: str) -> dict[str, Any]:
     """The border whose outline is the largest ring, with the others as holes, or a closed rod of this name."""
     kept = _without_outline(table)
     if not outer:
         return {**kept, "rods": rim}
-    corners, *inner = [_corners(ring) for ring in outer]
-    sheet = shapely.polygons(corners)
-    if beside := [ring for ring in inner if not shapely.contains(sheet, shapely.polygons(ring))]:
-        x, y = np.mean(beside[0], axis=0)
-        raise UploadError(f"the outline must be one: a closed line lies beside it, about ({x:.1f}, {y:.1f}) mm")
-    holes = [{"polygon_mm": ring} for ring in inner]
-    return {**kept, "polygon_mm": corners, **({"holes": holes} if holes else {})}
+    rings = [_corners(ring) for ring in outer]
+    holes = holes_in(rings, file)
+    return {**kept, "polygon_mm": rings[0], **({"holes": holes} if holes else {})}
 
 
 def _corners(ring: Floats) -> list[list[float]]:

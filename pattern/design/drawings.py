@@ -72,8 +72,9 @@ def with_drawings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             continue
         shifted = [np.round(ring - shift, 6).tolist() for ring in rings]
         table[stored] = shifted[0] if place == "border" else shifted
-        if place == "border" and (holes := _holes(shifted, table["file"])) and isinstance(table.get("holes", []), list):
-            table["holes"] = [*table.get("holes", []), *holes]
+        if place == "border" and isinstance(given := table.get("holes", []), list):
+            both = [*given, *holes_in(shifted, table["file"])]
+            table |= {"holes": both} if both else {}
     return data
 
 
@@ -111,8 +112,14 @@ def _rings(place: str, table: Mapping[str, Any], drawing: Drawing) -> list[Float
     return rings
 
 
-def _holes(rings: list[Any], file: str) -> list[dict[str, Any]]:
-    """The closed lines within an outline, the first one, as holes."""
+def holes_in(rings: list[Any], file: str) -> list[dict[str, Any]]:
+    """The closed lines within an outline, the first one, as holes.
+
+    Raises
+    ------
+    DesignError
+        A line lies beside the outline.
+    """
     outline, *inner = rings
     for ring in inner:
         if not shapely.intersects(shapely.polygons(outline), shapely.polygons(ring)):

@@ -26,8 +26,6 @@ _MM_OF_INSUNITS = {1: 25.4, 2: 304.8, 3: 1_609_344.0, 4: 1.0, 5: 10.0, 6: 1e3, 7
 _MM_OF_INSUNITS |= {11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 1e4, 16: 1e5, 21: 1.2e6 / 3937.0}
 # Bezier curves of a circle, which are within 1e-7 of its radius, and pieces of each, which turn by less than 6 degrees
 _CIRCLE_CURVES, _ARC_PIECES = 16, 4
-# pieces of other Bezier curves
-_CURVE_PIECES = 16
 # handles from this number on are in no drawing
 _FREE_HANDLES = 0x7000000000
 
@@ -80,14 +78,12 @@ def _lines(drawing: Any, deleted: int, curve: float, left_out: Counter[str]) -> 
         kind = entity.dxftype()
         name = f"{kind} {entity.dxf.get('handle') or 'in a block'}"
         try:
-            spline = entity.construction_tool() if kind in ("SPLINE", "HELIX") else None
-            if spline and (spline.degree != 3 or spline.is_rational or not spline.is_clamped):  # no Bezier curves
-                points = _spline_points(spline, matrix, curve, layer, name)
+            if kind in ("SPLINE", "HELIX"):
+                points = _spline_points(entity.construction_tool(), matrix, curve, layer, name)
             else:
                 outline = make_path(entity, segments=_CIRCLE_CURVES).transform(matrix)
                 checked(np.array([point.xyz for point in outline.control_vertices()]), layer, name)
-                pieces = _CURVE_PIECES if kind == "SPLINE" else _ARC_PIECES
-                points = np.array([(p.x, p.y) for p in outline.flattening(curve, segments=pieces)], dtype=float)
+                points = np.array([(p.x, p.y) for p in outline.flattening(curve, segments=_ARC_PIECES)], dtype=float)
         except (ArithmeticError, ValueError) as error:
             if isinstance(error, DrawingError):
                 raise
