@@ -136,7 +136,7 @@ class Document:
         self.thumbnails.add(self.revision, self.layout)
         return self.layout
 
-    def apply(self, table: dict[str, Any], gesture: Any, label: str) -> None:
+    def apply(self, table: dict[str, Any], gesture: Any, label: str = "") -> None:
         """Show another table: as a new step, or in place of the last one if the gesture is the same.
 
         Raises
@@ -183,11 +183,11 @@ class Document:
         """Other values at dotted keys of the design file; see `with_entries`."""
         changed = with_entries(self.table, changes)
         check_files(dict(changes), self.path.parent)
-        self.apply(changed, gesture, ", ".join(sorted(changes))[:60])
+        self.apply(changed, gesture)
 
     def paint(self, sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
         """Other sizes (mm) of stars at lattice sites."""
-        self._stars(star_sizes.painted(self._entries(), sites, sizes), gesture, "sizes")
+        self._stars(star_sizes.painted(self._entries(), sites, sizes), gesture)
 
     def brush(self, key: RodSizeKey, brush: Brush, places: Sequence[Sequence[Point]], gesture: Any = None) -> None:
         """Paint a size of the rods, see `PaintedField.brushed`. The design file keeps 256 values of it.
@@ -206,22 +206,22 @@ class Document:
         before, field = field, field.brushed(brush, places)
         if np.array_equal(field.values, before.values):
             return  # beside the sheet: no step of undo
-        self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture, "sizes")
+        self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture)
         self._painted = self.revision, key, field
 
     def change_stars(self, what: Literal["remove", "restore", "reset"], sites: Sequence[Site], gesture: Any) -> None:
         """Remove stars, bring removed ones back, or give them the sizes of the design's profiles."""
-        self._stars(star_sizes.changed(self._entries(), sites, what), gesture, what)
+        self._stars(star_sizes.changed(self._entries(), sites, what), gesture)
 
     def weigh(self, sites: Sequence[Site], values: Sequence[float | None], gesture: Any = None) -> None:
         """Other weights of places in a fit, at lattice sites; None takes a weight away."""
-        self.apply(weights.weighed(self.table, sites, values), gesture, "weights")
+        self.apply(weights.weighed(self.table, sites, values), gesture)
 
     def _entries(self) -> dict[Site, dict[str, Any]]:
         return star_sizes.entries_by_site(self.table, self.layout)
 
-    def _stars(self, entries: Mapping[Site, Mapping[str, Any]], gesture: Any, label: str) -> None:
-        self.apply(star_sizes.with_entries(self.table, entries), gesture, label)
+    def _stars(self, entries: Mapping[Site, Mapping[str, Any]], gesture: Any) -> None:
+        self.apply(star_sizes.with_entries(self.table, entries), gesture)
 
     def undo(self) -> Step:
         """Show the state before."""
@@ -289,7 +289,7 @@ class Document:
             It cannot be kept as work of this session; it stays where it is.
         """
         for kept in [kept for kept in self.autosave.kept if name in (None, kept.path.name)][:1]:
-            self.apply(kept.table, None, "recovered")
+            self.apply(kept.table, None, "Recovered")
             self.keep_work()
             self.autosave.forget(kept.path.name)
 
@@ -302,6 +302,6 @@ class Document:
             The text is not a design that can be printed; the document stays as it is.
         """
         text, table = file_text(self.path), read_table(self.path)
-        self.apply(table, None, "file")
+        self.apply(table, None, "Changed on disk")
         self.end_gesture()
         self._texts.keep(self.revision, text)

@@ -31,6 +31,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.law_choice import law_of, paper_law
+from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview, SearchLimitError, SnapshotError
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
@@ -42,6 +43,7 @@ from asterism.studio.messages import (
     Edit,
     FitTarget,
     Flip,
+    FormShape,
     Limits,
     Parts,
     Ready,
@@ -320,7 +322,12 @@ class Engine:
             raise Superseded
         frame = self._frames.fine(preview, seq)
         self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
-        self._send(rest_summary(seq, preview, shape))
+        others = other_forms(preview.state)
+        self._send(rest_summary(seq, preview, shape, [form for form, _ in others]))
+        for index, (_, trial) in enumerate(others):
+            if self._inbox.has_waiting:
+                raise Superseded
+            self._send(FormShape(seq, index, self._frames.form(preview, seq, trial.x)))
 
 
 class EngineLimits:

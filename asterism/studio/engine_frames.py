@@ -63,6 +63,15 @@ class EngineFrames:
             view.rotation = self._coarse.rotation
         return self._frame(view, preview, seq, EQUILIBRIUM, None, is_measured=True)
 
+    def form(self, preview: Preview, seq: int, x: Floats) -> Frame:
+        """Another form of the sheet, with positions x (N, 3) of the shell's dofs, on the coarse mesh."""
+        view = self._coarse = self._view(preview, self._coarse, is_fine=False)
+        rotation = view.rotation
+        view.stand_up(preview, x)
+        frame = view.frame(preview, seq, EQUILIBRIUM, x, self._parts.smooth)
+        view.rotation = rotation
+        return frame
+
     def send_blank(self, design: Design, seq: int) -> None:
         """Send the flat sheet of a design without stars."""
         self._meshes += 1

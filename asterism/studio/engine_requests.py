@@ -16,6 +16,7 @@ from asterism.studio.messages import (
     FitTarget,
     Fitted,
     Flip,
+    FormShape,
     Frame,
     Limits,
     Parts,
@@ -146,6 +147,9 @@ class EngineRequests:
                 studio.tell_state()
             case ShapeSummary() if revision >= 0:
                 shown.add_summary(message, revision)
+                studio.tell_state()
+            case FormShape() if revision >= 0 and message.seq >= self._first_seq:
+                shown.add_form_shape(message)
                 studio.tell_state()
             case Rested() if revision >= 0 and message.seq >= self._first_seq:
                 studio.settling.rest(message, revision)

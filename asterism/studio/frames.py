@@ -18,7 +18,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Array
 from asterism.studio.messages import Frame, ShownMesh
 
-MESH, SHAPE = 1, 2
+MESH, SHAPE, KEPT = 1, 2, 3
 _DTYPES = {"f": "f4", "u": "u4", "i": "u4", "b": "u1"}
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from asterism.pattern.layout.layout import Layout
+from asterism.studio.step_words import step_words
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Step:
     Attributes
     ----------
     revision : number of the state; no two states of a session share it.
-    label : what made it, in a word or two.
+    label : what made it; empty for changes of values, which speak for themselves.
     packed : its table as compressed JSON, about 2 kB for 100 painted stars.
     """
 
@@ -52,7 +53,7 @@ class History:
 
     def __init__(self, table: dict[str, Any]) -> None:
         self._next = 0
-        self._steps = [self._step(table, "opened")]
+        self._steps = [self._step(table, "Opened")]
         self.position = 0
         self._undone: list[Step] = []  # states that the last push dropped
 
@@ -80,11 +81,6 @@ class History:
     def steps(self) -> tuple[Step, ...]:
         """All states, oldest first."""
         return tuple(self._steps)
-
-    @property
-    def labels(self) -> list[str]:
-        """What made each state, oldest first."""
-        return [step.label for step in self._steps]
 
     def push(self, table: dict[str, Any], label: str) -> int:
         """Append a state after the shown one, drop those that were undone, and return its revision."""
@@ -128,18 +124,20 @@ class Thumbnails:
             del self._plans[old]
 
     def data(self, history: History) -> list[dict[str, Any]]:
-        """The states of a history that have a plan, oldest first: position, revision, label, plan (mm)."""
-        return [
-            {
-                "position": position,
-                "revision": step.revision,
-                "label": step.label,
-                "is_shown": position == history.position,
-                **self._plans[step.revision],
-            }
-            for position, step in enumerate(history.steps)
-            if step.revision in self._plans
-        ]
+        """The states of a history that have a plan, oldest first: position, revision, what made it, plan (mm)."""
+        listed = []
+        for position, step in enumerate(history.steps):
+            if (plan := self._plans.get(step.revision)) is None:
+                continue
+            words, before = step.label, history.steps[position - 1]
+            if not words:
+                known = self._plans.get(before.revision)
+                words = step_words(before.table, step.table, () if known is None else (known, plan)) or "No change"
+            is_shown = position == history.position
+            listed.append(
+                {"position": position, "revision": step.revision, "words": words, "is_shown": is_shown, **plan}
+            )
+        return listed
 
 
 def thumbnail(layout: Layout) -> dict[str, Any]:

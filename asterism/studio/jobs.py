@@ -255,7 +255,7 @@ class JobRequests:
             try:
                 await asyncio.to_thread(document.end_gesture)
                 name = document.table.get("name", fitted.table["name"])
-                document.apply({**fitted.table, "name": name}, None, "fit to the target")
+                document.apply({**fitted.table, "name": name}, None, "Fit to the target")
                 await studio.accept()
                 studio.parts.pose(fitted, job.target_version)
                 result = {"revision": document.revision, "summary": plain(fitted.summary)}

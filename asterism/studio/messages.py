@@ -259,6 +259,15 @@ class Form:
 
 
 @dataclass(frozen=True)
+class FormShape:
+    """The shape of a form of the last summary, by its index there, on the coarse mesh."""
+
+    seq: int
+    index: int
+    frame: Frame
+
+
+@dataclass(frozen=True)
 class ShapeSummary:
     """Numbers, warnings and minima of the shape of an edit, when the engine has rested."""
 

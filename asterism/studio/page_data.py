@@ -60,7 +60,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "has_file": document.path.exists(),
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
-        "history": {"position": history.position, "labels": history.labels[-50:]},
+        "position": history.position,
         "kept_work": [{"name": kept.path.name, "time": kept.time} for kept in document.autosave.kept],
         "design": _shown_design(document),
         "plan": {

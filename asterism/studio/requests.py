@@ -225,9 +225,9 @@ class ExactFormRequest(Request):
 
 
 class SlotRequest(Request):
-    """Keep the design in a slot, show the one that is there, or empty the slot."""
+    """Keep the design in a slot, or show the one that is there."""
 
-    type: Literal["keep", "show", "drop"]
+    type: Literal["keep", "show"]
     slot: Slot
 
 

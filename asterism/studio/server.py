@@ -137,6 +137,12 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
         packed = await asyncio.to_thread(studio.parts.target.packed)
         return Response(packed, media_type="application/octet-stream")
 
+    async def shape(request: Request) -> Response:
+        kept = studio.shown.kept.get(request.path_params["number"])
+        if kept is None:
+            return PlainTextResponse("not found", 404)
+        return Response(await asyncio.to_thread(kept.packed), media_type="application/octet-stream")
+
     async def live(socket: WebSocket) -> None:
         await socket.accept()
         tab = studio.tabs.join()
@@ -179,6 +185,7 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
                 Route("/file/{name:path}", file),
                 Route("/upload", upload, methods=["POST"]),
                 Route("/target", target),
+                Route("/shape/{number:int}", shape),
                 WebSocketRoute("/live", live),
             ],
         )

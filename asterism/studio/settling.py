@@ -13,6 +13,7 @@ from asterism.studio.child import Child, StartedProcess
 from asterism.studio.engine_requests import StudioOwner
 from asterism.studio.messages import JobProgress, Released, Rested, Settle, Settled, StudioProblem
 from asterism.studio.page_data import engine_problem_data
+from asterism.studio.shown_shape import KeptShape
 
 PROCESS = "asterism.studio.settling_process:run_settling"
 # An exact shape that is estimated to take longer waits for a click.
@@ -38,6 +39,7 @@ class Settling:
         self._progress: JobProgress | None = None
         self._settled: Settled | None = None  # the answers to the order
         self._released: Released | None = None
+        self._shapes: dict[str, KeptShape] = {}  # of both exact forms, where they differ
         self._shows_release = False
         self.waits_s: float | None = None
 
@@ -120,7 +122,7 @@ class Settling:
         if self._order is not None and self._child is not None:
             self._child.send(None)
         self._order = self._rested = self._progress = self.waits_s = self._settled = self._released = None
-        self._shows_release = False
+        self._shows_release, self._shapes = False, {}
 
     def close(self) -> None:
         """End the process."""
@@ -144,6 +146,7 @@ class Settling:
             "energy_percent": released.energy_percent,
             "apart_percent": released.apart_percent,
             "is_shown": self._shows_release,
+            "shapes": {name: shape.number for name, shape in self._shapes.items()},
         }
 
     @property
@@ -170,6 +173,9 @@ class Settling:
                     self._show(message)
             case Released():
                 self._released = message
+                if self._settled is not None and message.other is not None:
+                    forms = {"preview": self._settled, "released": message.other}
+                    self._shapes = {name: studio.shown.keep_settled(form) for name, form in forms.items()}
                 if self._shows_release and message.other is not None:
                     self._show(message.other)
             case StudioProblem() if self._settled is not None:

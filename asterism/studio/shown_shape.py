@@ -2,17 +2,41 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from typing import Any
+from weakref import WeakValueDictionary
 
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.files import plain
 from asterism.studio import frames
 from asterism.studio.frames import frame_parts, mesh_bytes
-from asterism.studio.messages import Frame, Settled, ShapeSummary, ShownMesh, StudioProblem
+from asterism.studio.messages import FormShape, Frame, Settled, ShapeSummary, ShownMesh, StudioProblem
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
+
+_kept_numbers = itertools.count(1)
+
+
+@dataclass(frozen=True, eq=False)
+class KeptShape:
+    """A shape that pages may ask for by its number, to show it small or beside another one.
+
+    Attributes
+    ----------
+    mesh : as it is packed.
+    header, arrays : of its frame.
+    """
+
+    mesh: bytes
+    header: dict[str, Any]
+    arrays: dict[str, Any]
+    number: int = field(default_factory=lambda: next(_kept_numbers))
+
+    def packed(self) -> bytes:
+        """The binary frame with the shape and its mesh."""
+        return frames.pack(frames.KEPT, self.header, frames.unpack(self.mesh)[2] | self.arrays)
 
 
 class Shown:
@@ -20,15 +44,17 @@ class Shown:
 
     Attributes
     ----------
-    meshes : packed meshes by number, the newest last.
+    meshes : packed meshes by number, the last used one last.
     numbers : of the last shape, for the message `state`.
     has_preview : whether the design has one.
     snapshots : forms by the document's revision, to come back to by undo.
+    kept : shapes by their number, as long as somebody holds them.
     """
 
     def __init__(self) -> None:
         self.meshes: dict[int, bytes] = {}
         self.snapshots: dict[int, bytes] = {}
+        self.kept: WeakValueDictionary[int, KeptShape] = WeakValueDictionary()
         self.clear()
 
     def clear(self) -> None:
@@ -36,6 +62,7 @@ class Shown:
         self.numbers: dict[str, Any] = {}
         self.warnings: list[dict[str, Any]] = []
         self.forms: list[dict[str, Any]] = []
+        self._form_shapes: dict[int, KeptShape] = {}  # by the index of the form
         self.problem: dict[str, Any] | None = None
         self.busy: str | None = None
         self.stage: str | None = None
@@ -50,6 +77,28 @@ class Shown:
     def exact_of(self, revision: int) -> bytes | None:
         """The shape that is shown, pickled, if it is the exact one of a state of the document."""
         return self._exact if self.revision == revision else None
+
+    def keep(self, mesh: bytes, header: dict[str, Any], arrays: dict[str, Any]) -> KeptShape:
+        """A shape for pages, without the preview beside it."""
+        own = {name: values for name, values in arrays.items() if not name.startswith("before")}
+        shape = KeptShape(mesh, header, own)
+        self.kept[shape.number] = shape
+        return shape
+
+    def keep_shown(self) -> KeptShape | None:
+        """The shape that is shown, for pages to come; None without one."""
+        if self._last is None or (mesh := self.meshes.get(self._last[0])) is None:
+            return None
+        return self.keep(mesh, *self._last[1:])
+
+    def keep_settled(self, settled: Settled) -> KeptShape:
+        """An exact shape, for pages."""
+        return self.keep(mesh_bytes(settled.mesh), *frame_parts(settled.frame))
+
+    def add_form_shape(self, form: FormShape) -> None:
+        """The shape of one of the forms of the last summary."""
+        if (mesh := self.meshes.get(form.frame.mesh)) is not None:
+            self._form_shapes[form.index] = self.keep(mesh, *frame_parts(form.frame))
 
     def add_mesh(self, mesh: ShownMesh) -> None:
         """Keep a mesh for the tabs."""
@@ -73,6 +122,8 @@ class Shown:
             self.snapshots[revision] = frame.snapshot
             for old in list(self.snapshots)[:-50]:
                 del self.snapshots[old]
+        if frame.mesh in self.meshes:
+            self.meshes[frame.mesh] = self.meshes.pop(frame.mesh)  # the last one used goes last
         header, arrays = frame_parts(frame)
         self._last = (frame.mesh, {"revision": revision, **header}, arrays)
         for tab in tabs:
@@ -125,7 +176,12 @@ class Shown:
             "numbers": self.numbers,
             "summary_revision": self.summary_revision,
             "warnings": self.warnings,
-            "forms": self.forms,
+            "forms": [form | {"shape": number_of(self._form_shapes.get(form["index"]))} for form in self.forms],
             "problem": self.problem,
             "busy": self.busy,
         }
+
+
+def number_of(shape: KeptShape | None) -> int | None:
+    """The number of a kept shape, for the message `state`."""
+    return None if shape is None else shape.number

@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ from asterism.studio.page_data import (
 )
 from asterism.studio.requests import GestureRequest, Request, RequestError
 from asterism.studio.settling import Settling
-from asterism.studio.shown_shape import Shown
+from asterism.studio.shown_shape import KeptShape, Shown, number_of
 from asterism.studio.tab import Tab, Tabs
 
 
@@ -62,8 +63,9 @@ class Studio:
         self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(maxsize=1000)
         self._upkeep = Upkeep(self)
         self._left: dict[Path, Document] = {}
+        self._left_shapes: dict[str, KeptShape] = {}  # of the designs that were open, by the names of their files
         self.printer = DEFAULT_PRINTER
-        self._slots: dict[str, tuple[dict[str, Any], bytes | None, dict[str, Any]]] = {}
+        self._slots: dict[str, KeptDesign] = {}
         self.drawings = Drawings()
         self.parts = FrameParts(self)
         self.settling = Settling(self)
@@ -124,7 +126,12 @@ class Studio:
             "settle_s": self.settling.waits_s,
             "release": self.settling.release,
             "unsaved_since": self._upkeep.unsaved_since,
-            "slots": {slot: self._slots[slot][2] if slot in self._slots else None for slot in ("A", "B", "C")},
+            "slots": {name: self._slots[name].data if name in self._slots else None for name in ("A", "B", "C")},
+            "designs": [
+                {"name": name, "shape": shape.number, "height_mm": shape.header["height_mm"]}
+                for name, shape in self._left_shapes.items()
+                if self.document is None or name != self.document.path.name
+            ],
             "target": self.parts.data(),
             "jobs": self.jobs.data(),
         }
@@ -285,6 +292,7 @@ class Studio:
         await self._upkeep.keep_work()
         if self.document is not None:
             self._left[self.document.path] = self.document
+            self._keep_left(self.document.path)
         self.document = document = await asyncio.to_thread(opened, self.folder, request)
         self.settling.cancel()
         self.shown.clear()
@@ -299,6 +307,12 @@ class Studio:
         for problem in document.autosave.problems:
             self.tell({"type": "note", "text": problem})
         self.tell_state()
+
+    def _keep_left(self, path: Path) -> None:
+        """Keep the shape of a design that makes way for another one, if it can be opened again."""
+        shape = self.shown.keep_shown()
+        if shape is not None and path.resolve().parent == self.folder and (path.exists() or autosaves(path)):
+            self._left_shapes[path.name] = shape
 
     async def _gesture(self, tab: Tab, request: GestureRequest, document: Document) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""
@@ -327,26 +341,47 @@ class Studio:
         self.engine.show(self.document, is_opened=True, snapshot=snapshot)
 
     async def _slot(self, request: ask.SlotRequest, document: Document) -> None:
-        """Keep the design with its form and numbers in a slot, show the one that is there, or empty the slot."""
+        """Keep the design with its shape and numbers in a slot, or show the one that is there."""
         if request.type == "show":
             if request.slot not in self._slots:
                 raise RequestError(f"slot {request.slot} is empty: keep a design there first")
-            table, snapshot, _ = self._slots[request.slot]
-            document.apply(table, None, f"show {request.slot}")
-            await self.accept(snapshot)
+            kept = self._slots[request.slot]
+            document.apply(kept.table, None, f"Design {request.slot}")
+            await self.accept(kept.snapshot)
             return
-        if request.type == "keep":
-            numbers = {key: self.shown.numbers.get(key) for key in ("height_mm", "extent_mm")}
-            numbers["state"] = self.badge()["words"]
-            data = {"name": document.path.stem, "revision": document.revision, **numbers}
-            self._slots[request.slot] = document.table, self.shown.snapshots.get(document.revision), data
-        else:
-            self._slots.pop(request.slot, None)
+        numbers = {key: self.shown.numbers.get(key) for key in ("height_mm", "extent_mm")}
+        numbers["state"] = self.badge()["words"]
+        self._slots[request.slot] = KeptDesign(
+            document.table, self.shown.snapshots.get(document.revision), self.shown.keep_shown(), numbers
+        )
         self.tell_state()
 
     def _show_document(self, document: Document) -> None:
         self._upkeep.begin(document)
         self.engine.show(document, is_opened=True)
+
+
+@dataclass(frozen=True)
+class KeptDesign:
+    """A design that is kept as A, B or C.
+
+    Attributes
+    ----------
+    table : of the design file.
+    snapshot : its form, as in a frame.
+    shape : as it was shown; None if there was none.
+    numbers : of the shape.
+    """
+
+    table: dict[str, Any]
+    snapshot: bytes | None
+    shape: KeptShape | None
+    numbers: dict[str, Any]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The slot for the message `state`."""
+        return {**self.numbers, "shape": number_of(self.shape)}
 
 
 class Upkeep:

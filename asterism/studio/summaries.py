@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from asterism.previews.other_forms import OtherForm
 from asterism.previews.session import Preview
 from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
@@ -26,14 +29,14 @@ SUMMARY_KEYS = (
 )
 
 
-def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
-    """Numbers, warnings and other forms of the shape that a preview shows."""
+def rest_summary(seq: int, preview: Preview, shape: Shape, others: Sequence[OtherForm]) -> ShapeSummary:
+    """Numbers and warnings of the shape that a preview shows, and its other forms."""
     sites = preview.sheet.layout.sheet_sites
     notices = [
         Notice(str(line), sites_of(sites, line.stars) if isinstance(line, PlacedWarning) else ())
         for line in shape.summary["warnings"]
     ]
-    forms = [Form(index, form.start, 100.0 * form.gap, False) for index, form in enumerate(preview.forms)]
+    forms = [Form(index, form.start, 100.0 * form.gap, False) for index, form in enumerate(others)]
     if forms:
         # its index among the forms
         forms.insert(0, Form(-1, preview.equilibrium.guess, 0.0, True))

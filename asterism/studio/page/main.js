@@ -8,7 +8,7 @@ import { Edits } from "./edits.js";
 import { listenToKeys } from "./keys.js";
 import { listen } from "./messages.js";
 import { buildBadge } from "./panels/badge.js";
-import { buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
+import { buildNames, buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
 import { brushPanel } from "./panels/brush.js";
 import { gradientPanel, rulerPanel } from "./panels/gradient.js";
 import { buildInspector } from "./panels/inspector.js";
@@ -33,6 +33,7 @@ import { RulerTool } from "./plan/tools/ruler.js";
 import { SelectTool } from "./plan/tools/select.js";
 import { WeightTool } from "./plan/tools/weight.js";
 import { createStore } from "./store.js";
+import { KeptShapes } from "./view/kept.js";
 import { listenToView } from "./view/pointer.js";
 import { Target } from "./view/target.js";
 import { View } from "./view/view.js";
@@ -64,6 +65,7 @@ try {
   studio.view = new View($("view-canvas"), store, { onFrame, legend: $("legend") });
   studio.view.target = new Target(studio.view.renderer, store, () => studio.view.invalidate());
   listenToView(studio.view, studio);
+  studio.kept = new KeptShapes($("beside-canvas"), store, studio.view);
 } catch (error) {
   console.warn(error.message);
 }
@@ -76,6 +78,7 @@ buildStatus($("status"), studio);
 buildPlanBar($("plan-bar"), studio);
 if (studio.view) buildViewBar($("view-bar"), studio);
 buildBadge($("badge"), studio);
+buildNames($("beside-names"), studio);
 buildViewNote($("view-note"), studio);
 buildStart($("start"), studio);
 keepToastsAbove($("plan-note"), $("view-note"), $("badge"));
@@ -178,6 +181,8 @@ const shown = {
   selection: () => [...store.get("selection")],
   badge: () => structuredClone(store.get("badge")),
   isBeside: () => Boolean(store.get("frame")?.hasBefore),
+  isTwo: () => Boolean(view?.partner),
+  contours: () => (view?.contourSurface.lineCount ?? 0) / 2,
   isGrey: () => view?.isGrey ?? false,
   isSmooth: () => view?.isSmooth ?? false,
   target: () => structuredClone(store.get("state").target ?? null),

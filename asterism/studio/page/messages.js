@@ -71,6 +71,7 @@ export function listen(studio) {
     studio.view?.reset();
     store.set({
       frame: null,
+      beside: null,
       results: {},
       history: null,
       problem: null,

@@ -107,7 +107,8 @@ export function createStore() {
     showBumps: true,
     showTarget: true,
     orthographic: false,
-    shown: "shape", // shape | preview | both: the last two beside an exact shape
+    beside: null, // a kept shape beside the shown one: {shape, name}
+    shown: "shape", // shape | preview | distance: the last two beside an exact shape
     theme: "auto",
     planShare: 50,
   };

@@ -42,6 +42,19 @@ export function withNeedle(tables, pins, at, target) {
   return { tables: changed(tables, number, table), support: { table: number, point: table.points_mm.length - 1 } };
 }
 
+/** Some needles once more, a step (mm) further on the print; `scale`: of the step on the board. */
+export function withCopies(tables, pins, members, [dx, dy], scale) {
+  return members.reduce(
+    (now, { table: number, point }) => {
+      const [[x, y], target] = [tables[number].points_mm[point], targetsOf(tables[number], pins[number])[point]];
+      const moved = [target[0] + scale * dx, target[1] + scale * dy, target[2]];
+      const { tables: more, support } = withNeedle(now.tables, pins, [x + dx, y + dy], moved);
+      return { tables: more, copies: [...now.copies, support] };
+    },
+    { tables, copies: [] },
+  );
+}
+
 /** A needle's printed place and target changed; either may be left out. */
 export function withMoved(tables, pins, { table: number, point }, { at, target }) {
   const table = withTargets(tables[number], pins[number]);

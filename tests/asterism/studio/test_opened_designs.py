@@ -54,7 +54,10 @@ def test_undo_and_kept_designs_go_back_to_their_form(page: Page, studio: Studio)
     page.send(type="remove", sites=[[1, 0]], gesture=2)
     page.until("document", gesture=2)
     page.send(type="show", slot="A")
-    page.until("document", history={"position": 2, "labels": ["opened", "remove", "show A"]})
+    page.until("document", position=2)
+    page.send(type="history")
+    words = [state["words"] for state in page.until("history")["states"]]
+    assert words == ["Opened", "1 star removed", "Design A"]
     assert last_edit(studio).snapshot == b"form" and last_edit(studio).is_opened
 
 

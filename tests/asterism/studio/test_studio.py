@@ -126,6 +126,8 @@ def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):
     assert [state["position"] for state in states] == [0, 1, 2] and states[2]["is_shown"]
     assert [len(state["at_mm"]) for state in states] == [37, 37, 19] and len(states[0]["outline_mm"]) == 6
     at = states[1]["at_mm"].index([0.0, 0.0])
+    words = [state["words"] for state in states]
+    assert words == ["Opened", "Star length 10 → 5 mm, 1 star", words[2]] and words[2].startswith("Outline rings")
     assert states[1]["sizes_mm"][at][0] == 5.0 and states[0]["sizes_mm"][at][0] == 10.0
     page.send(type="go", position=0)
     assert page.until("document", revision=first["revision"])["can_redo"]

@@ -11,18 +11,12 @@ export function buildBadge(element, { store, connection, actions }) {
     options: [
       { value: "shape", text: "Exact" },
       { value: "preview", text: "Preview" },
-      { value: "both", text: "Both" },
+      { value: "distance", text: "Distance", title: "Distance of the exact shape from the preview" },
     ],
     value: store.get("shown"),
     onchange: (value) => store.set({ shown: value }),
   });
-  const key = h(
-    "div",
-    { class: "key" },
-    h("span", {}, h("i", { class: "preview" }), "Preview"),
-    h("span", {}, h("i", { class: "exact" }), "Exact shape"),
-  );
-  element.append(state, shown.element, key);
+  element.append(state, shown.element);
   const update = () => {
     const badge = store.get("badge");
     const { settling, settle_s: waits, release } = store.get("state");
@@ -48,7 +42,6 @@ export function buildBadge(element, { store, connection, actions }) {
     shown.element.hidden = !hasBoth;
     // a button that is taken away hands the keyboard on
     if (hadFocus && !state.contains(document.activeElement)) shown.element.querySelector("[tabindex='0']")?.focus();
-    key.hidden = !hasBoth || store.get("shown") !== "both";
     shown.set(store.get("shown"));
   };
   store.on(["badge", "state", "frame", "shown", "document"], update);

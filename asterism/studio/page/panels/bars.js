@@ -1,7 +1,7 @@
 // The bars above plan and view.
 
 import { button, choice, h, refresh } from "../dom.js";
-import { QUANTITIES } from "../format.js";
+import { QUANTITIES, mm } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
 import { openPicture } from "./picture.js";
@@ -59,22 +59,18 @@ export function buildViewBar(element, { store, view }) {
   const colour = choice({
     label: "Colours of the sheet",
     testid: "view-colour",
-    options: Object.entries(FIELDS).map(([value, { name }]) => ({
-      value,
-      text: value === "none" ? "Plain sheet" : name,
-    })),
+    options: Object.entries(FIELDS)
+      .filter(([value]) => value !== "distance") // the badge shows that
+      .map(([value, { name }]) => ({ value, text: value === "none" ? "Plain sheet" : name })),
     value: store.get("viewColour"),
     onchange: (value) => store.set({ viewColour: value }),
   });
-  const distance = colour.element.querySelector('[value="distance"]');
   const target = colour.element.querySelector('[value="target"]');
   const update = () => {
     const hasTarget = Boolean(store.get("state").target);
-    const hasBoth = Boolean(store.get("frame")?.hasBefore);
-    colour.element.disabled = hasBoth && store.get("shown") === "both";
-    colour.element.title = colour.element.disabled ? "Two shapes have no colours" : "Colours of the sheet";
-    distance.disabled = !hasBoth;
-    distance.textContent = hasBoth ? "Exact to preview" : "Exact to preview (not yet)";
+    const isCompared = Boolean(store.get("frame")?.hasBefore) && store.get("shown") === "distance";
+    colour.element.disabled = isCompared;
+    colour.element.title = isCompared ? "The colours show the distance to the preview" : "Colours of the sheet";
     target.disabled = !hasTarget;
     target.textContent = hasTarget ? "To the target" : "To the target (load one first)";
     if (!hasTarget && store.get("connection") === "open" && store.get("viewColour") === "target")
@@ -132,6 +128,24 @@ function viewMenu({ store, view }) {
   store.on(Object.keys(SHOWN_PARTS), update);
   update();
   return menu;
+}
+
+/** What two shapes side by side are. */
+export function buildNames(element, { store }) {
+  const update = () => {
+    const { beside, state, frame } = { beside: store.get("beside"), state: store.get("state"), frame: store.get("frame") };
+    element.hidden = !beside;
+    refresh(element, [beside, state.numbers.height_mm, frame?.height_mm], () => [
+      h("span", {}, `Now, ${mm(state.numbers.height_mm ?? frame?.height_mm)}`),
+      h(
+        "span",
+        { testid: "beside-name" },
+        h("i", {}, beside?.name),
+        button({ icon: "close", label: "One shape", kind: "plain", testid: "beside-close", onclick: () => store.set({ beside: null }) }),
+      ),
+    ]);
+  };
+  store.on(["beside", "state", "frame"], update);
 }
 
 const WITHOUT_VIEW =

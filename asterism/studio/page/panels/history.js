@@ -1,7 +1,7 @@
 // Earlier states of the design as small plans; one click shows one of them.
 
 import { button, dialog, h, hint, refresh } from "../dom.js";
-import { capital, date } from "../format.js";
+import { date } from "../format.js";
 import { bounds } from "../geometry.js";
 
 const WIDTH_PX = 144;
@@ -28,7 +28,7 @@ export function openHistory({ store, connection }) {
         onclick: () => (store.set({ hole: null }), connection.send("go", { position: state.position })),
       },
       picture,
-      h("span", {}, titled(state.label)),
+      h("span", { title: state.words }, state.words),
     );
   }
 
@@ -65,14 +65,6 @@ export function openKept({ store, connection }) {
   });
   connection.send("kept");
 }
-
-const WORDS = { pins: "needles", border: "outline" }; // names of the design file as the page says them
-
-const titled = (label) => {
-  if (label === "file") return "Changed on disk";
-  const words = label.split(", ").map((word) => WORDS[word.split(/[.[]/)[0]] ?? word);
-  return label ? capital([...new Set(words)].join(", ")) : "First state";
-};
 
 /** Outline, and a dot for each star, as large as its arms. */
 function draw(canvas, { outline_mm: outline, at_mm: places, sizes_mm: sizes }) {

@@ -124,14 +124,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
       parts.push(
         section(
           `Needle ${support.point + 1}`,
-          button({
-            icon: "trash",
-            label: "Remove this needle",
-            keys: "Delete",
-            kind: "plain danger",
-            testid: "remove-needle",
-            onclick: () => tool.remove(),
-          }),
+          h("span", {}, duplicate(), remove("this needle")),
         ),
         h("p", { class: "hint" }, "Through the print at (dot in the plan)"),
         spot("x", 0, at, "at"),
@@ -145,19 +138,24 @@ export function needlesPanel({ store, edits, tools }, { on }) {
       parts.push(
         section(
           titleOf(table, shown),
-          button({
-            icon: "trash",
-            label: "Remove this support",
-            keys: "Delete",
-            kind: "plain danger",
-            testid: "remove-needle",
-            onclick: () => tool.remove(),
-          }),
+          remove("this support"),
         ),
       );
     parts.push(...whole(now, support.table, table));
     return parts;
   }
+
+  const remove = (what) =>
+    button({
+      icon: "trash",
+      label: `Remove ${what}`,
+      keys: "Delete",
+      kind: "plain danger",
+      testid: "remove-needle",
+      onclick: () => tool.remove(),
+    });
+  const duplicate = () =>
+    button({ icon: "copy", label: "Duplicate", kind: "plain", testid: "duplicate-needle", onclick: () => tool.duplicate() });
 
   /** Needles and groups that move together. */
   function several(now, members) {
@@ -166,14 +164,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     return [
       section(
         `${members.length} chosen`,
-        button({
-          icon: "trash",
-          label: "Remove these supports",
-          keys: "Delete",
-          kind: "plain danger",
-          testid: "remove-needle",
-          onclick: () => tool.remove(),
-        }),
+        h("span", {}, duplicate(), remove("these supports")),
       ),
       hint("Drag one and all move; Shift+drag, PageUp and PageDown lift them."),
       numberField({

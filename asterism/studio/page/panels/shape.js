@@ -1,21 +1,20 @@
-// Panel of the shape: its state and numbers, warnings, other forms, verification, kept designs A, B, C.
+// Panel of the shape: its state and numbers, warnings, other forms and designs, verification, target, fit.
 
 import { MEANINGS } from "../badge.js";
 import { button, h, hint, refresh, replace, section } from "../dom.js";
 import { capital, fixed, mm, percent, seconds, size } from "../format.js";
 import { icon } from "../icons.js";
-import { formsPart } from "./forms.js";
 import { fitPart } from "./fit.js";
+import { stripPart } from "./strip.js";
 import { targetPart } from "./target.js";
 
 export function shapePanel(studio, page) {
-  const { store, connection, actions } = studio;
+  const { store, actions } = studio;
   const { on } = page;
   const trusted = h("div", { class: "trust", testid: "trust" });
   const figures = h("dl", { class: "figures" });
   const warnings = h("div", {});
   const verified = h("div", { testid: "verification" });
-  const slots = h("div", {});
 
   function update() {
     const { numbers = {}, warnings: all = [] } = store.get("state");
@@ -136,118 +135,17 @@ export function shapePanel(studio, page) {
     ];
   }
 
-  function kept() {
-    const { slots: all = {}, numbers = {} } = store.get("state");
-    const rows = ["A", "B", "C"].map((slot) => [slot, all[slot]]);
-    const present = {
-      height_mm: numbers.height_mm ?? store.get("frame")?.height_mm,
-      extent_mm: numbers.extent_mm,
-      state: store.get("badge").words,
-    };
-    const isAny = rows.some(([, entry]) => entry);
-    refresh(slots, [all, present, Boolean(store.get("document"))], () => [
-      section("Compare designs"),
-      isAny
-        ? h(
-            "table",
-            { class: "small", testid: "slots" },
-            h(
-              "thead",
-              {},
-              h(
-                "tr",
-                {},
-                ["mm", "Height", "Size", "State", ""].map((text) => h("th", { scope: "col" }, text)),
-              ),
-            ),
-            h(
-              "tbody",
-              {},
-              line("Now", present, null),
-              rows.filter(([, entry]) => entry).map(([slot, entry]) => line(slot, entry, present)),
-            ),
-          )
-        : hint("Keep a design as A, B or C, change it, and compare."),
-      isAny ? hint("Small numbers: difference from the design that is shown now.") : null,
-      h(
-        "div",
-        { class: "row tight" },
-        rows.map(([slot, entry]) =>
-          h(
-            "span",
-            { class: "grow" },
-            button({
-              text: entry ? `Replace ${slot}` : `Keep as ${slot}`,
-              kind: "wide",
-              testid: `keep-${slot}`,
-              disabled: !store.get("document"),
-              onclick: () => connection.send("keep", { slot }),
-            }),
-          ),
-        ),
-      ),
-    ]);
-  }
-
-  function line(slot, entry, present) {
-    const change = (value, base, digits) => {
-      if (!present || !Number.isFinite(value) || !Number.isFinite(base)) return null;
-      const off = value - base;
-      return Math.abs(off) < 10 ** -digits / 2
-        ? null
-        : h("div", { class: "unit-tag" }, `${off > 0 ? "+" : ""}${fixed(off, digits)}`);
-    };
-    const sizeChange = (values, bases) => {
-      const off = values && bases ? [0, 1].map((k) => Math.round(values[k]) - Math.round(bases[k])) : [0, 0];
-      if (!present || !off.some(Boolean)) return null;
-      return h("div", { class: "unit-tag" }, off.map((one) => `${one > 0 ? "+" : ""}${fixed(one, 0)}`).join(" × "));
-    };
-    return h(
-      "tr",
-      {},
-      h("td", {}, h("b", {}, slot)),
-      h("td", {}, fixed(entry.height_mm), change(entry.height_mm, present?.height_mm, 1)),
-      h(
-        "td",
-        {},
-        entry.extent_mm
-          ? entry.extent_mm
-              .slice(0, 2)
-              .map((value) => fixed(value, 0))
-              .join(" × ")
-          : "–",
-        sizeChange(entry.extent_mm, present?.extent_mm),
-      ),
-      h("td", {}, entry.state),
-      h(
-        "td",
-        {},
-        present
-          ? button({
-              text: "Show",
-              label: `Show design ${slot}`,
-              kind: "plain show",
-              testid: `show-${slot}`,
-              onclick: () => connection.send("show", { slot }),
-            })
-          : null,
-      ),
-    );
-  }
-
-  on(["state", "badge", "frame", "document"], () => (update(), kept()));
+  on(["state", "badge", "frame", "document"], update);
   on(["jobs", "results", "document", "state"], verification);
   update();
   verification();
-  kept();
   return [
     section("Shape"),
     trusted,
     figures,
+    stripPart(studio, page),
     warnings,
-    formsPart(studio, page),
     verified,
-    slots,
     targetPart(studio, page),
     fitPart(studio, page),
   ];

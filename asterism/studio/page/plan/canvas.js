@@ -150,7 +150,7 @@ export class PlanCanvas {
       shift,
       alt,
       control: ctrlKey || metaKey,
-      pressure,
+      force: pointerType === "pen" ? pressure : 1,
       isTouch: pointerType === "touch",
     };
   }

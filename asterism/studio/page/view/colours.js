@@ -51,8 +51,8 @@ export const FIELDS = {
   height: { name: "Height", unit: "mm", digits: 1, scale: "viridis" },
   curvature: { name: "Curvature", title: "Mean curvature", unit: "1/m", scale: "diverging", factor: 1000 },
   strain: { name: "Strain", title: "Area strain", unit: "%", scale: "diverging", factor: 100 },
-  distance: { name: "Exact to preview", title: "Exact shape to preview", unit: "mm", scale: "viridis" },
-  target: { name: "To the target", title: "Distance to the target", unit: "mm", scale: "viridis" },
+  distance: { name: "Exact to preview", title: "Exact shape to preview", unit: "mm", scale: "viridis", isDistance: true },
+  target: { name: "To the target", title: "Distance to the target", unit: "mm", scale: "viridis", isDistance: true },
 };
 
 const ROUND_STEPS = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10];

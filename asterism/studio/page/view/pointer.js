@@ -104,7 +104,8 @@ export function listenToView(view, { store, edits, tools }) {
   /** The event as a tool of the plan gets it; null beside the sheet. */
   function strokeAt(event) {
     const at = view.printedAt(event);
-    return at && { at, shift: event.shiftKey, alt: event.altKey };
+    if (!at) return null;
+    return { at, shift: event.shiftKey, alt: event.altKey, force: event.pointerType === "pen" ? event.pressure : 1 };
   }
 
   function paint(event) {

@@ -51,6 +51,24 @@ function distances(one, other) {
   );
 }
 
+/** Both ends of each piece of the lines on which values at the vertices are multiples of a step. */
+export function contours(positions, triangles, values, step) {
+  const ends = [];
+  for (let t = 0; t < triangles.length; t += 3) {
+    const corners = [triangles[t], triangles[t + 1], triangles[t + 2]].sort((a, b) => values[a] - values[b]);
+    const [low, middle, high] = corners.map((corner) => values[corner] / step);
+    for (let level = Math.floor(low) + 1; level <= high; level++) {
+      const [a, b, c] = corners;
+      const crossed = level < middle ? [[a, b, low, middle], [a, c, low, high]] : [[b, c, middle, high], [a, c, low, high]];
+      for (const [from, to, start, end] of crossed) {
+        const share = end > start ? (level - start) / (end - start) : 0;
+        for (let k = 0; k < 3; k++) ends.push((1 - share) * positions[3 * from + k] + share * positions[3 * to + k]);
+      }
+    }
+  }
+  return new Float32Array(ends);
+}
+
 /** Lowest and highest corner of a set of positions. */
 export function box(positions) {
   const low = [Infinity, Infinity, Infinity];

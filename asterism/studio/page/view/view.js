@@ -2,8 +2,8 @@
 
 import { Renderer } from "./gl.js";
 import { Camera } from "./camera.js";
-import { box, fieldValues, vertexNormals } from "./sheet.js";
-import { fieldDomain, vertexColours } from "./colours.js";
+import { box, contours, fieldValues, vertexNormals } from "./sheet.js";
+import { FIELDS, fieldDomain, vertexColours } from "./colours.js";
 import { pick, printedPlace } from "./picking.js";
 import { FABRIC_MM, barColours, bars, board, headOf, needleSolids, parted, rim } from "./solids.js";
 import { showLegend } from "./legend.js";
@@ -19,7 +19,7 @@ const GREY = [
 ];
 const PLASTIC = [0.25, 0.26, 0.3];
 const NEEDLE = [0.8, 0.22, 0.16];
-const EXACT = [0.35, 0.5, 0.95];
+const INK = [0.12, 0.12, 0.14];
 const BOARDS = { light: [0.9, 0.89, 0.87], dark: [0.36, 0.37, 0.4] };
 const NO_NEEDLES = new Float32Array(0);
 const REST_MS = 250; // without a change, until the picture is drawn with all its light
@@ -36,6 +36,7 @@ export class View {
   frames = 0;
   drawMs = 0;
   target = null; // the ghost beside the sheet: {surface, look}
+  partner = null; // the other view, if two shapes are side by side
   #isDirty = false;
   #hasFit = false;
   #aspect = 0;
@@ -55,14 +56,17 @@ export class View {
 
   #ended = new AbortController();
 
-  constructor(canvas, store, { onFrame, legend }) {
+  /** `leader`: the view whose camera and scale of colours this one shares. */
+  constructor(canvas, store, { onFrame, legend, leader = null }) {
     this.canvas = canvas;
+    this.leader = leader;
+    if (leader) this.camera = leader.camera;
     this.legend = legend;
     this.store = store;
     this.onFrame = onFrame;
     this.renderer = new Renderer(canvas);
     this.sheetSurface = this.renderer.makeSurface();
-    this.exactSurface = this.renderer.makeSurface();
+    this.contourSurface = this.renderer.makeSurface();
     this.rimSurface = this.renderer.makeSurface();
     this.armSurface = this.renderer.makeSurface();
     this.needleSurface = this.renderer.makeSurface();
@@ -71,7 +75,7 @@ export class View {
     const observer = new ResizeObserver(() => this.#resized());
     observer.observe(canvas);
     this.#ended.signal.addEventListener("abort", () => observer.disconnect());
-    store.on(["viewColour"], () => this.#colour());
+    store.on(["viewColour", "showTarget"], () => this.#colour());
     store.on(["shown", "showBumps"], () => this.#place());
     store.on(["badge", "frame"], () => this.#age());
     store.on(["hover", "under", "selection"], () => this.#mark());
@@ -103,6 +107,8 @@ export class View {
   #takeShape(header, arrays) {
     const mesh = this.meshes.get(header.mesh);
     if (!mesh) return false;
+    this.meshes.delete(header.mesh);
+    this.meshes.set(header.mesh, mesh); // the last one used goes last
     const normals = Object.keys(arrays).filter((name) => name.endsWith("arm_normals"));
     const units = Object.fromEntries(normals.map((name) => [name, unit(arrays[name])]));
     const isFirst = arrays.before && !(this.shape?.before && this.shape.header.revision === header.revision);
@@ -111,7 +117,7 @@ export class View {
     this.store.set({ frame: header });
     if (isFirst && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.#moveOver(this.shape);
     else this.#place();
-    if (!this.#hasFit && this.#pixels[0]) this.fit(); // before its size is known there is nothing to fit to
+    if (!this.leader && !this.#hasFit && this.#pixels[0]) this.fit(); // before its size is known there is nothing to fit to
     this.invalidate();
     return true;
   }
@@ -172,7 +178,7 @@ export class View {
 
   /** Which of its sheets the shape shows: its own (""), the one without bumps, or the preview beside an exact shape. */
   get #part() {
-    if (this.shape.before && this.store.get("shown") !== "shape") return "before";
+    if (this.shape.before && this.store.get("shown") === "preview") return "before";
     return this.isSmooth ? "smooth" : "";
   }
 
@@ -206,10 +212,6 @@ export class View {
     const normals = vertexNormals(positions, triangles);
     renderer.fill(this.sheetSurface, { positions, normals, printed, triangles, lines: outline });
     renderer.fill(this.rimSurface, rim(positions, normals, outline));
-    if (part === "before") {
-      const { positions: exact } = this.shape;
-      renderer.fill(this.exactSurface, { positions: exact, normals: vertexNormals(exact, triangles), triangles });
-    }
     const made = arms.length ? bars(arms, armNormals, arms.rows) : null;
     this.shape.perArm = made?.perArm;
     if (made) renderer.fill(this.armSurface, made);
@@ -230,23 +232,48 @@ export class View {
     this.#colour();
   }
 
+  /** The field that colours the sheet. */
+  get field() {
+    if (this.shape.before && this.store.get("shown") === "distance") return "distance";
+    return this.store.get("viewColour");
+  }
+
+  /** The values of a field; null if the shape has none. */
+  #valuesOf(name) {
+    if (name === "none" || !this.shape) return null;
+    const values = fieldValues(name, { ...this.shape, positions: this.positions, exact: this.shape.positions });
+    return values?.length === this.positions.length / 3 ? values : null;
+  }
+
+  /** Colours, and lines of equal distance where the sheet is compared with another surface. */
   #colour() {
     if (!this.shape) return;
-    const name = this.store.get("viewColour");
-    const shape = { ...this.shape, positions: this.positions, exact: this.shape.positions };
-    const values = name === "none" ? null : fieldValues(name, shape);
-    this.isColoured = Boolean(values) && values.length === this.positions.length / 3;
-    let domain = null;
-    if (this.isColoured) {
-      domain = fieldDomain(name, values);
-      this.renderer.fill(this.sheetSurface, { colours: vertexColours(name, values, domain) });
-    }
-    showLegend(
-      this.legend,
-      this.isColoured && this.store.get("shown") !== "both" ? name : "none",
-      domain,
-    );
+    if (this.leader) return this.partner?.#colour();
+    const { field: name, partner } = this;
+    const values = [this, partner].map((view) => view?.#valuesOf(name) ?? null);
+    const domain = values[0] && fieldDomain(name, values.flatMap((some) => (some ? [...some] : [])));
+    [this, partner].forEach((view, k) => view?.shape && view.#paint(name, values[k], domain));
+    const compared = FIELDS[name].isDistance ? values[0] : this.#ghost && this.#valuesOf("target");
+    const lines = compared
+      ? contours(this.positions, this.triangles, compared, (domain ?? fieldDomain("target", compared))[1] / 8)
+      : new Float32Array(0);
+    this.renderer.fill(this.contourSurface, {
+      positions: lines,
+      normals: lines,
+      lines: Uint32Array.from({ length: lines.length / 3 }, (_, k) => k),
+    });
+    showLegend(this.legend, values[0] ? name : "none", domain);
     this.invalidate();
+  }
+
+  #paint(name, values, domain) {
+    this.isColoured = Boolean(values && domain);
+    if (this.isColoured) this.renderer.fill(this.sheetSurface, { colours: vertexColours(name, values, domain) });
+  }
+
+  /** The surface beside the sheet, where one is shown. */
+  get #ghost() {
+    return this.target && this.store.get("showTarget") && this.target.surface.count ? this.target : null;
   }
 
   #mark() {
@@ -264,7 +291,8 @@ export class View {
 
   fit() {
     if (!this.shape) return;
-    this.camera.fit(this.#tops, this.aspect);
+    const other = this.partner?.shape ? this.partner.#tops : [];
+    this.camera.fit([...this.#tops, ...other], this.aspect);
     this.#hasFit = true;
     this.invalidate();
   }
@@ -278,6 +306,7 @@ export class View {
   invalidate() {
     if (this.#isDirty) return;
     this.#isDirty = true;
+    this.partner?.invalidate();
     requestAnimationFrame(() => {
       this.#isDirty = false;
       if (this.#fullMs < QUICK_MS) return this.draw();
@@ -307,25 +336,24 @@ export class View {
 
   #surfaces() {
     const { isGrey } = this;
-    const shown = this.shape.before ? this.store.get("shown") : "shape";
     const [front, back] = isGrey ? GREY : FABRIC;
     const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
-    const coloured = this.isColoured && !isGrey && shown !== "both" ? 1 : 0;
-    const ink = [0.12, 0.12, 0.14];
+    const coloured = this.isColoured && !isGrey ? 1 : 0;
     const sheet = { surface: this.sheetSurface, coloured, weave: coloured ? 0 : 0.04 };
     const surfaces = [];
     if (this.camera.eye[2] > this.#level)
-      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark ? "dark" : "light"], line: [...ink, 0.45] });
+      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark ? "dark" : "light"], line: [...INK, 0.45] });
     surfaces.push(
-      { ...sheet, side: "front", base: front, line: [...ink, 0.8], casts: true },
-      { ...sheet, side: "back", base: back, lift: -FABRIC_MM, line: [...ink, 0.5] },
+      { ...sheet, side: "front", base: front, line: [...INK, 0.8], casts: true },
+      { ...sheet, side: "back", base: back, lift: -FABRIC_MM, line: [...INK, 0.5] },
       { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
       { surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true },
     );
     if (this.store.get("showArms") && this.armSurface.count)
       surfaces.push({ surface: this.armSurface, base: PLASTIC, shine: 0.1, coloured: 1, casts: true });
-    if (shown === "both") surfaces.push({ surface: this.exactSurface, base: EXACT, alpha: 0.45 });
-    if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
+    if (this.contourSurface.lineCount && !isGrey)
+      surfaces.push({ surface: this.contourSurface, base: INK, line: coloured ? [1, 1, 1, 0.8] : [...INK, 0.8] });
+    if (this.#ghost) surfaces.push({ surface: this.target.surface, ...this.target.look });
     return surfaces;
   }
 
@@ -341,10 +369,10 @@ export class View {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (!width || !height) return;
     const [before, now] = [this.#aspect, width / height].map((aspect) => Math.min(aspect, WIDE_ASPECT));
-    if (this.#hasFit && before) this.camera.distance *= before / now; // a narrow window shows the same width
+    if (!this.leader && this.#hasFit && before) this.camera.distance *= before / now; // a narrow window shows the same width
     this.#aspect = width / height;
     this.#pixels = [Math.round(width * ratio), Math.round(height * ratio)];
-    if (!this.#hasFit) this.fit();
+    if (!this.leader && !this.#hasFit) this.fit();
     this.draw();
   }
 
@@ -367,10 +395,13 @@ export class View {
     return hit && printedPlace(hit, this.shape.mesh.printed, this.triangles);
   }
 
-  /** A picture of the view at a chosen size, as PNG, drawn with twice the pixels; `title`: also with a scale bar. */
-  picture(width, height, { background, title = null }) {
-    const { target, distance } = this.camera;
-    this.camera.fit([...this.#tops, ...this.#corners], width / height);
+  /** A picture of the view at a chosen size, as PNG, drawn with twice the pixels; `title`: also with a scale bar.
+   * A small one is of the plain sheet, from the usual side. */
+  picture(width, height, { background, title = null, isSmall = false }) {
+    const { camera } = this;
+    this.camera = Object.assign(new Camera(), isSmall ? {} : camera);
+    this.camera.fit(isSmall ? this.#tops : [...this.#tops, ...this.#corners], width / height);
+    if (isSmall) this.isColoured = false;
     const fine = 2 * Math.max(width, height) <= this.renderer.largestPx ? 2 : 1;
     this.draw(1, [fine * width, fine * height]);
     const flat = document.createElement("canvas");
@@ -383,8 +414,8 @@ export class View {
     }
     context.drawImage(this.canvas, 0, 0, width, height);
     if (title !== null) caption(context, title, this.camera.pixelMm(height));
-    Object.assign(this.camera, { target, distance });
-    this.draw();
+    this.camera = camera;
+    if (!isSmall) this.draw();
     return new Promise((resolve) => flat.toBlob(resolve, "image/png"));
   }
 }

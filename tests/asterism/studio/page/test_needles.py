@@ -152,3 +152,16 @@ def test_a_sheet_that_is_too_large_for_the_printer_is_told_while_it_is_drawn(pag
     page.page.keyboard.press("Escape")
     page.page.mouse.up()
     page.wait("!document.querySelector('[data-testid=too-large]')")
+
+
+def test_a_needle_is_duplicated_and_the_copy_is_chosen(page: StudioPage) -> None:
+    before = table(page)
+    page.page.mouse.click(*page.point(before["points_mm"][0]))
+    page.changed(page.item("duplicate-needle").click)
+    after = table(page)
+    assert after["points_mm"][:-1] == before["points_mm"]
+    assert after["points_mm"][-1] == pytest.approx([0.75 * value for value in before["points_mm"][0]], abs=0.01)
+    assert after["target_mm"][-1][2] == before["target_mm"][0][2]
+    page.page.get_by_text(f"Needle {len(after['points_mm'])}").wait_for()
+    page.changed(page.item("undo").click)
+    assert table(page) == before

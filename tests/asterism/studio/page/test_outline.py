@@ -81,7 +81,7 @@ def test_a_shape_with_a_refused_number_is_not_used(page: StudioPage) -> None:
     page.item("shape-rings").fill("2")
     assert not fault.is_visible()  # at once, so that the button does not move away under a click
     page.changed(lambda: page.item("use-shape").click())
-    assert page.get("studio.document.history.position") == 1  # the refused shapes have sent nothing
+    assert page.get("studio.document.position") == 1  # the refused shapes have sent nothing
     page.changed(lambda: page.item("undo").click())
     assert page.get("studio.document.design") == design
 

@@ -89,6 +89,7 @@ def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures
     assert page.get("studio.document.saved")
     page.item("history").click()
     page.wait("document.querySelectorAll('.thumbnail canvas').length === 2")
+    assert page.page.locator(".thumbnail").first.inner_text() == "Changed on disk"
     page.page.locator(".thumbnail").last.click()
     page.wait("studio.document.design.stars.length_mm === 7")
     page.page.keyboard.press("Escape")

@@ -1,8 +1,9 @@
-"""Shapes on the page: other sides and forms, designs A, B and C, pictures, the report."""
+"""Shapes on the page: other sides and forms, kept and other designs, pictures, the report."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -52,6 +53,20 @@ def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
     forms = shared.get("studio.state.forms")
     assert [form["is_shown"] for form in forms] == [True, False]
     assert "energy +" in shared.item(f"form-{forms[1]['index']}").inner_text()
+    shared.wait(f"document.querySelector('[data-testid=form-{forms[1]['index']}] img')?.naturalWidth > 0")
+    shared.item(f"beside-form-{forms[1]['index']}").click()
+    # side by side with one camera: a drag over one of them turns both
+    shared.wait("studio.isTwo && document.querySelector('[data-testid=beside]').clientWidth > 100")
+    assert "Another form, energy +" in shared.item("beside-name").inner_text()
+    turn, drawn = shared.get("[studio.camera.turn, studio.drawn]")
+    box = shared.item("beside").bounding_box()
+    shared.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    shared.page.mouse.down()
+    shared.page.mouse.move(box["x"] + box["width"] / 2 + 60, box["y"] + box["height"] / 2, steps=4)
+    shared.page.mouse.up()
+    shared.wait(f"studio.camera.turn !== {turn} && studio.drawn > {drawn}")
+    shared.item("beside-close").click()
+    shared.wait("!studio.isTwo")
     shared.item(f"form-{forms[1]['index']}").click()
     # the form that was shown is the other one
     shared.wait(f"Math.abs(studio.height - {height}) > 1 && studio.state.forms[1]?.energy_percent < 0")
@@ -60,21 +75,42 @@ def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
     shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 0.1")
 
 
-def test_designs_are_kept_as_a_and_b_and_compared(shared: StudioPage) -> None:
+def test_designs_are_kept_as_pictures_and_compared(shared: StudioPage) -> None:
     height = open_shape(shared, "dome")
     shared.item("keep-A").click()
-    shared.wait("document.querySelector('[data-testid=show-A]')")
+    shared.wait("document.querySelector('[data-testid=show-A] img')?.naturalWidth > 0")
     shared.item("tool-gradient").click()
     shared.item("gradient-kind-number").click()
     shared.changed(lambda: shared.fill("gradient-number", 5))
     shared.summarised()
     shared.item("tab-shape").click()
+    change = height - shared.get("studio.height")
+    shared.wait(f"document.querySelector('[data-testid=show-A]').textContent.includes('(+{change:.1f} mm)')")
     shared.item("keep-B").click()
-    shared.wait("document.querySelector('[data-testid=show-B]')")
-    assert f"{height:.1f}" in shared.item("slots").inner_text()
+    shared.wait("document.querySelector('[data-testid=show-B] img')?.naturalWidth > 0")
     shared.item("show-A").click()
     shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
     assert shared.get("studio.document.design.stars.length_mm.profile") == "radial"
+    shared.item("history").click()
+    shared.page.get_by_text("Star length").first.wait_for()
+    words = shared.page.locator(".thumbnail").all_inner_texts()
+    assert words[0] == "Design A" and words[-1] == "Opened"
+    assert words[1].startswith("Star length") and words[1].endswith("→ 5 mm, 37 stars")
+    shared.page.keyboard.press("Escape")
+
+
+def test_a_design_that_was_open_is_a_picture_away(new_page: Any, folder: Path) -> None:
+    text = 'name = "{}"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n'
+    for name in ("first", "second"):
+        (folder / f"{name}.toml").write_text(text.format(name), "utf-8")
+    page = new_page()
+    page.open("file-first.toml")
+    page.open("file-second.toml")
+    page.item("tab-shape").click()
+    page.wait("document.querySelector('[data-testid=\"design-first.toml\"] img')?.naturalWidth > 0")
+    page.item("design-first.toml").click()
+    page.wait("studio.document.name === 'first'")
+    page.item("design-second.toml").wait_for()
 
 
 def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:

@@ -39,10 +39,12 @@ def test_the_sheet_settles_after_a_stroke_and_is_shown_beside_its_preview(shared
     shared.open("gallery-dome")
     shared.wait("studio.badge.kind === 'exact' && studio.isBeside")
     first = shared.get("studio.height")
-    assert shared.item("view-colour").locator("[value=distance]").is_enabled()
-    shared.item("shown-both").click()
-    assert shared.item("shown-both").get_attribute("aria-checked") == "true"
+    shared.item("shown-distance").click()
+    shared.wait("!document.querySelector('[data-testid=legend]').hidden && studio.contours > 50")
+    assert "Exact shape to preview" in shared.item("legend").inner_text()
+    assert shared.item("view-colour").is_disabled()
     shared.item("shown-shape").click()
+    shared.wait("document.querySelector('[data-testid=legend]').hidden && studio.contours === 0")
     shared.item("tool-brush").click()
     shared.get(
         "void (window.stale = [], setInterval(() => studio.badge.kind === 'exact'"

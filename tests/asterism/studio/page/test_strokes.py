@@ -134,3 +134,20 @@ def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     mouse.up()
     assert page.get("studio.camera.turn") != camera["turn"]
     assert page.get("studio.sizes.map((sizes) => sizes[0])") == after
+
+
+def test_a_pen_that_is_pressed_less_paints_less(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.item("tool-brush").click()
+    pen = shared.page.context.new_cdp_session(shared.page)
+    x, y = shared.point((0.0, 0.0))
+    before, changes = shared.get("studio.sizes"), []
+    for force in (1.0, 0.25):
+        for kind in ("mousePressed", "mouseReleased"):
+            told = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1, "pointerType": "pen"}
+            pen.send("Input.dispatchMouseEvent", {**told, "force": force if kind == "mousePressed" else 0.0})
+        shared.wait("!studio.isEditing && !studio.isWaiting")
+        sizes = shared.get("studio.sizes")
+        changes.append(max(abs(now[0] - old[0]) for now, old in zip(sizes, before, strict=True)))
+        shared.changed(shared.item("undo").click)
+    assert changes[1] == pytest.approx(0.25 * changes[0], rel=0.02) and changes[0] > 0.1

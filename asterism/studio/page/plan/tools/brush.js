@@ -29,7 +29,8 @@ export class BrushTool extends StrokeTool {
     const { store, edits } = this;
     const sheet = store.get("sheet");
     if (sheet.isOfRods) return this.#paintRods(sheet, at, event);
-    const { quantity, mode, radius, strength, target, amount } = this.brush;
+    const { quantity, mode, radius, target, amount } = this.brush;
+    const strength = this.strengthOf(event);
     const near = starsWithin(sheet, images(at, store.get("symmetry")), radius);
     if (!near.length) return;
     const keys = (wanted) => near.filter(({ star }) => wanted(star)).map(({ star }) => star.key);
@@ -57,7 +58,8 @@ export class BrushTool extends StrokeTool {
   }
 
   #paintRods(sheet, at, event) {
-    const { quantity, mode, radius, strength, target, amount } = this.brush;
+    const { quantity, mode, radius, target, amount } = this.brush;
+    const strength = this.strengthOf(event);
     const [low, high] = sheet.range(quantity, this.store.get("inLaw"));
     const value = mode === "add" ? (event.alt ? -amount : amount) : clamp(target, low, high);
     const brush = { size: QUANTITIES[quantity].key, mode, radius, strength, value, low, high };

@@ -11,6 +11,7 @@ import {
   targetsOf,
   usualScale,
   withChosen,
+  withCopies,
   withMoved,
   withNeedle,
   withShifted,
@@ -22,6 +23,7 @@ import { label } from "../draw.js";
 const GRIP_PX = 12;
 const LIFT_STEP_MM = 1;
 const SAME_PLACE_MM = 0.5;
+const LEAST_STEP_MM = 4; // from a needle to its copy
 
 export class NeedleTool {
   cursor = "crosshair";
@@ -177,6 +179,20 @@ export class NeedleTool {
     if (!members.length) return false;
     this.edits.once(() => this.#send(withShifted(sheet.tables, sheet.pins, members, [0, 0, step])));
     return true;
+  }
+
+  /** The chosen needles once more, nearer to the middle of the sheet; the copies are chosen. */
+  duplicate() {
+    const sheet = this.store.get("sheet");
+    const members = membersOf(this.store.get("support")).filter(({ table }) => isPoints(sheet.tables[table] ?? {}));
+    if (!members.length) return;
+    const [x, y] = sheet.tables[members[0].table].points_mm[members[0].point];
+    const inwards = [0.25 * (sheet.centre[0] - x), 0.25 * (sheet.centre[1] - y)];
+    const step = Math.hypot(...inwards) > LEAST_STEP_MM ? inwards : [LEAST_STEP_MM, 0];
+    const { tables, copies } = withCopies(sheet.tables, sheet.pins, members, step, usualScale(sheet));
+    this.edits.once(() => this.#send(tables));
+    const [first, ...also] = copies;
+    this.store.set({ support: { ...first, also } });
   }
 
   remove() {

@@ -29,6 +29,11 @@ export class StrokeTool {
     return brushOn(this.store.get("sheet"), this.store.get(this.setting));
   }
 
+  /** A pen that is pressed less paints less. */
+  strengthOf({ force = 1 }) {
+    return this.brush.strength * force;
+  }
+
   get hint() {
     return "Drag to paint\u00a0· Shift+click: a line\u00a0· [ ] radius";
   }

@@ -36,7 +36,7 @@ export class WeightTool extends StrokeTool {
 
   dab(at, event) {
     const sheet = this.store.get("sheet");
-    const { mode, radius, strength, weight } = this.brush;
+    const { mode, radius, weight } = this.brush;
     const values = new Map();
     for (const { star, away } of starsWithin(sheet, images(at, this.store.get("symmetry")), radius)) {
       if (mode === "erase" || event.alt) {
@@ -44,7 +44,7 @@ export class WeightTool extends StrokeTool {
         continue;
       }
       // weights are factors: half of the way from 1 to 9 is 3
-      const share = strength * falloff(away / radius);
+      const share = this.strengthOf(event) * falloff(away / radius);
       const kept = this.#allowed(sheet, star.weight * (weight / star.weight) ** share);
       if (star.weight === 1 && Math.abs(Math.log(kept)) < LEAST_LOG) continue; // the rim of the brush
       if (Math.abs(kept - star.weight) > 1e-3) values.set(star.key, kept);

@@ -1,0 +1,168 @@
+// Part of the shape's panel: other forms of the sheet, kept designs and designs that were open, as small pictures.
+
+import { button, h, hint, refresh, section } from "../dom.js";
+import { fixed, mm, percent, size } from "../format.js";
+
+const SLOTS = ["A", "B", "C"];
+
+export function stripPart(studio, { on }) {
+  const { store, connection, actions, kept } = studio;
+  const strip = h("div", { class: "strip", testid: "strip" });
+  const said = h("div", { testid: "release" });
+  const flip = button({
+    icon: "flip",
+    text: "Flip to the other side",
+    kind: "wide",
+    testid: "flip",
+    onclick: actions.flip,
+  });
+  const stop = button({
+    text: "Cancel",
+    label: "Cancel the search",
+    keys: "Escape",
+    testid: "stop-search",
+    onclick: actions.stop,
+  });
+  let now = ""; // what the picture of the shown shape is of
+
+  function update() {
+    const { searching, release, forms = [], has_preview: hasPreview } = store.get("state");
+    const isSearching = Boolean(searching);
+    const focused = document.activeElement;
+    const hadFocus = focused === flip || strip.contains(focused);
+    const id = strip.contains(focused) ? focused.dataset.testid : null;
+    const tiles = shownTiles();
+    refresh(strip, [tiles, isSearching, store.get("beside")], () => tiles.map((one) => tile(one, isSearching)));
+    if (id) (strip.querySelector(`[data-testid="${id}"]`) ?? flip).focus();
+    refresh(said, [release, forms.length > 1], () => hint([words(release), forms.length > 1 ? FORMS : ""].join(" ")));
+    flip.hidden = !hasPreview;
+    flip.disabled = !store.get("frame") || isSearching;
+    flip.lastChild.textContent = searching === "flip" ? "Searching …" : "Flip to the other side";
+    stop.hidden = !isSearching;
+    // a button that is taken away hands the keyboard on
+    if (isSearching && hadFocus) stop.focus();
+    else if (!isSearching && focused === stop) flip.focus();
+  }
+
+  /** Plain data of all tiles: {id, name, says, title, shape, run: what a click does}. */
+  function shownTiles() {
+    const { forms = [], release, slots = {}, designs = [], numbers = {} } = store.get("state");
+    const frame = store.get("frame");
+    if (!frame) return [];
+    const height = numbers.height_mm ?? frame.height_mm;
+    const { isStale } = store.get("badge");
+    if (!isStale) now = `${frame.revision} ${frame.stage} ${height}`;
+    const tiles = [{ id: "now", name: "Now", says: mm(height), shape: null, key: now }];
+    if (release?.is_same === false) {
+      const { is_shown: isReleased, energy_percent: more, shapes = {} } = release;
+      const energy = isReleased ? -more / (1 + more / 100) : more;
+      const [id, name] = isReleased ? ["preview", "Nearest to the preview"] : ["released", "Released from the flat print"];
+      const does = ["exact-form", { released: !isReleased }];
+      tiles.push({ id: `exact-form-${id}`, name, says: energyOf(energy), shape: shapes[id], does });
+    }
+    for (const { index, is_shown: isShown, energy_percent: energy, name: title, shape } of forms)
+      if (!isShown)
+        tiles.push({ id: `form-${index}`, name: "Another form", title, says: energyOf(energy), shape, form: index });
+    for (const slot of SLOTS) {
+      const entry = slots[slot];
+      const off = entry && Number.isFinite(height) ? entry.height_mm - height : 0;
+      const change = Math.abs(off) < 0.05 ? "" : ` (${off > 0 ? "+" : ""}${fixed(off)} mm)`;
+      const extent = entry?.extent_mm ? `, ${size(entry.extent_mm.slice(0, 2))}` : "";
+      tiles.push(
+        entry
+          ? {
+              id: `show-${slot}`,
+              name: `${slot}${change}`,
+              says: mm(entry.height_mm),
+              title: `Show design ${slot}${extent}, ${entry.state}`,
+              shape: entry.shape,
+              does: ["show", { slot }],
+              slot,
+            }
+          : { id: `keep-${slot}`, name: `Keep as ${slot}`, isEmpty: true, does: ["keep", { slot }] },
+      );
+    }
+    for (const { name, shape, height_mm: high } of designs)
+      tiles.push({ id: `design-${name}`, name: name.replace(/\.toml$/, ""), says: mm(high), shape, design: name });
+    return tiles;
+  }
+
+  function run({ does, form, design }) {
+    if (does) connection.send(...does);
+    else if (form !== undefined) actions.showForm(form);
+    else if (design) actions.open({ name: design });
+  }
+
+  function tile(one, isSearching) {
+    const { id, name, says, title = name, shape, slot, isEmpty } = one;
+    const picture = h("img", { alt: "" });
+    if (kept && shape !== undefined && !isEmpty)
+      kept.picture(shape, one.key).then((address) => (picture.src = address), () => {});
+    const isBeside = Boolean(shape) && store.get("beside")?.shape === shape;
+    const beside = isBeside ? null : { shape, name: [name, says].join(", ") };
+    return h(
+      "div",
+      { class: "tile" },
+      h(
+        "button",
+        {
+          type: "button",
+          class: isEmpty ? "empty" : "",
+          title,
+          "aria-current": String(id === "now"),
+          testid: id,
+          disabled: isSearching,
+          onclick: () => run(one),
+        },
+        isEmpty ? null : picture,
+        h("span", {}, name),
+        says ? h("span", { class: "count" }, says) : null,
+      ),
+      kept && shape
+        ? button({
+            icon: "columns",
+            label: `${name} beside the shown shape`,
+            kind: "plain",
+            pressed: isBeside,
+            testid: `beside-${id}`,
+            onclick: () => store.set({ beside }),
+          })
+        : null,
+      slot
+        ? button({
+            icon: "redo",
+            label: `Replace ${slot} by what is shown`,
+            kind: "plain again",
+            testid: `keep-${slot}`,
+            onclick: () => connection.send("keep", { slot }),
+          })
+        : null,
+    );
+  }
+
+  on(["state", "frame", "badge", "beside"], update);
+  update();
+  return [
+    section("Forms and designs"),
+    strip,
+    said,
+    h("div", { class: "row" }, h("span", { class: "grow" }, flip), stop),
+  ];
+}
+
+const FORMS = "The lower the energy of a form, the more stable.";
+
+const energyOf = (energy) => `energy ${energy >= 0 ? "+" : ""}${percent(energy)}`;
+
+/** What is known of the release from the flat print. */
+function words(release) {
+  if (!release) return "";
+  const { progress, is_same: isSame, apart_percent: apart } = release;
+  if (progress) {
+    const share = progress.of ? `, ${Math.floor((100 * progress.done) / progress.of)} %` : "";
+    return `Releasing the flat print, to see whether it ends in this form${share}.`;
+  }
+  if (isSame) return "Released from the flat print, the sheet takes this form too.";
+  if (isSame === null) return "The release from the flat print ended in no stable form.";
+  return `A print follows the release: the two exact forms are ${percent(apart)} of the diameter apart.`;
+}
