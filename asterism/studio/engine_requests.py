@@ -248,11 +248,12 @@ class FrameParts:
         if self.target is not None and self._fits == (pose.seq, self.version):
             self.set_target(self.target.moved(pose))
 
-    def pose(self, fitted: Fitted, version: int) -> None:
+    def pose(self, fitted: Fitted, of: Target | None) -> None:
         """Show the target of a fit in its pose there; a free sheet has its own, so that the target is laid on it."""
-        if self.target is None or self.version != version:
-            return  # another target, or moved meanwhile
-        self.set_target(replace(self.target, rotation=fitted.rotation, shift=fitted.shift, is_fitted=True))
+        now = self.target
+        if now is None or of is None or now.vertices is not of.vertices or now.unit != of.unit:
+            return  # another target, or another size of it
+        self.set_target(replace(now, rotation=fitted.rotation, shift=fitted.shift, is_fitted=True))
         if not fitted.table.get("pins"):
             self.fit()
 

@@ -1,4 +1,4 @@
-"""The jobs of the studio: verification, fit, export and report, each in a process of its own.
+"""The jobs of the studio: verification, fit, export, report and animated picture, each in a process of its own.
 
 To cancel a job, the server ends its process. A function imports what its job needs: the solvers take most of a second.
 """
@@ -26,6 +26,9 @@ from asterism.studio.weights import SheetWeights
 
 if TYPE_CHECKING:
     from asterism.shape.shape import Shape
+
+
+ANIMATION_PX = (1200, 900)
 
 
 class ProgressSender:
@@ -187,6 +190,21 @@ def run_report(
         return Written(job, {}, str(path.parent), (path.name,))
 
     _write(connection, job, "report", work)
+
+
+def run_animation(connection: Connection, job: int, out: str, exact: bytes) -> None:
+    """Draw the release from the flat print to a shape, pickled, as the GIF `out`."""
+
+    def work(say: Callable[[str], None]) -> Written:
+        from asterism.results.files import write_file
+        from asterism.shape.release_picture import release_gif
+
+        path = Path(out)
+        title = path.stem.removesuffix("-release")
+        write_file(path, release_gif(pickle.loads(exact), "oblique", ANIMATION_PX, False, title))
+        return Written(job, {}, str(path.parent), (path.name,))
+
+    _write(connection, job, "drawing the release", work)
 
 
 def _write(connection: Connection, job: int, stage: str, work: Callable[[Callable[[str], None]], Written]) -> None:

@@ -18,6 +18,7 @@ from asterism.studio.messages import VERIFIED, Fitted, JobProgress, Settled, Stu
 from asterism.studio.page_data import engine_problem_data, failure_data
 from asterism.studio.requests import Request, RequestError
 from asterism.studio.settling import job_numbers
+from asterism.studio.target import Target
 from asterism.studio.weights import sheet_weights
 
 PROCESSES = {
@@ -25,6 +26,7 @@ PROCESSES = {
     "fit": "asterism.studio.job_processes:run_fit",
     "export": "asterism.studio.job_processes:run_export",
     "report": "asterism.studio.job_processes:run_report",
+    "animate": "asterism.studio.job_processes:run_animation",
 }
 # arguments of `asterism.print.export.export` that a page may give
 _EXPORT_OPTIONS = {
@@ -49,9 +51,9 @@ class RunningJob:
 
     Attributes
     ----------
-    kind : `verify`, `fit`, `export` or `report`.
+    kind : `verify`, `fit`, `export`, `report` or `animate`.
     document, revision : the state that it is about.
-    target_version : of the target when the job began.
+    target : when the job began.
     folders : that the job may make.
     """
 
@@ -59,7 +61,7 @@ class RunningJob:
     kind: str
     document: Document
     revision: int
-    target_version: int
+    target: Target | None
     child: Child
     progress: JobProgress
     folders: tuple[Path, ...]
@@ -117,6 +119,10 @@ class JobRequests:
                 printer = self._studio.printer
                 out = str(folder / f"{stem}.pdf")
                 kind, arguments = "report", (table, str(folder), out, printer, exact)
+            case ask.Simple(type="animate"):
+                if exact is None:
+                    raise RequestError("the exact shape is drawn: wait until it is there")
+                kind, arguments = "animate", (str(folder / f"{stem}-release.gif"), exact)
             case _:
                 raise RequestError("the server does not do that")
         if self._running is not None:
@@ -125,9 +131,9 @@ class JobRequests:
         # at low priority
         child = Child(StartedProcess(PROCESSES[kind], (number, *arguments), 10), self._message, self._died)
         progress = JobProgress(number, "starting", 0, 0, 0.0)
-        version = self._studio.parts.version
+        at_begin = self._studio.parts.target
         folders = tuple(folder / f"{stem}{end}" for end in (VERIFIED, "-print"))
-        self._running = RunningJob(number, kind, document, document.revision, version, child, progress, folders)
+        self._running = RunningJob(number, kind, document, document.revision, at_begin, child, progress, folders)
 
     def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
         options = {"printer": self._studio.printer, **request.options}
@@ -257,7 +263,7 @@ class JobRequests:
                 name = document.table.get("name", fitted.table["name"])
                 document.apply({**fitted.table, "name": name}, None, "Fit to the target")
                 await studio.accept()
-                studio.parts.pose(fitted, job.target_version)
+                studio.parts.pose(fitted, job.target)
                 result = {"revision": document.revision, "summary": plain(fitted.summary)}
             except Exception as error:  # nobody waits for this task: the page is where it can be seen
                 if document.revision != before:

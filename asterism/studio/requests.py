@@ -177,6 +177,7 @@ class Simple(Request):
         "settle",  # compute the exact shape, although it takes long
         "verify",
         "report",
+        "animate",  # draw the release of the sheet to the exact shape that is shown
         "cancel",  # break off the job
         "stop",  # break off what the engine computes; the shown shape stays
     ]

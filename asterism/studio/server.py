@@ -90,7 +90,7 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
         path = file_below(studio.folder, request.path_params["name"])
         if not path.is_file():
             return PlainTextResponse("not found", 404)
-        shown = path.suffix in (".html", ".pdf", ".png")
+        shown = path.suffix in (".html", ".pdf", ".png", ".gif")
         return FileResponse(
             path,
             filename=path.name,

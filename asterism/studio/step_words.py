@@ -84,7 +84,7 @@ def _differences(before: Any, after: Any, path: tuple[str, ...] = ()) -> dict[tu
         return {}
     if not (isinstance(before, Mapping) and isinstance(after, Mapping)):
         return {path: (before, after)}
-    found = {}
+    found: dict[tuple[str, ...], tuple[Any, Any]] = {}
     for key in before.keys() | after.keys():
         found |= _differences(before.get(key), after.get(key), (*path, key))
     return found

@@ -40,6 +40,8 @@ from asterism.studio.settling import Settling
 from asterism.studio.shown_shape import KeptShape, Shown, number_of
 from asterism.studio.tab import Tab, Tabs
 
+MAX_LEFT = 6  # designs that were open and are shown as pictures
+
 
 class Studio:
     """Connects pages, document, engine and jobs; it lives in one event loop.
@@ -312,7 +314,8 @@ class Studio:
         """Keep the shape of a design that makes way for another one, if it can be opened again."""
         shape = self.shown.keep_shown()
         if shape is not None and path.resolve().parent == self.folder and (path.exists() or autosaves(path)):
-            self._left_shapes[path.name] = shape
+            self._left_shapes.pop(path.name, None)
+            self._left_shapes = dict([(path.name, shape), *self._left_shapes.items()][:MAX_LEFT])  # the last one first
 
     async def _gesture(self, tab: Tab, request: GestureRequest, document: Document) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""

@@ -161,7 +161,8 @@ def _steps(page: StudioPage) -> Iterator[str]:
     page.wait(f"(({AT_WORK})(document.querySelector('[data-testid=verify-progress]').textContent))", VERIFY_S)
     yield "7-verifying"
 
-    page.wait("studio.comparison && document.querySelector('[data-testid=verified]')", VERIFY_S)
+    page.wait("studio.isBeside && document.querySelector('[data-testid=verified]')", VERIFY_S)
+    page.item("shown-distance").click()
     yield "8-verified"
 
     page.item("save").click()

@@ -40,9 +40,10 @@ export function listen(studio) {
       store.set({ jobs, results: { ...store.get("results"), [message.job]: message } });
       if (message.job === "verify") announce(message.cancelled ? "Verification cancelled" : "Verification finished");
       if (message.job === "fit") fitted(message);
-      if (message.job === "report" && message.files?.length) {
+      const written = { report: "The report is written.", animate: "The animated picture is written." }[message.job];
+      if (written && message.files?.length) {
         const url = `file/${encodeURI(message.files[0].name)}`;
-        toast("The report is written.", {
+        toast(written, {
           action: { text: "Open it", run: () => window.open(url, "_blank", "noopener") },
         });
       }

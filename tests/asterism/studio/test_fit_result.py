@@ -63,7 +63,7 @@ def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, stud
 
 
 @pytest.mark.slow
-def test_a_target_that_was_moved_meanwhile_stays(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
+def test_a_target_that_has_another_size_meanwhile_stays(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
     shown(page, studio)
     send_roof(client)
     page.send(type="fit")
@@ -75,6 +75,23 @@ def test_a_target_that_was_moved_meanwhile_stays(client: TestClient, page: Page,
     page.until("result", job="fit")
     assert studio.parts.target is not None and studio.parts.target.unit == "cm"
     assert studio.parts.target.rotation.tolist() == np.eye(3).tolist()
+
+
+def test_a_target_that_is_moved_meanwhile_gets_the_pose_of_the_fit(
+    client: TestClient, page: Page, studio: Studio, gate: Path
+) -> None:
+    shown(page, studio)
+    send_roof(client)
+    page.send(type="fit")
+    page.until("progress")
+    version = studio.parts.version
+    page.send(type="target", do="file")
+    while page.until("state")["target"]["version"] == version:
+        pass
+    gate.touch()
+    page.until("result", job="fit")
+    target = studio.parts.target
+    assert target is not None and target.is_fitted and target.shift.tolist() == [0.0, 0.0, 5.0]
 
 
 def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:

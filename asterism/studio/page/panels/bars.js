@@ -55,7 +55,8 @@ export function buildPlanBar(element, { store, plan }) {
   );
 }
 
-export function buildViewBar(element, { store, view }) {
+export function buildViewBar(element, studio) {
+  const { store, view } = studio;
   const colour = choice({
     label: "Colours of the sheet",
     testid: "view-colour",
@@ -98,7 +99,7 @@ export function buildViewBar(element, { store, view }) {
     viewMenu({ store, view }),
     h("span", { class: "roomy" }, toggles),
     button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
-    button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture({ store, view }) }),
+    button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture(studio) }),
   );
 }
 
@@ -172,4 +173,6 @@ export function buildViewNote(element, { store, actions, view }) {
   };
   store.on(["state", "document"], update);
   update();
+  const { style } = element.parentElement; // badge and legend stand above the note
+  new ResizeObserver(() => style.setProperty("--note", `${element.offsetHeight}px`)).observe(element);
 }

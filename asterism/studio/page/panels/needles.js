@@ -26,6 +26,10 @@ export function needlesPanel({ store, edits, tools }, { on }) {
   const body = h("div", {});
   const send = (tables) => edits.once(() => edits.design({ pins: tables }, { pins: tables }));
   const sheet = () => store.get("sheet");
+  const hold = (where) => {
+    send([{ where, scale: rounded(usualScale(sheet()), 2) }]);
+    store.set({ support: { table: 0, point: null } });
+  };
 
   function update() {
     if (body.contains(document.activeElement) && document.activeElement.tagName === "INPUT" && edits.isOpen) return;
@@ -56,14 +60,14 @@ export function needlesPanel({ store, edits, tools }, { on }) {
             button({
               text: "Hold the outline",
               testid: "hold-border",
-              onclick: () => send([{ where: "border", scale: rounded(usualScale(now), 2) }]),
+              onclick: () => hold("border"),
             }),
             now.design.border?.circle_mm
               ? null
               : button({
                   text: "Hold the corners",
                   testid: "hold-corners",
-                  onclick: () => send([{ where: "corners", scale: rounded(usualScale(now), 2) }]),
+                  onclick: () => hold("corners"),
                 }),
           ),
     );

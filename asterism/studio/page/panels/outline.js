@@ -37,6 +37,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       { value: "hexagon", text: "Hexagon" },
       { value: "polygon", text: "Polygon" },
       { value: "circle", text: "Circle" },
+      { value: "l", text: "L" },
     ],
     value: shape.kind,
     onchange: (value) => ((shape.kind = value), show()),
@@ -44,7 +45,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   function show() {
     width.element.hidden = shape.kind === "hexagon";
     width.element.querySelector("label").textContent = shape.kind === "polygon" ? "Diameter" : "Width";
-    height.element.hidden = shape.kind !== "rectangle" && shape.kind !== "circle";
+    height.element.hidden = !["rectangle", "circle", "l"].includes(shape.kind);
     sides.element.hidden = shape.kind !== "polygon";
     rings.element.hidden = shape.kind !== "hexagon";
   }

@@ -16,7 +16,7 @@ const OWN = "Own size";
 const SMALLEST_PX = 64;
 const LARGEST_PX = 8192; // a larger picture takes more than 1 GB while it is drawn
 
-export function openPicture({ store, view }) {
+export function openPicture({ store, view, connection }) {
   const largest = Math.min(LARGEST_PX, view.renderer.largestPx);
   let size = [...SIZES["1600 × 1200"]];
   let ground = "#ffffff";
@@ -85,6 +85,13 @@ export function openPicture({ store, view }) {
             setTimeout(() => URL.revokeObjectURL(link.href), 10000);
             element.close();
           },
+        }),
+        button({
+          text: "GIF of the release",
+          label: "An animated picture from the flat print to the exact shape, beside the design file",
+          testid: "animate",
+          disabled: store.get("badge").kind !== "exact",
+          onclick: () => (connection.send("animate"), element.close()),
         }),
       ),
     ),

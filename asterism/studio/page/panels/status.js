@@ -75,7 +75,13 @@ export function buildStatus(element, { store, actions }) {
   under();
 }
 
-const JOBS = { verify: "Verifying", fit: "Fitting to the target", export: "Writing files", report: "Writing the report" };
+const JOBS = {
+  verify: "Verifying",
+  fit: "Fitting to the target",
+  export: "Writing files",
+  report: "Writing the report",
+  animate: "Drawing the release",
+};
 
 function jobText(jobs) {
   const [name, { done, of, stage, seconds: spent } = {}] = Object.entries(jobs)[0] ?? [];

@@ -78,16 +78,18 @@ export class Renderer {
    * sky; then each point of the surfaces has its share of the sky. */
   shade(surfaces, { low, high }, hasSky) {
     const { gl } = this;
-    this.away = Math.max(0.15, (1.5 * Math.hypot(...high.map((value, c) => value - low[c]))) / MAP_PX);
+    const side = hasSky ? MAP_PX : MAP_PX / 2; // of the part of a map that is used
+    this.away = Math.max(0.15, (1.5 * Math.hypot(...high.map((value, c) => value - low[c]))) / side);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
-    gl.viewport(0, 0, MAP_PX, MAP_PX);
+    gl.viewport(0, 0, side, side);
     gl.drawBuffers([gl.NONE]);
     gl.useProgram(this.line.program);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1.5, 2);
     for (let k = 0; k < (hasSky ? LIGHTS : 1); k++) {
       const matrix = lightMatrix(WAYS[k], low, high);
-      this.seen.set(matrix, 16 * k);
+      const toPart = (value, n) => (n % 4 < 2 ? (side / MAP_PX) * (value + (n > 11)) - (n > 11) : value);
+      this.seen.set(matrix.map(toPart), 16 * k);
       gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, this.maps, 0, k);
       gl.clear(gl.DEPTH_BUFFER_BIT);
       set(gl, this.line, { matrix, lift: 0 });
@@ -136,8 +138,8 @@ export class Renderer {
     set(gl, this.surface, { matrix, eye, towards, perspective: isOrthographic ? 0 : 1, soft: isSoft ? 1 : 0 });
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
-    for (const { surface, side, coloured = 0, alpha = 1, lift = 0, shine = 0.02, weave = 0, base } of surfaces) {
-      set(gl, this.surface, { base, coloured, alpha, lift, shine, weave, hasSky: surface.hasSky ? 1 : 0 });
+    for (const { surface, side, coloured = 0, alpha = 1, lift = 0, shine = 0.02, weave = 0, base, back = base } of surfaces) {
+      set(gl, this.surface, { base, back, coloured, alpha, lift, shine, weave, hasSky: surface.hasSky ? 1 : 0 });
       if (side) gl.enable(gl.CULL_FACE);
       gl.cullFace(side === "back" ? gl.FRONT : gl.BACK);
       const extra = [coloured && "colour", weave && "printed", surface.hasSky && "sky"];

@@ -51,7 +51,10 @@ export class KeptShapes {
     this.#take(shape);
     const [width, height] = PICTURE_PX.map((side) => side * Math.min(devicePixelRatio || 1, 2));
     const drawn = this.view.picture(width, height, { isSmall: true });
-    if (this.#beside) this.#take(this.#beside);
+    if (this.#beside) {
+      this.#take(this.#beside);
+      this.view.draw(0.5); // its canvas does not show the small picture
+    }
     return URL.createObjectURL(await drawn);
   }
 

@@ -53,7 +53,7 @@ export const SURFACE = {
     precision highp float;
     in vec3 vNormal; in vec3 vPlace; in vec4 vColour; in vec2 vPrinted; in vec2 vSky;
     uniform vec3 eye; uniform vec3 towards; uniform float perspective; uniform float hasSky; uniform float soft;
-    uniform vec3 base; uniform float coloured; uniform float alpha; uniform float shine; uniform float weave;
+    uniform vec3 base; uniform vec3 back; uniform float coloured; uniform float alpha; uniform float shine; uniform float weave;
     out vec4 result;
     ${MAPS}
     void main() {
@@ -70,7 +70,7 @@ export const SURFACE = {
         sun *= clear / float(taps);
       }
       float sky = mix(0.5 + 0.5 * n.z, isFront ? vSky.x : vSky.y, hasSky);
-      vec3 paint = mix(base, vColour.rgb, coloured * vColour.a);
+      vec3 paint = mix(isFront ? base : back, vColour.rgb, coloured * vColour.a);
       if (weave > 0.0) {
         vec2 thread = 3.1416 * vPrinted / 0.6;
         float fine = 1.0 - smoothstep(0.6, 2.0, length(fwidth(thread)));

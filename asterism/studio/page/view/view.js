@@ -322,7 +322,7 @@ export class View {
     const [width, height] = pixels.map((side) => Math.round(side * share));
     if (!this.shape || !width) return this.#confirm();
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    const surfaces = this.#surfaces();
+    const surfaces = this.#surfaces(share < 1);
     const light = share < 1 ? 1 : 2;
     if (this.#light < light) renderer.shade(surfaces, this.#box, light === 2);
     this.#light = Math.max(light, this.#light);
@@ -334,7 +334,8 @@ export class View {
     this.#confirm();
   }
 
-  #surfaces() {
+  /** What is drawn; `isQuick`: the fabric without its thickness. */
+  #surfaces(isQuick) {
     const { isGrey } = this;
     const [front, back] = isGrey ? GREY : FABRIC;
     const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
@@ -343,10 +344,15 @@ export class View {
     const surfaces = [];
     if (this.camera.eye[2] > this.#level)
       surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark ? "dark" : "light"], line: [...INK, 0.45] });
+    const top = { ...sheet, base: front, back, line: [...INK, 0.8], casts: true };
+    if (isQuick) surfaces.push(top);
+    else
+      surfaces.push(
+        { ...top, side: "front" },
+        { ...sheet, side: "back", base: back, lift: -FABRIC_MM, line: [...INK, 0.5] },
+        { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
+      );
     surfaces.push(
-      { ...sheet, side: "front", base: front, line: [...INK, 0.8], casts: true },
-      { ...sheet, side: "back", base: back, lift: -FABRIC_MM, line: [...INK, 0.5] },
-      { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
       { surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true },
     );
     if (this.store.get("showArms") && this.armSurface.count)
@@ -403,7 +409,8 @@ export class View {
     this.camera.fit(isSmall ? this.#tops : [...this.#tops, ...this.#corners], width / height);
     if (isSmall) this.isColoured = false;
     const fine = 2 * Math.max(width, height) <= this.renderer.largestPx ? 2 : 1;
-    this.draw(1, [fine * width, fine * height]);
+    if (isSmall) this.draw(0.5, [4 * width, 4 * height]); // quick, on twice the pixels
+    else this.draw(1, [fine * width, fine * height]);
     const flat = document.createElement("canvas");
     [flat.width, flat.height] = [width, height];
     const context = flat.getContext("2d");

@@ -112,9 +112,8 @@ def test_a_group_is_split_and_its_needles_are_lifted_alone_and_together(shared: 
     shared.open("new")
     shared.item("tool-needles").click()
     shared.changed(lambda: shared.item("hold-corners").click())
-    shared.item("support-0").click()
     shared.page.evaluate("document.getElementById('plan-canvas').focus()")
-    shared.changed(lambda: shared.page.keyboard.press("PageUp"))  # the whole group
+    shared.changed(lambda: shared.page.keyboard.press("PageUp"))  # the whole group, which is chosen
     assert shared.get("studio.document.design.pins[0].offset_mm") == [0, 0, 1]
     shared.changed(lambda: shared.item("split-support").click())
     before = table(shared)

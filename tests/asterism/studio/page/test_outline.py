@@ -59,6 +59,10 @@ def test_regular_outlines(page: StudioPage) -> None:
     page.fill("shape-sides", 5)
     page.changed(lambda: page.item("use-shape").click())
     assert len(outline(page)) == 5
+    page.item("shape-l").click()
+    page.changed(lambda: page.item("use-shape").click())
+    corners = outline(page)
+    assert len(corners) == 6 and [0.0, 0.0] in corners and [50.0, 40.0] not in corners
     page.item("shape-hexagon").click()
     page.fill("shape-rings", 2)
     page.changed(lambda: page.item("use-shape").click())

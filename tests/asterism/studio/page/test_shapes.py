@@ -132,6 +132,16 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     assert Image.open(Path(download.value.path())).size == (700, 420)
 
 
+def test_the_release_is_drawn_as_a_gif(shared: StudioPage, folder: Path) -> None:
+    shared.open("gallery-star")
+    shared.wait("studio.badge.kind === 'exact'")
+    shared.item("picture").click()
+    shared.item("animate").click()
+    shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('animated picture is written')")
+    picture = Image.open(folder / f"{shared.get('studio.document.name')}-release.gif")
+    assert picture.size == (1200, 900) and picture.n_frames == 24  # type: ignore[attr-defined]
+
+
 def test_the_report_is_written_and_offered(shared: StudioPage, folder: Path) -> None:
     shared.open("gallery-star")
     shared.item("report").click()

@@ -314,6 +314,10 @@ function drawCross(context, plan, [px, py]) {
 export function regularShape(kind, { width, height, sides, rings }) {
   if (kind === "rectangle") return { rectangle_mm: [width, height] };
   if (kind === "hexagon") return { rings };
+  if (kind === "l") {
+    const [x, y] = [width / 2, height / 2];
+    return { polygon_mm: [[-x, -y], [x, -y], [x, 0], [0, 0], [0, y], [-x, y]] };
+  }
   if (kind === "circle") return { circle_mm: circleOf([0, 0], [width / 2, height / 2]) };
   return { polygon_mm: ellipse([0, 0], [width / 2, width / 2], { count: sides, start: Math.PI / 2 }) };
 }
