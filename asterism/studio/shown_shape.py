@@ -142,7 +142,7 @@ class Shown:
             return
         self.numbers = plain({**self.numbers, **summary.numbers})
         self.warnings = [asdict(notice) for notice in summary.warnings]
-        self.forms = [asdict(form) for form in summary.forms]
+        self.forms, self._form_shapes = [asdict(form) for form in summary.forms], {}
         self.summary_revision = revision
 
     def add_problem(self, problem: StudioProblem) -> dict[str, Any]:
@@ -158,11 +158,11 @@ class Shown:
         ----------
         seq : of the engine's last answer before it.
         """
-        forms, self._exact, self.numbers = self.forms, None, {}
+        forms, self._exact, self.numbers = (self.forms, self._form_shapes), None, {}
         self.add_mesh(settled.mesh)
         self.add_frame(settled.frame, revision, tabs)
         self.add_summary(settled.shown, revision)
-        self.forms, self._exact, self._exact_seq = forms, settled.shape, seq
+        (self.forms, self._form_shapes), self._exact, self._exact_seq = forms, settled.shape, seq
 
     def greet(self, tab: Tab) -> None:
         """Show the last shape in a tab that has just been opened."""

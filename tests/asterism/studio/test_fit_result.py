@@ -63,7 +63,9 @@ def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, stud
 
 
 @pytest.mark.slow
-def test_a_target_that_has_another_size_meanwhile_stays(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
+def test_a_target_that_has_another_size_meanwhile_stays(
+    client: TestClient, page: Page, studio: Studio, gate: Path
+) -> None:
     shown(page, studio)
     send_roof(client)
     page.send(type="fit")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.studio import frames
-from asterism.studio.messages import Frame, SheetPart, ShownMesh
+from asterism.studio.messages import Form, FormShape, Frame, ShapeSummary, SheetPart, ShownMesh
 from asterism.studio.shown_shape import Shown
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -44,3 +44,15 @@ def test_a_kept_shape_is_complete_and_is_there_as_long_as_it_is_held() -> None:
     assert {"printed", "triangles", "outline", "arm_site"} < arrays.keys() and "before" not in arrays
     del kept
     assert len(shown.kept) == 0
+
+
+def test_a_form_has_its_shape_until_the_next_summary() -> None:
+    shown = Shown()
+    shown.add_mesh(mesh(1))
+    summary = ShapeSummary(1, {}, (), (Form(-1, "up", 0.0, True), Form(0, "down", 2.0, False)))
+    shown.add_summary(summary, 0)
+    shown.add_form_shape(FormShape(1, 0, frame(1, 3.0)))
+    here, other = shown.state()["forms"]
+    assert here["shape"] is None and shown.kept[other["shape"]].header["stage"] == "equilibrium"
+    shown.add_summary(summary, 1)
+    assert [form["shape"] for form in shown.state()["forms"]] == [None, None]

@@ -134,10 +134,11 @@ function viewMenu({ store, view }) {
 /** What two shapes side by side are. */
 export function buildNames(element, { store }) {
   const update = () => {
-    const { beside, state, frame } = { beside: store.get("beside"), state: store.get("state"), frame: store.get("frame") };
+    const beside = store.get("beside");
+    const height = store.get("state").numbers.height_mm ?? store.get("frame")?.height_mm;
     element.hidden = !beside;
-    refresh(element, [beside, state.numbers.height_mm, frame?.height_mm], () => [
-      h("span", {}, `Now, ${mm(state.numbers.height_mm ?? frame?.height_mm)}`),
+    refresh(element, [beside, height], () => [
+      h("span", {}, `Now, ${mm(height)}`),
       h(
         "span",
         { testid: "beside-name" },

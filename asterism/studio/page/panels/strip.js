@@ -44,27 +44,30 @@ export function stripPart(studio, { on }) {
     else if (!isSearching && focused === stop) flip.focus();
   }
 
-  /** Plain data of all tiles: {id, name, says, title, shape, run: what a click does}. */
+  /** All tiles: {id, name, says, title, shape, run: what a click does}. */
   function shownTiles() {
     const { forms = [], release, slots = {}, designs = [], numbers = {} } = store.get("state");
     const frame = store.get("frame");
     if (!frame) return [];
     const height = numbers.height_mm ?? frame.height_mm;
     const { isStale } = store.get("badge");
-    if (!isStale) now = `${frame.revision} ${frame.stage} ${height}`;
+    if (!isStale) now = `${connection.document} ${frame.revision} ${frame.stage} ${height}`;
     const tiles = [{ id: "now", name: "Now", says: mm(height), shape: null, key: now }];
     if (release?.is_same === false) {
       const { is_shown: isReleased, energy_percent: more, shapes = {} } = release;
       const energy = isReleased ? -more / (1 + more / 100) : more;
       const [id, name] = isReleased ? ["preview", "Nearest to the preview"] : ["released", "Released from the flat print"];
-      const does = ["exact-form", { released: !isReleased }];
-      tiles.push({ id: `exact-form-${id}`, name, says: energyOf(energy), shape: shapes[id], does });
+      const run = () => actions.showExactForm(!isReleased);
+      tiles.push({ id: `exact-form-${id}`, name, says: energyOf(energy), shape: shapes[id], run });
     }
     for (const { index, is_shown: isShown, energy_percent: energy, name: title, shape } of forms)
-      if (!isShown)
-        tiles.push({ id: `form-${index}`, name: "Another form", title, says: energyOf(energy), shape, form: index });
+      if (!isShown) {
+        const run = () => actions.showForm(index);
+        tiles.push({ id: `form-${index}`, name: "Another form", title, says: energyOf(energy), shape, run });
+      }
     for (const slot of SLOTS) {
       const entry = slots[slot];
+      const keep = () => connection.send("keep", { slot });
       const off = entry && Number.isFinite(height) ? entry.height_mm - height : 0;
       const change = Math.abs(off) < 0.05 ? "" : ` (${off > 0 ? "+" : ""}${fixed(off)} mm)`;
       const extent = entry?.extent_mm ? `, ${size(entry.extent_mm.slice(0, 2))}` : "";
@@ -76,28 +79,25 @@ export function stripPart(studio, { on }) {
               says: mm(entry.height_mm),
               title: `Show design ${slot}${extent}, ${entry.state}`,
               shape: entry.shape,
-              does: ["show", { slot }],
+              run: () => connection.send("show", { slot }),
               slot,
+              keep,
             }
-          : { id: `keep-${slot}`, name: `Keep as ${slot}`, isEmpty: true, does: ["keep", { slot }] },
+          : { id: `keep-${slot}`, name: `Keep as ${slot}`, isEmpty: true, run: keep },
       );
     }
-    for (const { name, shape, height_mm: high } of designs)
-      tiles.push({ id: `design-${name}`, name: name.replace(/\.toml$/, ""), says: mm(high), shape, design: name });
+    for (const { name, shape, height_mm: high } of designs) {
+      const run = () => actions.open({ name });
+      tiles.push({ id: `design-${name}`, name: name.replace(/\.toml$/, ""), says: mm(high), shape, run });
+    }
     return tiles;
   }
 
-  function run({ does, form, design }) {
-    if (does) connection.send(...does);
-    else if (form !== undefined) actions.showForm(form);
-    else if (design) actions.open({ name: design });
-  }
-
   function tile(one, isSearching) {
-    const { id, name, says, title = name, shape, slot, isEmpty } = one;
+    const { id, name, says, title = name, shape, key, slot, keep, run, isEmpty } = one;
     const picture = h("img", { alt: "" });
     if (kept && shape !== undefined && !isEmpty)
-      kept.picture(shape, one.key).then((address) => (picture.src = address), () => {});
+      kept.picture(shape, key).then((address) => (picture.src = address), () => {});
     const isBeside = Boolean(shape) && store.get("beside")?.shape === shape;
     const beside = isBeside ? null : { shape, name: [name, says].join(", ") };
     return h(
@@ -112,7 +112,7 @@ export function stripPart(studio, { on }) {
           "aria-current": String(id === "now"),
           testid: id,
           disabled: isSearching,
-          onclick: () => run(one),
+          onclick: run,
         },
         isEmpty ? null : picture,
         h("span", {}, name),
@@ -134,7 +134,7 @@ export function stripPart(studio, { on }) {
             label: `Replace ${slot} by what is shown`,
             kind: "plain again",
             testid: `keep-${slot}`,
-            onclick: () => connection.send("keep", { slot }),
+            onclick: keep,
           })
         : null,
     );

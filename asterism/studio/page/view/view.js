@@ -253,9 +253,10 @@ export class View {
     const values = [this, partner].map((view) => view?.#valuesOf(name) ?? null);
     const domain = values[0] && fieldDomain(name, values.flatMap((some) => (some ? [...some] : [])));
     [this, partner].forEach((view, k) => view?.shape && view.#paint(name, values[k], domain));
-    const compared = FIELDS[name].isDistance ? values[0] : this.#ghost && this.#valuesOf("target");
+    const { isDistance } = FIELDS[name];
+    const compared = isDistance ? values[0] : this.store.get("showTarget") && this.#valuesOf("target");
     const lines = compared
-      ? contours(this.positions, this.triangles, compared, (domain ?? fieldDomain("target", compared))[1] / 8)
+      ? contours(this.positions, this.triangles, compared, (isDistance ? domain : fieldDomain("target", compared))[1] / 8)
       : new Float32Array(0);
     this.renderer.fill(this.contourSurface, {
       positions: lines,
@@ -269,11 +270,6 @@ export class View {
   #paint(name, values, domain) {
     this.isColoured = Boolean(values && domain);
     if (this.isColoured) this.renderer.fill(this.sheetSurface, { colours: vertexColours(name, values, domain) });
-  }
-
-  /** The surface beside the sheet, where one is shown. */
-  get #ghost() {
-    return this.target && this.store.get("showTarget") && this.target.surface.count ? this.target : null;
   }
 
   #mark() {
@@ -352,14 +348,12 @@ export class View {
         { ...sheet, side: "back", base: back, lift: -FABRIC_MM, line: [...INK, 0.5] },
         { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
       );
-    surfaces.push(
-      { surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true },
-    );
+    surfaces.push({ surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true });
     if (this.store.get("showArms") && this.armSurface.count)
       surfaces.push({ surface: this.armSurface, base: PLASTIC, shine: 0.1, coloured: 1, casts: true });
     if (this.contourSurface.lineCount && !isGrey)
       surfaces.push({ surface: this.contourSurface, base: INK, line: coloured ? [1, 1, 1, 0.8] : [...INK, 0.8] });
-    if (this.#ghost) surfaces.push({ surface: this.target.surface, ...this.target.look });
+    if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
     return surfaces;
   }
 
