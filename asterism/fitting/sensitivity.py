@@ -91,7 +91,7 @@ def sensitivity(
 
     value, sizes = quantity(None), plan.star_sizes_mm[:, column]
     steps = np.full(len(sizes), SIZE_STEPS[column]) * (1.0 if column == 0 else sizes)
-    top = preview.law.size_ranges(design.fabric.stretch_xy[0])[AXES[column].key][1]
+    top = preview.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
     steps = np.where(sizes + steps > top, -steps, steps)
     changes = []
     for site, size, step in zip(plan.sites, sizes, steps, strict=True):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, is_threefold
+from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, differs_by_direction
 from asterism.homogenize.law.anisotropy import predicted_curvatures
 from asterism.homogenize.law.law import Law, LawTable
 from asterism.homogenize.law.law_file import law_digest
@@ -96,7 +96,7 @@ def directions_warning(law: Law[Any]) -> str | None:
 
     The numbers are those of the worst direction of each cell that curls and is scale-separated.
     """
-    if not isinstance(law, StarLaw) or is_threefold(law.plan.design.lattice):
+    if not isinstance(law, StarLaw) or not differs_by_direction(law.plan.design):
         return None
     missing = "the stars curl and bend differently in each direction, which previews model in part"
     percent = []

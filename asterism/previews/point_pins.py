@@ -30,6 +30,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.shell.density import Density, EnergyTerm
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.neo_hookean import neo_hookean
+from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.sheet_mesh import SheetMesh
 from asterism.previews.fields.star_places import StarPlaces
@@ -40,12 +41,18 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
     """Additional energy term of a shell with stiffness (T, Q, 6, 6) and share (T, Q) of bare fabric.
 
     Young's modulus and Poisson's ratio follow from the stiffness, so that small strains have the same energy as before.
+    If that differs by direction, they are those of the stiffest isotropic fabric that is nowhere stiffer: the sheet
+    would have no minimum otherwise.
     """
     metric = np.asarray(fields.metric, dtype=float).reshape(-1, 3)
     square = 0.5 * (metric[:, 0] + metric[:, 1])
     membrane = stiffness[..., :3, :3].reshape(-1, 3, 3)
-    plane = bare.ravel() * membrane[:, 0, 0] * square**2
-    lam = plane * membrane[:, 0, 1] / membrane[:, 0, 0]
+    a11, a12 = isotropic_constants(membrane)
+    modes = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 2.0]]) / np.sqrt(2.0)
+    own = np.stack([a11 + a12, a11 - a12, a11 - a12], axis=-1) ** -0.5
+    over = own[:, :, None] * (modes @ membrane @ modes.T) * own[:, None, :]
+    plane = bare.ravel() * np.linalg.eigvalsh(over)[:, 0] * a11 * square**2
+    lam = plane * a12 / a11
     mu = 0.5 * (plane - lam)
 
     quadratic = np.zeros((len(mu), 3, 3))

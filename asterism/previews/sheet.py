@@ -128,6 +128,7 @@ class Sheet(PrintSheet):
             stars.carried,
             self.pin_softness,
             self.layout.spacing_mm,
+            self.design.fabric.is_orthotropic,
             self.model,
         )
         fields = sheet_fields(places)

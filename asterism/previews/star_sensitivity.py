@@ -78,7 +78,7 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
         sizes, stars = known.copy(), stars.model_copy(update={"rounding": None})
     before = known[:, column]
     steps = np.full(len(before), SIZE_STEPS[column]) * (1.0 if column == 0 else before)
-    top = state.law.size_ranges(design.fabric.stretch_xy[0])[AXES[column].key][1]
+    top = state.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
     steps = np.where(before + steps > top, -steps, steps)
     sizes[:, column] = before + steps
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)

@@ -14,7 +14,13 @@ from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.cell.rod_bending import completed_by_rods
 from asterism.homogenize.errors import CampaignError
-from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, anisotropy_size, sample_anisotropy, voigt_matrices
+from asterism.homogenize.law.anisotropy import (
+    VOIGT_ENTRIES,
+    anisotropy_size,
+    isotropic_constants,
+    sample_anisotropy,
+    voigt_matrices,
+)
 from asterism.homogenize.law.hermite_grid import HermiteGrid
 from asterism.homogenize.law.law import LawTable
 from asterism.homogenize.law.law_file import law_of_tables
@@ -178,21 +184,7 @@ def _along(places: Floats, rows: Floats, asked: Floats) -> Floats:
     return out
 
 
-def isotropic_constants(stiffness: Floats) -> tuple[float, float]:
-    """Constants A11 and A12 of the isotropic tensor nearest to a Voigt stiffness (3, 3).
-
-    Examples
-    --------
-    >>> isotropic_constants(np.array([[4.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]))
-    (4.0, 1.0)
-    """
-    a = np.asarray(stiffness)
-    one = (3 * a[0, 0] + 3 * a[1, 1] + 2 * a[0, 1] + 4 * a[2, 2]) / 8
-    two = (a[0, 0] + a[1, 1] + 6 * a[0, 1] - 4 * a[2, 2]) / 8
-    return float(one), float(two)
-
-
-def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:
+def sample_quantities(sample: dict[str, Any], stretch: Stretch) -> Floats:
     """(Q,) the quantities `star_law.QUANTITY_NAMES` of one sample.
 
     With threefold symmetry, means over directions are those of 0 and 30 degrees, where a sixfold function has its
@@ -213,9 +205,10 @@ def sample_quantities(sample: dict[str, Any], stretch: float) -> Floats:
     offset = sample["natural_centre_offset_mm"]
     curled = abs(ends["natural_curvature"].mean()) * sample["spacing_mm"] > MIN_RESOLVED_CURL
     bare = sample["length_mm"] == 0.0
+    released = 1.0 / float(np.sqrt(np.prod(np.broadcast_to(stretch, 2))))
     quantities = {
-        "lam": 1.0 / stretch if bare else sample["lam"],
-        "lam_n": 1.0 / stretch if bare else float(np.sqrt(ends["natural_hoop"] * ends["natural_axial"]).mean()),
+        "lam": released if bare else sample["lam"],
+        "lam_n": released if bare else float(np.sqrt(ends["natural_hoop"] * ends["natural_axial"]).mean()),
         "kappa": 0.0 if bare else float(ends["natural_curvature"].mean()),
         "bending": float(ends["bending"].mean()),
         "a11": a11,
@@ -232,8 +225,9 @@ def _star_cell(plan: LawPlan, record: SampleRecord) -> _Cell:
     if problem is not None or sample is None:
         return _Cell(None, problem or "no answer")
     lattice, bare = plan.design.lattice, record.task.is_bare
-    columns = anisotropy_size(lattice)
-    anisotropy = sample_anisotropy(sample) if columns and not bare else np.zeros(columns)
+    columns = anisotropy_size(plan.design)
+    is_alike = not columns or (bare and not plan.design.fabric.is_directional)
+    anisotropy = np.zeros(columns) if is_alike else sample_anisotropy(sample)
     corrugation = np.array(sample["relief"], dtype=float).ravel()
     quantities = to_stored(_quantities(record, sample), lattice.spacing_mm)
     return _Cell(np.concatenate([quantities, anisotropy, np.where(bare, 0.0, corrugation)]), None)
@@ -253,7 +247,7 @@ def _star_problem(record: SampleRecord) -> str | None:
 
 
 def _quantities(record: SampleRecord, sample: dict[str, Any]) -> Floats:
-    return sample_quantities(sample, float(np.max(record.task.stretch)))
+    return sample_quantities(sample, record.task.stretch)
 
 
 def _motif_cell(plan: LawPlan, record: SampleRecord) -> _Cell:

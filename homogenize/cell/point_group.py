@@ -3,7 +3,8 @@
 The law holds means over directions, and the part of the energy that varies as cos 6 phi, with phi from the print's y
 axis. With threefold symmetry the rest is the part with sin 6 phi. It vanishes if arms and lattice lines lie at
 multiples of 30 degrees, and is left out otherwise. Without threefold symmetry there are parts of lower order in phi,
-usually larger ones. Of these the law holds what is quadratic in the curvature (`homogenize.law.anisotropy`).
+usually larger ones, and on fabric with a grain or two stretches. Of these the law holds what is quadratic in strains
+and curvatures (`homogenize.law.anisotropy`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
@@ -27,9 +29,14 @@ LATTICE_ANGLE_TOLERANCE = 1e-6
 MIN_RESOLVED_CURL = 0.03
 
 
-def tube_angles(lattice: Lattice) -> tuple[float, ...]:
+def tube_angles(design: Design) -> tuple[float, ...]:
     """Angles (rad) of the tubes that the law of such stars needs."""
-    return THREEFOLD_ANGLES_RAD if is_threefold(lattice) else ALL_ANGLES_RAD
+    return ALL_ANGLES_RAD if differs_by_direction(design) else THREEFOLD_ANGLES_RAD
+
+
+def differs_by_direction(design: Design) -> bool:
+    """Whether a sheet of equal stars differs between directions: the fabric does, or star and lattice do."""
+    return design.fabric.is_directional or not is_threefold(design.lattice)
 
 
 def averaged_directions(tubes: Sequence[object] | Floats) -> list[int]:

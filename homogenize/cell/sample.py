@@ -19,11 +19,17 @@ from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.flat_cell import FlatCell, mean_height, relax_flat_cell
 from asterism.homogenize.cell.linear_response import tube_membrane_stiffness, voigt_turn
 from asterism.homogenize.cell.natural_curvature import TubeBranch, trace_tubes
-from asterism.homogenize.cell.point_group import is_threefold, point_group, tube_angles
+from asterism.homogenize.cell.point_group import (
+    ALL_ANGLES_RAD,
+    averaged_directions,
+    differs_by_direction,
+    is_threefold,
+    point_group,
+    tube_angles,
+)
 from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell, star_size
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import plain
 from asterism.pattern.design.materials import Fabric
 
@@ -69,7 +75,8 @@ class Sample:
         change per curvature of the contracted sheet up to the natural tubes (mean over the directions).
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
-        curvature; 0 without natural curvature and without threefold symmetry.
+        curvature, or from the means of every second of the six directions; 0 without natural curvature and without
+        threefold symmetry of star and lattice.
     centre_offset_mm : mm, star's centre over the mean surface of the flat cell.
     natural_centre_offset_mm : (D,) mm, the same on the natural tubes.
     bump_mm : mm, star's centre over its tips on the flat cell; it may be negative, and the side of the star is that of
@@ -109,8 +116,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     ----------
     design : its stars are equal; their sizes are numbers.
     edge_mm : of the mesh.
-    angles : of the tubes, rad; by default those that a law uses (`tube_angles`), for fabric that is alike in all
-        directions. `Sample.sixfold` compares the first with the last.
+    angles : of the tubes, rad; by default those that a law uses (`tube_angles`).
 
     Raises
     ------
@@ -119,16 +125,13 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     ValueError
         The stars differ, gravity is on, or `edge_mm` or `angles` are out of range.
     DesignError, MeshError
-        Arms overlap, no mesh follows them, or the fabric differs by direction and no angles are given.
+        Arms overlap, or no mesh follows them.
     """
     if not 0.0 < edge_mm < math.inf:
         raise ValueError(f"edge_mm = {edge_mm}: must be above 0")
     if angles is not None and not (len(angles) and np.isfinite(angles).all()):
         raise ValueError(f"angles = {angles}: must be finite numbers, at least one")
-    if angles is None and design.fabric.is_directional:
-        problem = "must have one stretch and one modulus if no angles are given"
-        raise DesignError("fabric", problem, [*design.fabric.stretch_xy, *design.fabric.moduli])
-    angles = tube_angles(design.lattice) if angles is None else angles
+    angles = tube_angles(design) if angles is None else angles
     cell = UnitCell(design, edge_mm)
     responses: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
     try:
@@ -147,13 +150,12 @@ def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]
     response["centre_offset_mm"] = -mean_height(cell, flat.state)
     response["iterations"] = flat.iterations
     curves: list[TubeBranch] = []
-    threefold = is_threefold(cell.design.lattice)
     # else the next direction's natural tube may be another form
-    alike = threefold and not cell.design.fabric.is_directional
+    alike = not differs_by_direction(cell.design)
     for angle in angles:
         curves.append(trace_tubes(cell, flat, angle, curves[-1] if alike and curves else None))
         response["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
-    response |= _bending(flat, curves, threefold)
+    response |= _bending(flat, angles, curves, is_threefold(cell.design.lattice))
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     offsets = np.array([centre_offset(cell, tube) for tube in ends])
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
@@ -175,7 +177,7 @@ def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
     return np.array([lying, (rolled - lying) / np.mean([tube.contracted_curvature for tube in tubes])])
 
 
-def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[str, Any]:
+def _bending(flat: FlatCell, angles: tuple[float, ...], curves: list[TubeBranch], threefold: bool) -> dict[str, Any]:
     """Responses of the tubes.
 
     Parameters
@@ -196,8 +198,9 @@ def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[
         secant = -2.0 * energy / curvature**2
     tangent = np.array([curve.stiffness for curve in curves]) * hoop**2
     bending = np.where([curve.natural is None for curve in curves], tangent, secant)
-    mean = 0.5 * (curvature[0] + curvature[-1])
-    sixfold = float(4.0 * (energy[0] - energy[-1]) / mean**3) if threefold and mean else 0.0
+    chosen = averaged_directions(curves) if angles == ALL_ANGLES_RAD else [0, -1]
+    mean, (even, odd) = curvature[chosen].mean(), (energy[chosen[part::2]].mean() for part in (0, 1))
+    sixfold = float(4.0 * (even - odd) / mean**3) if threefold and mean else 0.0
     return {
         "natural_curvature": curvature,
         "natural_energy": energy,

@@ -1,7 +1,13 @@
-"""Differences between directions in a sheet without threefold symmetry.
+"""Differences between directions in a sheet without threefold symmetry, or on fabric that has a grain or two stretches.
 
-The cell of such a star is rolled in six directions. The model of the sheet has an energy that is quadratic in the
-curvature c (Voigt vector, per mm of the sheet contracted by lam in all directions),
+The cell of such a star is rolled in six directions.
+
+**Metric and membrane.** The squared stretches around and along the tubes are those of one metric G (least squares).
+Its mean contraction is a number of the law; the rest, `log(G) - I tr log(G)/2`, stands here. So does the mean membrane
+stiffness of the tubes, over its isotropic part.
+
+**Bending.** The model of the sheet has an energy that is quadratic in the curvature c (Voigt vector, per mm of the
+sheet contracted by lam in all directions),
 
     psi(c) = D (c . Q c / 2 - m . c),
 
@@ -20,15 +26,20 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.point_group import is_threefold
-from asterism.pattern.design.lattice import Lattice
+from asterism.homogenize.cell.point_group import differs_by_direction
+from asterism.pattern.design.design import Design
 
 # Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to
 # 0.1
 BENDING_POISSON = 0.05
-ISOTROPIC_PLATE = np.array(
-    [[1.0, BENDING_POISSON, 0.0], [BENDING_POISSON, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - BENDING_POISSON)]]
-)
+
+
+def isotropic_plane(poisson: float) -> Floats:
+    """(3, 3) Voigt stiffness of an isotropic plane over its first constant."""
+    return np.array([[1.0, poisson, 0.0], [poisson, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - poisson)]])
+
+
+ISOTROPIC_PLATE = isotropic_plane(BENDING_POISSON)
 # bending energy of any curvature in Q, over that in the isotropic plate
 MIN_BENDING_RATIO = 0.15
 # weight of the distance from the isotropic plate, beside the errors of the tubes
@@ -39,9 +50,11 @@ Q12_WEIGHT = 1.0
 _NORM = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
 VOIGT_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of a symmetric Voigt matrix (11, 22, 2 x 12)
 # columns of `sample_anisotropy`
-ANISOTROPY_SIZE = 9
+ANISOTROPY_SIZE = 17
 BENDING_COLUMNS = np.arange(6)
-MOMENT_COLUMNS = np.arange(6, ANISOTROPY_SIZE)
+MOMENT_COLUMNS = np.arange(6, 9)
+METRIC_COLUMNS = np.arange(9, 11)
+MEMBRANE_COLUMNS = np.arange(11, ANISOTROPY_SIZE)
 # the same curvature in all directions, components 11, 22, 12
 SPHERICAL = np.array([1.0, 1.0, 0.0])
 _LOWER = np.tril_indices(3)
@@ -53,16 +66,18 @@ _LOWER_NORM = np.where(_LOWER[0] == _LOWER[1], 1.0, np.sqrt(2.0))
 _MOMENT_NORM = np.array([1.0, 1.0, np.sqrt(2.0)])
 
 
-def anisotropy_size(lattice: Lattice) -> int:
-    """K, the number of columns that the law of such stars has for directions; 0 for threefold symmetry."""
-    return 0 if is_threefold(lattice) else ANISOTROPY_SIZE
+def anisotropy_size(design: Design) -> int:
+    """K, the number of columns that the law of such stars has for directions; 0 if they are alike."""
+    return ANISOTROPY_SIZE if differs_by_direction(design) else 0
 
 
 def sample_anisotropy(sample: dict[str, Any]) -> Floats:
     """(K,) differences between directions of a cell that was rolled in six directions.
 
     - `BENDING_COLUMNS` (6): `VOIGT_ENTRIES` of Q - `ISOTROPIC_PLATE`;
-    - `MOMENT_COLUMNS` (3): m minus the mean natural curvature, components 11, 22, 12, 1/mm.
+    - `MOMENT_COLUMNS` (3): m minus the mean natural curvature, components 11, 22, 12, 1/mm;
+    - `METRIC_COLUMNS` (2): components 11 and 12 of the deviator of the metric's logarithm;
+    - `MEMBRANE_COLUMNS` (6): `VOIGT_ENTRIES` of the membrane stiffness minus its isotropic part, over A11 of that.
 
     Parameters
     ----------
@@ -74,8 +89,37 @@ def sample_anisotropy(sample: dict[str, Any]) -> Floats:
     )
     directions = angles + 0.5 * np.pi  # from x
     lam = np.sqrt(hoop * axial).mean()
-    q, m = _nearest(directions, kappa * (hoop / lam) ** 2, 0.5 * stiff * kappa**2 / stiff.mean())
-    return np.array([*(q[i, j] - ISOTROPIC_PLATE[i, j] for i, j in VOIGT_ENTRIES), *(m - kappa.mean() * SPHERICAL)])
+    if kappa.any():
+        q, m = _nearest(directions, kappa * (hoop / lam) ** 2, 0.5 * stiff * kappa**2 / stiff.mean())
+    else:  # bare fabric
+        q, m = _linear_fit(directions, (hoop / lam) ** 2, 0.5 * stiff / stiff.mean(), 1.0)[0], np.zeros(3)
+    around, along = _squares(directions), _squares(angles)
+    g11, g22, g12 = np.linalg.lstsq(np.vstack([around, along]), np.concatenate([hoop, axial]) ** 2, rcond=None)[0]
+    sizes, axes = np.linalg.eigh([[g11, g12], [g12, g22]])
+    metric = (axes * (np.log(sizes) - np.log(sizes).mean())) @ axes.T
+    membrane = np.mean(sample["natural_membrane"], axis=0)
+    a11, a12 = isotropic_constants(membrane)
+    uneven = membrane / a11 - isotropic_plane(a12 / a11)
+    return np.array(
+        [
+            *(q[i, j] - ISOTROPIC_PLATE[i, j] for i, j in VOIGT_ENTRIES),
+            *(m - kappa.mean() * SPHERICAL),
+            *metric[0],
+            *(uneven[i, j] for i, j in VOIGT_ENTRIES),
+        ]
+    )
+
+
+def isotropic_constants(stiffness: Floats) -> tuple[Floats, Floats]:
+    """(...) constants A11 and A12 of the isotropic tensor nearest to a Voigt stiffness (..., 3, 3).
+
+    Examples
+    --------
+    >>> [float(a) for a in isotropic_constants(np.array([[4.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]))]
+    [4.0, 1.0]
+    """
+    a11, a22, a12, a33 = (stiffness[..., i, j] for i, j in ((0, 0), (1, 1), (0, 1), (2, 2)))
+    return (3 * a11 + 3 * a22 + 2 * a12 + 4 * a33) / 8, (a11 + a22 + 6 * a12 - 4 * a33) / 8
 
 
 def predicted_curvatures(sample: dict[str, Any], share: float = 1.0) -> Floats:

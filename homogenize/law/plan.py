@@ -29,10 +29,17 @@ from asterism.pattern.layout.layout import Layout
 LATTICE_TOLERANCE = 1e-6
 # the same for a measured material, whose numbers people copy from a printed text; the law is less accurate than this
 MATERIAL_TOLERANCE = 2e-3
-# keys of a material that may differ. Without gravity, shapes depend on the ratio of the moduli only; the bending
-# stiffness over the modulus is compared by itself
+# keys of a material that may differ. Without gravity, shapes depend on the ratio of the moduli only; the fabric's own
+# stiffnesses are compared over its modulus
 FREE_KEYS = {
-    "fabric": {"stretch", "modulus_mpa", "grain_deg", "density_kg_m3", "bending_stiffness_n_mm"},
+    "fabric": {
+        "stretch",
+        "modulus_mpa",
+        "shear_modulus_mpa",
+        "grain_deg",
+        "density_kg_m3",
+        "bending_stiffness_n_mm",
+    },
     "plastic": {"density_kg_m3"},
 }
 
@@ -56,14 +63,22 @@ def check_same(
             raise ForeignLaw(f"{field} = {theirs[key]}: the law is for another {kind}, of {ours[key]}", field=field)
 
 
-def check_bending(known: Fabric, asked: Fabric) -> None:
-    """Compare the bending stiffnesses of two fabrics, each over its modulus.
+def check_stiffness(known: Fabric, asked: Fabric) -> None:
+    """Compare the stiffnesses of two fabrics, each over its modulus, and their grain.
 
     Raises
     ------
     ForeignLaw
         They differ.
     """
+    if known.is_orthotropic or asked.is_orthotropic:
+        ours, theirs = (
+            [*(e / each.modulus for e in (*each.moduli, each.shear_modulus)), *each.axes.ravel()]
+            for each in (known, asked)
+        )
+        if not same_values(ours, theirs, MATERIAL_TOLERANCE):
+            problem = f"the fabric has {asked.modulus_text}: the law is for {known.modulus_text}"
+            raise ForeignLaw(problem, field="fabric.modulus_mpa")
     ours, theirs = ([d / each.modulus for d in each.bending_tensor] for each in (known, asked))
     if not same_values(ours, theirs, MATERIAL_TOLERANCE):
         found = f"{theirs[0]:.3g} mm^3: the law is for {ours[0]:.3g} mm^3"
@@ -300,7 +315,7 @@ class LawPlan:
             vectors = [np.round(each.vectors, 4).tolist() for each in (known, asked)]
             problem = f"lattice: the law is for another lattice, of the vectors {vectors[0]}, not {vectors[1]}"
             raise ForeignLaw(problem, field="lattice")
-        check_bending(self.design.fabric, design.fabric)
+        check_stiffness(self.design.fabric, design.fabric)
         if design.rods is not None:
             self._check_lines(design.rods)
             self.sources(design)
@@ -407,8 +422,8 @@ class LawPlan:
 
 
 def without_law(design: Design) -> DesignError | None:
-    """Why no law serves a design: bare fabric without bending stiffness or with a grain, stars on fabric of two
-    stretches, or lines that do not repeat or have stars beside them."""
+    """Why no law serves a design: bare fabric without bending stiffness, a motif on fabric with a grain, or lines that
+    do not repeat or have stars beside them."""
     rods = design.rods
     if rods is not None and not rods.motif:
         return DesignError("rods.motif", f"is missing: lines that do not repeat have no law; {_EXACT}")
@@ -417,12 +432,8 @@ def without_law(design: Design) -> DesignError | None:
         return DesignError(beside, f"must be left out: a law is for a motif alone; {_EXACT}")
     if not design.fabric.has_bending:
         return DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
-    if design.fabric.is_orthotropic:
-        return DesignError("fabric", f"has a grain, so it has no law; {_EXACT}", design.fabric.modulus_text)
-    sx, sy = design.fabric.stretch_xy
-    if rods is None and not same_values(sx, sy):
-        problem = f"must be one number: the law of stars is for equal stretch in x and y; {_EXACT}"
-        return DesignError("fabric.stretch", problem, [sx, sy])
+    if rods is not None and design.fabric.is_orthotropic:
+        return DesignError("fabric", f"has a grain, so a motif has no law; {_EXACT}", design.fabric.modulus_text)
     return None
 
 

@@ -103,8 +103,8 @@ class StarTable(LawTable):
 
     @staticmethod
     def columns(plan: LawPlan) -> int:
-        lattice = plan.design.lattice
-        return len(QUANTITIES) + anisotropy_size(lattice) + 2 * len(CorrugationWaves.of(lattice))
+        waves = CorrugationWaves.of(plan.design.lattice)
+        return len(QUANTITIES) + anisotropy_size(plan.design) + 2 * len(waves)
 
     @property
     def spacing_mm(self) -> float:
@@ -158,7 +158,7 @@ class StarTable(LawTable):
         ----------
         sizes : see `__call__`.
         """
-        parts = self._smooth(sizes, len(QUANTITIES) + anisotropy_size(self.plan.design.lattice), self.stored.shape[-1])
+        parts = self._smooth(sizes, len(QUANTITIES) + anisotropy_size(self.plan.design), self.stored.shape[-1])
         return parts.reshape(len(parts), 2, -1)
 
     def anisotropy(self, *sizes: ArrayLike) -> Floats:
@@ -170,7 +170,7 @@ class StarTable(LawTable):
         ----------
         sizes : see `__call__`.
         """
-        return self._smooth(sizes, len(QUANTITIES), len(QUANTITIES) + anisotropy_size(self.plan.design.lattice))
+        return self._smooth(sizes, len(QUANTITIES), len(QUANTITIES) + anisotropy_size(self.plan.design))
 
     def _smooth(self, sizes: Sequence[ArrayLike], start: int, stop: int) -> Floats:
         rows, rules = self.rows(sizes), list[SlopeRule](["smooth"] * (stop - start))
@@ -229,10 +229,6 @@ def _rate(stored: Floats, spacing_mm: float) -> Floats:
 @dataclass(frozen=True)
 class StarLaw(Law[StarTable]):
     """The law of stars of one material and lattice."""
-
-    @property
-    def stretches(self) -> tuple[float, ...]:
-        return tuple(float(np.max(table.stretch)) for table in self.tables)
 
     @cached_property
     def waves(self) -> CorrugationWaves:

@@ -33,7 +33,7 @@ def solve_cell(design: Design, edge_mm: float) -> Answer:
     kappa = 0.002 * l**2 / (1 + 0.1 * l**2) * (0.3 / h) ** 2 * w**0.1
     a = 11.5 * np.exp(-0.02 * l)
     membrane = np.array([[a, 0.3 * a, 0], [0.3 * a, a, 0], [0, 0, 0.35 * a]])
-    angles = tube_angles(design.lattice)
+    angles = tube_angles(design)
     each = np.ones(len(angles))
     data = {
         "length_mm": l,

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from asterism.homogenize.campaign.fit_law import isotropic_constants
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.linear_response import flat_membrane_stiffness, tube_membrane_stiffness
@@ -19,6 +18,7 @@ from asterism.homogenize.cell.rolling import (
 )
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.design.lattice import Lattice
 from tests.homogenize.cells import design, relaxed
 from tests.homogenize.linear_cell import effective_stiffness

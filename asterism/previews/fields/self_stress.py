@@ -18,6 +18,9 @@ For stars whose membrane is as stiff as bare fabric, it is 3 to 5 mm^2
 at arms of 4.5 to 8 mm and the paper's spacing. Stars with bumps are softer, but cannot buckle in a planar sheet of the
 exact model, which says nothing about them. a was fitted to ribbons and free caps, and is at the upper end of what flat
 sheets give.
+
+On fabric with a grain the tension differs between directions, and one number does not describe its work: sheets are
+nearer to the exact model without it.
 """
 
 from __future__ import annotations
@@ -39,6 +42,8 @@ MAX_GAUSSIAN_SHARE = 0.95
 
 def self_stress(fields: Fields, at: StarPlaces) -> Fields:
     """The fields with the Gaussian modulus -g."""
+    if at.has_grain:
+        return fields
     assert isinstance(fields.density, Density)
     moduli = gaussian_moduli(at.values, at.spacing_mm, at.model)
     saved = at.stars * np.asarray(at.weights @ moduli).reshape(at.shape)

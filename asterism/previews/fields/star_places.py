@@ -30,6 +30,7 @@ class StarPlaces:
     carried : (S, N) share of the natural curvature that arms carry into a free rim; None without free rims.
     softness : (T, Q) around supported points (`asterism.previews.point_pins`); None for sheets without.
     spacing_mm : of the stars.
+    has_grain : the fabric is orthotropic.
     model : constants of the preview.
     """
 
@@ -41,6 +42,7 @@ class StarPlaces:
     carried: Floats | None = None
     softness: Floats | None = None
     spacing_mm: float = DEFAULT_SPACING_MM
+    has_grain: bool = False
     model: PreviewModel = PREVIEW_MODEL
 
     def mean(self, name: str) -> Floats:
@@ -51,6 +53,12 @@ class StarPlaces:
         """(T, Q) mean by the logarithm, for other weights if they are given."""
         logarithm = np.log(self.values.value[name])
         return np.asarray(np.exp(self._mean(logarithm, self.weights if weights is None else weights)))
+
+    @property
+    def anisotropy(self) -> Floats:
+        """(T, Q, K) differences between directions."""
+        of = self.values.anisotropy
+        return np.asarray(of[-1] + self.weights @ (of[:-1] - of[-1])).reshape(*self.shape, -1)
 
     @cached_property
     def lam(self) -> Floats:

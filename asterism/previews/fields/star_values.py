@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.anisotropy import tube_of_largest_gain
+from asterism.homogenize.law.anisotropy import BENDING_COLUMNS, MOMENT_COLUMNS, tube_of_largest_gain
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
@@ -40,8 +40,8 @@ class StarValues:
         and to the other side, or hardly, in others.
     tip_heights : (S + 1, 2) mm and mm^2, corrugation at the tips of a star's arms, mean over the arms: flat, and change
         per curvature.
-    anisotropy : (S + 1, K) difference between directions, `anisotropy_share` times `homogenize.law.anisotropy`;
-        K = 0 for most laws.
+    anisotropy : (S + 1, K) differences between directions (`homogenize.law.anisotropy`); those of bending times
+        `anisotropy_share` if they come from the stars alone. K = 0 for most laws.
     """
 
     value: dict[str, Floats]
@@ -83,7 +83,9 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     _check(layout, where, {name: values.value[name][:-1] for name in QUANTITY_NAMES})
     outside = tuple(_placed(line, where) for line in values.outside)
     differs = law.anisotropy(design, *asked.T)
-    anisotropy = model.anisotropy_share * differs
+    anisotropy = differs.copy()
+    if differs.shape[1] and not design.fabric.is_directional:
+        anisotropy[:, [*BENDING_COLUMNS, *MOMENT_COLUMNS]] *= model.anisotropy_share
     # as for cells, the whole difference between directions counts here, without `anisotropy_share`
     curls = values.not_scale_separated | (
         np.abs(tube_of_largest_gain(values.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL

@@ -24,19 +24,22 @@ TURNED = [[17.0 * np.cos(a), 17.0 * np.sin(a)] for a in np.radians((10.0, 70.0))
 
 
 @pytest.mark.parametrize(
-    ("lattice", "threefold"),
+    ("lattice", "fabric", "alike"),
     [
-        ({}, True),
-        ({"arms": 6}, True),
-        ({"orientation_deg": 20}, True),
-        ({"kind": "custom", "vectors_mm": TURNED}, True),
-        ({"arms": 5}, False),
-        ({"arms": 4, "kind": "square"}, False),
-        ({"arms": 3, "kind": "square"}, False),
+        ({}, {}, True),
+        ({"arms": 6}, {}, True),
+        ({"orientation_deg": 20}, {}, True),
+        ({"kind": "custom", "vectors_mm": TURNED}, {"modulus_mpa": [2.0, 2.0]}, True),
+        ({"arms": 5}, {}, False),
+        ({"arms": 4, "kind": "square"}, {}, False),
+        ({"arms": 3, "kind": "square"}, {}, False),
+        ({}, {"modulus_mpa": [2.0, 1.0]}, False),
+        ({}, {"stretch": [1.2, 1.3]}, False),
     ],
 )
-def test_what_a_lattice_needs(lattice: dict[str, Any], threefold: bool) -> None:
-    assert tube_angles(Lattice(**lattice)) == (THREEFOLD_ANGLES_RAD if threefold else ALL_ANGLES_RAD)
+def test_what_a_sheet_needs(lattice: dict[str, Any], fabric: dict[str, Any], alike: bool) -> None:
+    found = tube_angles(design(5.0, lattice=lattice, fabric=fabric))
+    assert found == (THREEFOLD_ANGLES_RAD if alike else ALL_ANGLES_RAD)
 
 
 def test_six_directions_have_the_mean_of_all() -> None:

@@ -15,16 +15,20 @@ from asterism.homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
+    MEMBRANE_COLUMNS,
+    METRIC_COLUMNS,
     MIN_BENDING_RATIO,
     MOMENT_COLUMNS,
     SPHERICAL,
     anisotropy_size,
+    isotropic_constants,
+    isotropic_plane,
     mean_q12,
     natural_curvatures,
     sample_anisotropy,
     voigt_matrices,
 )
-from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.design import Design
 
 FROM_X = np.array(ALL_ANGLES_RAD) + 0.5 * np.pi
 LAM = 0.75
@@ -41,6 +45,7 @@ def sample(q: Floats, m: Floats, hoop: Floats | float = LAM) -> dict[str, Any]:
         "natural_curvature": kappa.tolist(),
         "natural_hoop": around.tolist(),
         "natural_axial": (LAM**2 / around).tolist(),
+        "natural_membrane": [isotropic_plane(0.3).tolist()] * 6,
         "bending": stiff.tolist(),
     }
 
@@ -50,14 +55,51 @@ def tensors(found: dict[str, Any]) -> tuple[Floats, Floats]:
     return ISOTROPIC_PLATE + voigt_matrices(own[BENDING_COLUMNS]), kappa * SPHERICAL + own[MOMENT_COLUMNS]
 
 
-def test_only_lattices_without_threefold_symmetry_have_them() -> None:
-    assert anisotropy_size(Lattice()) == anisotropy_size(Lattice(orientation_deg=10.0)) == 0
-    assert anisotropy_size(Lattice(arms=4)) == anisotropy_size(Lattice(kind="square")) == ANISOTROPY_SIZE
+def test_only_sheets_without_threefold_symmetry_have_them() -> None:
+    def size(**sections: Any) -> int:
+        return anisotropy_size(Design.from_dict({"stars": {"length_mm": 5.0}, "border": {"rings": 1}, **sections}))
+
+    assert size() == size(lattice={"orientation_deg": 10.0}) == size(fabric={"stretch": [1.2, 1.2]}) == 0
+    uneven: list[dict[str, Any]] = [{"stretch": [1.2, 1.3]}, {"modulus_mpa": [2.0, 1.0]}]
+    assert {size(fabric=fabric) for fabric in uneven} == {ANISOTROPY_SIZE}
+    assert {size(lattice=lattice) for lattice in ({"arms": 4}, {"kind": "square"})} == {ANISOTROPY_SIZE}
 
 
 def test_stars_that_are_alike_in_all_directions_have_none() -> None:
     assert np.abs(sample_anisotropy(sample(ISOTROPIC_PLATE, 0.03 * SPHERICAL))).max() < 1e-6
-    assert np.abs(sample_anisotropy(sample(ISOTROPIC_PLATE, 0.0 * SPHERICAL) | {"bending": [1.0] * 6})).max() == 0.0
+    flat = sample(ISOTROPIC_PLATE, 0.0 * SPHERICAL) | {"bending": [1.0] * 6}
+    assert np.abs(sample_anisotropy(flat)).max() < 1e-12
+
+
+@pytest.mark.parametrize("axis", [0.0, 0.4, 1.9])
+def test_metric_and_membrane_are_found_whatever_their_axes(axis: float) -> None:
+    """Stretches of .7 along the axis and .8 across, and a membrane that is twice as stiff along it."""
+    c, s = np.cos(axis), np.sin(axis)
+    turn = np.array([[c, -s], [s, c]])
+    metric = turn @ np.diag([0.7**2, 0.8**2]) @ turn.T
+    around, along = (np.column_stack([np.cos(a), np.sin(a)]) for a in (FROM_X, FROM_X - 0.5 * np.pi))
+    hoop, axial = (np.sqrt(np.einsum("di,ij,dj->d", each, metric, each)) for each in (around, along))
+    stiff = turned(axis).T @ np.array([[8.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]) @ turned(axis)
+    found = sample(ISOTROPIC_PLATE, 0.03 * SPHERICAL) | {
+        "natural_hoop": hoop.tolist(), "natural_axial": axial.tolist(), "natural_membrane": [stiff.tolist()] * 6
+    }  # fmt: skip
+    own = sample_anisotropy(found)
+    sizes, axes = np.linalg.eigh([[own[9], own[10]], [own[10], -own[9]]])
+    assert sizes == pytest.approx([-np.log(8 / 7), np.log(8 / 7)]) and abs(axes[:, 0] @ turn[:, 0]) == pytest.approx(1)
+    a11, a12 = isotropic_constants(stiff)
+    again = a11 * (isotropic_plane(a12 / a11) + voigt_matrices(own[MEMBRANE_COLUMNS]))
+    assert np.allclose(again, stiff, rtol=1e-12, atol=1e-12)
+    assert own[METRIC_COLUMNS].tolist() == own[9:11].tolist()
+
+
+def test_bare_fabric_bends_as_its_plate() -> None:
+    """Without natural curvature its stiffness tells its tensor: here along x 3 N mm, and along y 1."""
+    plate = np.array([[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    along = np.column_stack([np.cos(FROM_X) ** 2, np.sin(FROM_X) ** 2, 2 * np.sin(FROM_X) * np.cos(FROM_X)])
+    stiff = np.einsum("di,ij,dj->d", along, plate, along)
+    own = sample_anisotropy(sample(ISOTROPIC_PLATE, 0.0 * SPHERICAL) | {"bending": stiff.tolist()})
+    q = ISOTROPIC_PLATE + voigt_matrices(own[BENDING_COLUMNS])
+    assert q[0, 0] / q[1, 1] == pytest.approx(3.0, rel=0.05) and not own[MOMENT_COLUMNS].any()
 
 
 @settings(max_examples=30, deadline=None)

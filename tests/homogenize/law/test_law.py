@@ -415,7 +415,11 @@ def test_a_law_says_for_which_designs_it_is() -> None:
     ("change", "word"),
     [
         ({"fabric__stretch": 1.5}, "fabric.stretch = 1.5: the law was made for 1.35, 1.75"),
-        ({"fabric__stretch": [1.35, 1.3]}, "fabric.stretch = [1.35, 1.3]: must be one number: the law of stars"),
+        ({"fabric__stretch": [1.35, 1.3]}, "fabric.stretch = [1.35, 1.3]: the law was made for 1.35, 1.75"),
+        (
+            {"fabric__modulus_mpa": [8.0, 4.0]},
+            "the fabric has 8 MPa along and 4 MPa across the grain at 0 deg: the law",
+        ),
         ({"fabric__thickness_mm": 0.7}, "fabric.thickness_mm = 0.7: the law is for another material, of 0.8"),
         ({"fabric__bending": "consistent"}, "fabric.bending = consistent: the law is for another material"),
         ({"plastic__modulus_ratio": 3000.0}, "plastic.modulus_ratio = 3000.0: the law is for another"),

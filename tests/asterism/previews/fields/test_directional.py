@@ -17,6 +17,8 @@ from asterism.homogenize.law.anisotropy import (
     ANISOTROPY_SIZE,
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
+    MEMBRANE_COLUMNS,
+    METRIC_COLUMNS,
     MIN_BENDING_RATIO,
     MOMENT_COLUMNS,
     VOIGT_ENTRIES,
@@ -80,6 +82,26 @@ def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -
     assert stiffness[0, 0, 0] == stiffness[0, 1, 1]
     assert stiffness[1, 0, 0] / stiffness[1, 1, 1] == pytest.approx(0.6 / 1.4)
     assert stiffness[1, 0, 1] == pytest.approx(BENDING_POISSON * 0.5 * (stiffness[1, 0, 0] + stiffness[1, 1, 1]))
+
+
+def test_fabric_that_differs_contracts_and_stretches_by_direction() -> None:
+    """Bare fabric 2 % longer along x and as much shorter along y than in the mean, and softer along x."""
+    own = np.zeros((STARS + 1, ANISOTROPY_SIZE))
+    own[-1, METRIC_COLUMNS] = 2.0 * np.log(1.02), 0.0
+    own[-1, MEMBRANE_COLUMNS[:2]] = -0.3, 0.3
+    stars = replace(PLAIN, anisotropy=own)
+    fields = sheet_fields(StarPlaces(sp.csr_matrix((1, STARS)), stars, (1, 1)))
+    lam = stars.value["lam_n"][-1]
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+    assert 2.0 * rest[:3] == pytest.approx([(1.02 * lam) ** 2, (lam / 1.02) ** 2, 0.0])
+    membrane = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, :3, :3]
+    assert membrane[0, 0] / membrane[1, 1] == pytest.approx(0.7 / 1.3)
+    turned = np.zeros((STARS + 1, ANISOTROPY_SIZE))
+    turned[-1, METRIC_COLUMNS] = 0.0, 2.0 * np.log(1.02)  # the same about 45 degrees
+    fields = sheet_fields(StarPlaces(sp.csr_matrix((1, STARS)), replace(PLAIN, anisotropy=turned), (1, 1)))
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+    along = 0.25 * lam**2 * (1.02**2 + 1.02**-2)
+    assert rest[:3] == pytest.approx([along, along, 0.5 * lam**2 * (1.02**2 - 1.02**-2)])
 
 
 def test_caps_of_soft_directions_stay_stable() -> None:
