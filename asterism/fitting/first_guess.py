@@ -87,17 +87,19 @@ def guess_design(
     ForeignLaw
         The law has no table for the stretch.
     LawError
-        The law does not cover the width.
+        The law does not cover the width, or is for unequal stretches in x and y.
     """
+    if not law.even_stretches:
+        raise LawError("a fit to a surface needs a law of equal stretch in x and y", field="fabric.stretch")
     say("flattening the target")
     flat = flatten_target(target)
-    thinnest, widest = law.size_ranges(law.stretches[0])["width_mm"]
+    thinnest, widest = law.size_ranges(law.even_stretches[0])["width_mm"]
     settings = settings or FitSettings()
     stretch, needles, width_mm = settings.stretch, settings.needles, settings.width_mm
     if width_mm is not None and not thinnest <= width_mm <= widest:
         raise LawError(f"width_mm = {width_mm:g}: the law covers {thinnest:g} to {widest:g} mm")
     width = float(np.clip(FITTED_WIDTH_MM, thinnest, widest)) if width_mm is None else float(width_mm)
-    menus = [StarMenu.of(law, available, width) for available in sorted(law.stretches)]
+    menus = [StarMenu.of(law, available, width) for available in law.even_stretches]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
     lattice = law.plan.design.lattice
     log_size = _log_size(flat, menu)

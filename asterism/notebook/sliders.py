@@ -126,15 +126,15 @@ class SliderBoard:
     def _present(self, law: StarLaw) -> list[Slider]:
         """All sliders that the design has."""
         design, out = self._design, []
-        ranges = law.size_ranges(design.fabric.stretch_xy[0])
+        ranges = law.size_ranges(design.fabric.stretch_xy)
         for column, (key, label) in enumerate(SIZE_SLIDERS.items()):
             sizes = self._layout.site_sizes_mm[self._is_star, column]
             slider = _size_slider(key, label, sizes, ranges[SIZE_KEYS[column]])
             if slider is not None:
                 out.append(slider)
         stretch = design.fabric.stretch
-        if stretch in law.stretches and len(law.stretches) > 1:
-            options = tuple(sorted(law.stretches))
+        options = law.even_stretches
+        if stretch in options and len(options) > 1:
             out.append(
                 Slider(
                     "stretch",

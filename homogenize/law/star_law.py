@@ -230,6 +230,11 @@ def _rate(stored: Floats, spacing_mm: float) -> Floats:
 class StarLaw(Law[StarTable]):
     """The law of stars of one material and lattice."""
 
+    @property
+    def even_stretches(self) -> tuple[float, ...]:
+        """Those of the tables that are the same in x and y, increasing."""
+        return tuple(sorted(each for each in self.stretches if isinstance(each, float)))
+
     @cached_property
     def waves(self) -> CorrugationWaves:
         """The waves whose amplitudes `StarTable.corrugation` gives."""
