@@ -168,17 +168,7 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
     text, image = page(design.with_name("d-report.pdf"))
     assert "not known: this design has no preview" in text
     assert image[300:1200, 150:1950].min() == 255
-    # no law holds two stretches: none is asked for
-    design.write_text(DESIGN + "[fabric]\nstretch = [1.2, 1.5]\n")
-    done = command(["report", str(design)], capsys, monkeypatch)
-    assert done.status == 0 and done.line.endswith("asterism simulate; give --results")
-    design.write_text(DESIGN + '[fabric]\nbending = "none"\n')
-    # a law is for fabric that bends
-    refused = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
-    assert refused.status == 2 and "fabric.bending" in refused.line
-    design.write_text(DESIGN)
-    done = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
-    assert done.status == 0 and "by the preview" in done.out
+
 
 
 @pytest.mark.parametrize(
