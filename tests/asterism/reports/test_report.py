@@ -168,7 +168,12 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
     text, image = page(design.with_name("d-report.pdf"))
     assert "not known: this design has no preview" in text
     assert image[300:1200, 150:1950].min() == 255
-
+    # a law is for fabric that bends
+    refused = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
+    assert refused.status == 2 and "fabric.bending" in refused.line
+    design.write_text(DESIGN)
+    done = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
+    assert done.status == 0 and "by the preview" in done.out
 
 
 @pytest.mark.parametrize(
