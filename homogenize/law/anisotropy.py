@@ -99,7 +99,7 @@ def sample_anisotropy(sample: dict[str, Any]) -> Floats:
     metric = (axes * (np.log(sizes) - np.log(sizes).mean())) @ axes.T
     membrane = np.mean(sample["natural_membrane"], axis=0)
     a11, a12 = isotropic_constants(membrane)
-    uneven = membrane / a11 - isotropic_plane(a12 / a11)
+    uneven = membrane / a11 - isotropic_plane(float(a12 / a11))
     return np.array(
         [
             *(q[i, j] - ISOTROPIC_PLATE[i, j] for i, j in VOIGT_ENTRIES),

@@ -134,12 +134,13 @@ def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp
 
 
 def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file: Path, run: Run) -> None:
-    """The law is for equal stretches; this fabric has two."""
+    """The fabric does not bend."""
+    save_design(design(fabric={"bending": "none"}), file)
     result = run("export", "d.toml", "-o", "out")
     assert result.status == 0, result.err
     assert "not computed (" in result.out
     for words in (["--preview"], ["--law", str(PAPER_LAW)]):
-        assert "equal stretch in x and y" in mistake(run("export", "d.toml", "-o", "other", *words))
+        assert "fabric.bending" in mistake(run("export", "d.toml", "-o", "other", *words))
 
 
 def test_the_preview_takes_a_law(file: Path, run: Run) -> None:

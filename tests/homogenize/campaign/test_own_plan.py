@@ -74,7 +74,6 @@ def test_sizes_at_their_limit_but_for_rounding_are_so() -> None:
     ("changes", "sizes", "said"),
     [
         ({}, np.zeros((0, 3)), "at least one"),
-        ({"fabric__stretch": [1.3, 1.4]}, np.array([[5.0, 0.3, 1.2]]), "fabric.stretch"),
         ({"fabric__bending": "none"}, np.array([[5.0, 0.3, 1.2]]), "fabric.bending"),
         ({}, np.array([[np.nan, 0.3, 1.2]]), "finite"),
     ],
