@@ -103,12 +103,13 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
         page.until("history")  # documents that were sent for other reasons have been read
         page.send(type="printer", name="ultimaker2")
         assert not page.until("document")["can_undo"]
-        last = at_rest(page)
+        page.send(type="keep", slot="B")
+        last = page.until("state", engine="ready", summary_revision=first["revision"])
         page.send(type="save")
         page.until("saved")
     assert json.dumps(studio.document.table) == json.dumps(first["design"])  # type: ignore[union-attr]
     assert path.read_bytes() == original
-    assert last["summary_revision"] == first["revision"] and last["numbers"]["is_minimum"], last["problem"]
+    assert last["numbers"]["is_minimum"], last["problem"]
     print(
         f"{EDITS} gestures: slowest answer {slowest:.2f} s; server and engine {memory_mb} MB after half and all of them"
     )
