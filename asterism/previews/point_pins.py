@@ -15,7 +15,7 @@ Both models give the same u for `A = (ln(L/h) - (d - c))/g`. d - c and g are com
 
 **Bare fabric at large strains**, as beside a pin. The law's energy is quadratic in Green's strain. It is accurate up to
 strains of a few tens of percent, and far too stiff beyond. The fabric of the exact model is neo-Hookean
-(`fem.shell.neo_hookean`). The energy of the shell gets the difference between that energy W and its quadratic part,
+(`fem.shell.hyperelastic`). The energy of the shell gets the difference between that energy W and its quadratic part,
 times the share of bare fabric; strains count from the rest metric lambda^2. Only supports stretch fabric this far. In
 supported sheets the rest metric does not follow the curvature, so that W depends on the metric alone.
 """
@@ -29,7 +29,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fem.shell.density import Density, EnergyTerm
 from asterism.fem.shell.fields import Fields
-from asterism.fem.shell.neo_hookean import neo_hookean
+from asterism.fem.shell.hyperelastic import hyperelastic
 from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.sheet_mesh import SheetMesh
@@ -62,7 +62,7 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
 
     def beyond(e: Floats) -> tuple[Floats, Floats, Floats]:
         strain, gradient, hessian = e[:, :3] / square[:, None], np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
-        energy, slope, curve = neo_hookean(strain, mu, lam)
+        energy, slope, curve = hyperelastic(strain, mu, lam)
         linear = np.einsum("pab,pb->pa", quadratic, strain)
         gradient[:, :3] = (slope - linear) / square[:, None]
         hessian[:, :3, :3] = (curve - quadratic) / (square**2)[:, None, None]

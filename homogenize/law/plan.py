@@ -422,8 +422,8 @@ class LawPlan:
 
 
 def without_law(design: Design) -> DesignError | None:
-    """Why no law serves a design: bare fabric without bending stiffness, a motif on fabric with a grain, or lines that
-    do not repeat or have stars beside them."""
+    """Why no law serves a design: bare fabric without bending stiffness, or lines that do not repeat or have stars
+    beside them."""
     rods = design.rods
     if rods is not None and not rods.motif:
         return DesignError("rods.motif", f"is missing: lines that do not repeat have no law; {_EXACT}")
@@ -432,8 +432,6 @@ def without_law(design: Design) -> DesignError | None:
         return DesignError(beside, f"must be left out: a law is for a motif alone; {_EXACT}")
     if not design.fabric.has_bending:
         return DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
-    if rods is not None and design.fabric.is_orthotropic:
-        return DesignError("fabric", f"has a grain, so a motif has no law; {_EXACT}", design.fabric.modulus_text)
     return None
 
 

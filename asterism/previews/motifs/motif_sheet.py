@@ -1,8 +1,8 @@
 """The sheet of a motif: fields of its law at the quadrature points, bare fabric around it, and its weight.
 
 **Bare fabric** that rods hold is stretched by a third of its length and more. Where it forms a rim, its tension bends
-the whole sheet: along the rim the fabric pulls, and the rods beside it resist. So it has the neo-Hookean energy of
-`fem.shell.neo_hookean`, with the strain from the released fabric.
+the whole sheet: along the rim the fabric pulls, and the rods beside it resist. So it has the energy of
+`fem.shell.hyperelastic`, with the strain from the released fabric along and across its grain.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.density import Density, EnergyTerm, gaussian_limits, on_metric
 from asterism.fem.shell.fields import FieldError, Fields
-from asterism.fem.shell.neo_hookean import neo_hookean
+from asterism.fem.shell.hyperelastic import hyperelastic
+from asterism.homogenize.cell.linear_response import voigt_turn
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import rounded, source_of
@@ -46,19 +47,19 @@ def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
     already = np.stack(
         [0.5 * (reference[:, 0] - released[0]), 0.5 * (reference[:, 1] - released[1]), reference[:, 2]], axis=1
     )
-    # of strains E11, E22, 2 E12 in the released fabric's own lengths
-    scale = 1.0 / np.array([released[0], released[1], np.sqrt(released.prod())])
+    # of strains E11, E22, 2 E12 in the released fabric's own lengths, along and across its grain
+    own = voigt_turn(fabric.axes.T) / np.array([released[0], released[1], np.sqrt(released.prod())])
     amount = share.ravel() * fabric.thickness_mm * np.sqrt(released.prod())
     where = np.flatnonzero(amount)
-    stiff = fabric.modulus * amount[where]
-    mu, lam = stiff / (2.0 * (1.0 + fabric.poisson)), stiff * fabric.poisson / (1.0 - fabric.poisson**2)
+    mu = fabric.shear_modulus * amount[where]
+    lam = fabric.modulus * fabric.poisson / (1.0 - fabric.poisson**2) * amount[where]
 
     def term(e: Floats) -> tuple[Floats, Floats, Floats]:
         energy, gradient, hessian = np.zeros(len(e)), np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
-        value, slope, curve = neo_hookean((e[where, :3] + already[where]) * scale, mu, lam)
+        value, slope, curve = hyperelastic((e[where, :3] + already[where]) @ own.T, mu, lam, fabric.exponents)
         energy[where] = value
-        gradient[where, :3] = scale * slope
-        hessian[where, :3, :3] = np.outer(scale, scale) * curve
+        gradient[where, :3] = slope @ own
+        hessian[where, :3, :3] = own.T @ curve @ own
         return energy, gradient, hessian
 
     return term
@@ -247,6 +248,7 @@ def fabric_bending(fabric: Fabric) -> Floats:
     """(3, 3) N mm, bending stiffness of bare fabric per printed area."""
     metric = np.array([*(1.0 / stretch**2 for stretch in fabric.stretch_xy), 0.0])
     d11, d12, d22, d66 = fabric.bending_tensor
+    own = voigt_turn(fabric.axes.T)
     stiffness = np.zeros((6, 6))
-    stiffness[3:, 3:] = [[d11, d12, 0.0], [d12, d22, 0.0], [0.0, 0.0, d66]]
+    stiffness[3:, 3:] = own.T @ [[d11, d12, 0.0], [d12, d22, 0.0], [0.0, 0.0, d66]] @ own
     return on_metric(stiffness, metric)[3:, 3:]

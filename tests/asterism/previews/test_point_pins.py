@@ -20,7 +20,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
-from asterism.fem.shell.neo_hookean import MIN_DET_C
+from asterism.fem.shell.hyperelastic import MIN_DET_C
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
 from asterism.fem.supports.conditions import vertices_at
 from asterism.pattern import gallery

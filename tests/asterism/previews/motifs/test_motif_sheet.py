@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import shapely
 
+from asterism.discrete.energies.membrane import Membrane
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.previews.motifs.motif_cover import reach_mm
-from asterism.previews.motifs.motif_sheet import fabric_tension, motif_sheet_of
+from asterism.previews.motifs.motif_sheet import bare_fabric, fabric_bending, fabric_tension, motif_sheet_of
 from asterism.previews.motifs.rim_tension import to_first_rod
 from tests.asterism.previews.motifs.nets import GRADED, net, net_law
 
@@ -61,6 +62,25 @@ def test_fabric_as_printed_has_its_tension() -> None:
     lam = fabric.modulus_mpa * fabric.poisson / (1.0 - fabric.poisson**2)
     tension = fabric.thickness_mm / 1.35**2 * (mu * (1.35**2 - 1.0) + 2.0 * lam * np.log(1.35))
     assert fabric_tension(fabric, np.array([[1.0, 1.0, 0.0]]))[0] == pytest.approx([tension, tension, 0.0])
+
+
+def test_fabric_with_a_grain_has_the_energy_of_the_exact_model() -> None:
+    fabric = Fabric(modulus_mpa=(11.36, 4.55), grain_deg=35.0, stretch=(1.3, 1.6))
+    printed = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    exact = Membrane(np.array([[0, 1, 2]]), printed / fabric.stretch_xy, fabric)
+    term = bare_fabric(fabric, np.array([[[0.5, 0.4, 0.05]]]), np.ones((1, 1)))
+    for turn in np.random.default_rng(0).normal(0.8 * np.eye(2), 0.1, (5, 2, 2)):
+        c = turn.T @ turn
+        strain = np.array([[0.5 * (c[0, 0] - 0.5), 0.5 * (c[1, 1] - 0.4), c[0, 1] - 0.05, 0.0, 0.0, 0.0]])
+        state = np.column_stack([printed @ turn.T, np.zeros(3)])
+        assert 0.5 * term(strain)[0] == pytest.approx(exact.energies(state.ravel()))
+
+
+def test_fabric_bends_by_its_grain() -> None:
+    fabric = Fabric(modulus_mpa=(9.0, 3.0), bending_stiffness_n_mm=(0.9, 0.3), grain_deg=35.0, stretch=1.3)
+    for direction, stiffness in zip(fabric.axes.T, (0.9, 0.3), strict=True):
+        curvature = np.array([direction[0] ** 2, direction[1] ** 2, 2.0 * direction.prod()])
+        assert curvature @ fabric_bending(fabric) @ curvature == pytest.approx(1.3**2 * stiffness)
 
 
 def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
