@@ -4,8 +4,8 @@ python -m benchmarks.pictures KIND [NAME ...]    (names: of designs, states or p
 
 gallery: designs and patterns by both models, with the table of their page. start: small pictures of the studio's first
 page. pages: designs that stand in a page's text, and two forms of one design. verified: an exact shape and its preview.
-contact: a roll with and without contact. export: pages of a layout.pdf. studio: states of the studio's page. tutorial:
-the canopy, step by step.
+fabrics: a sheet on two fabrics. contact: a roll with and without contact. export: pages of a layout.pdf. studio: states
+of the studio's page. tutorial: the canopy, step by step.
 `python -m benchmarks.fit_targets FOLDER` draws the fits.
 """
 
@@ -17,8 +17,8 @@ from inspect import signature
 
 # by the module that draws them: browsers are not loaded for pictures that need none
 KINDS = {
-    "gallery": "shapes", "start": "shapes", "pages": "shapes", "verified": "shapes", "contact": "shapes",
-    "export": "shapes", "studio": "studio", "tutorial": "studio",
+    "gallery": "shapes", "start": "shapes", "pages": "shapes", "verified": "shapes", "fabrics": "shapes",
+    "contact": "shapes", "export": "shapes", "studio": "studio", "tutorial": "studio",
 }  # fmt: skip
 
 

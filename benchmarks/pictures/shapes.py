@@ -133,6 +133,16 @@ def pages(*names: str) -> None:
         print(name, flush=True)
 
 
+def fabrics() -> None:
+    """fabric-even.png and fabric-grain.png: the tube on two fabrics of the same mean modulus."""
+    even = designs.load("tube").to_dict()
+    modulus, root = even["fabric"]["modulus_mpa"], np.sqrt(2.5)
+    grain = even["fabric"] | {"modulus_mpa": [modulus * root, modulus / root], "grain_deg": 0.0}
+    for name, fabric in (("even", even["fabric"]), ("grain", grain)):
+        design = Design.from_dict(even | {"fabric": fabric})
+        draw(exact_shape(design, near=preview(design)), f"fabric-{name}", "tube")
+
+
 def verified() -> None:
     """verified.png: the exact dome, its preview, and one in the other, seen from the same place."""
     design = designs.load("dome")
