@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -78,6 +79,14 @@ def build(room: Path) -> Path:
     shutil.rmtree(copy)
     (wheel,) = (room / "dist").glob("*.whl")
     assert len(list((room / "dist").glob("*.tar.gz"))) == 1
+    with zipfile.ZipFile(wheel) as packed:
+        names = set(packed.namelist())
+    # one name, so that nothing of another project is overwritten
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"asterism", "asterism_fabric"}
+    assert "asterism/py.typed" in names
+    for folder in ("page", "gallery"):
+        files = {f.relative_to(ROOT).as_posix() for f in (ROOT / "asterism/studio" / folder).rglob("*") if f.is_file()}
+        assert files and files <= names, files - names
     return wheel
 
 
