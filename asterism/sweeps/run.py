@@ -20,6 +20,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.process.progress_line import CountLine
 from asterism.results.files import OutputError
+from asterism.results.records.sweep import SweepRowRecord
 from asterism.sweeps.parameters import (
     SweepError,
     SweepParameter,
@@ -29,7 +30,7 @@ from asterism.sweeps.parameters import (
     with_whole_ranges,
 )
 from asterism.sweeps.solve_point import SmallPicture, named_law, packed_law, solve_point, sweep_code_version
-from asterism.sweeps.sweep import Sweep, SweepPoint
+from asterism.sweeps.sweep import Sweep
 
 # values by path, or parameters
 Vary = Mapping[str, str | Sequence[Any]] | Sequence[SweepParameter]
@@ -50,7 +51,7 @@ class SweepProgress:
     total: int
     failed: int
     seconds_left: float | None
-    last: SweepPoint | None
+    last: SweepRowRecord | None
 
 
 class SweepProgressLine(CountLine):
@@ -134,8 +135,9 @@ def sweep_design(
             outcomes = _outcomes(kept, inputs, packed_law(None if exact else law), jobs, dask, combinations, report)
         except OSError as error:
             raise OutputError(f"cannot write {kept.folder}: {(error.strerror or str(error)).lower()}") from None
-    points = tuple(_point(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))
-    return Sweep(design, parameters, points, exact, None if samples is None else seed, digest)
+    points = tuple(_row(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))
+    pictures = tuple(None if each.sample is None else SmallPicture(**each.sample["picture"]) for each in outcomes)
+    return Sweep(design, parameters, points, pictures, exact, None if samples is None else seed, digest)
 
 
 def check_model(design: Design, exact: bool) -> None:
@@ -204,7 +206,7 @@ def _outcomes(
     def send_report(left: float | None, last: int | None) -> None:
         if report is not None:
             failed = sum(outcome.failed is not None for outcome in outcomes.values())
-            point = None if last is None else _point(last + 1, combinations[last], outcomes[last])
+            point = None if last is None else _row(last + 1, combinations[last], outcomes[last])
             report(SweepProgress(len(outcomes), len(inputs), failed, left, point))
 
     if not missing:
@@ -224,7 +226,6 @@ def _outcomes(
     return [outcomes[number] for number in range(len(inputs))]
 
 
-def _point(number: int, values: Mapping[str, Any], outcome: Outcome) -> SweepPoint:
-    if outcome.sample is None:
-        return SweepPoint(number, values, None, None, outcome.failed)
-    return SweepPoint(number, values, outcome.sample["values"], SmallPicture(**outcome.sample["picture"]), None)
+def _row(number: int, values: Mapping[str, Any], outcome: Outcome) -> SweepRowRecord:
+    results = None if outcome.sample is None else outcome.sample["values"]
+    return SweepRowRecord(number=number, parameters=dict(values), results=results, problem=outcome.failed)

@@ -105,7 +105,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
 
             found = simulate(design)
         else:
-            from asterism.previews.run import preview
+            from asterism.previews.session import preview
 
             found = preview(design, None if law is None else _law(law))
         return {"values": table_values(found.summary, is_exact), "picture": asdict(small_picture(found))}

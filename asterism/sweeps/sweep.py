@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -19,26 +17,6 @@ from asterism.sweeps.solve_point import SmallPicture
 
 
 @dataclass(frozen=True)
-class SweepPoint:
-    """One design of a sweep.
-
-    Attributes
-    ----------
-    number : from 1.
-    parameters : values of the parameters by path.
-    values : values of the table's columns by name; None without a shape.
-    picture : small picture of the shape; None without a shape.
-    problem : why the design has no shape; None if it has one.
-    """
-
-    number: int
-    parameters: Mapping[str, Any]
-    values: Mapping[str, Any] | None
-    picture: SmallPicture | None
-    problem: str | None
-
-
-@dataclass(frozen=True)
 class Sweep:
     """The result of `asterism.sweep`.
 
@@ -46,7 +24,9 @@ class Sweep:
     ----------
     design : the design that was varied.
     parameters : what was varied.
-    points : all designs in the order of their numbers.
+    points : all designs in the order of their numbers: `number`, values of the `parameters` by path, values of the
+        table's columns as `results`, and why a design has none, its `problem`.
+    pictures : small pictures of their shapes; None without a shape.
     exact : the exact model computed the shapes, not the preview.
     seed : seed of the Latin hypercube; None for all combinations.
     law : digest of the law that was given; None for that of the design, or else the paper's.
@@ -54,7 +34,8 @@ class Sweep:
 
     design: Design
     parameters: tuple[SweepParameter, ...]
-    points: tuple[SweepPoint, ...]
+    points: tuple[SweepRowRecord, ...]
+    pictures: tuple[SmallPicture | None, ...]
     exact: bool
     seed: int | None = None
     law: str | None = None
@@ -67,8 +48,9 @@ class Sweep:
     @property
     def doubts(self) -> list[str]:
         """Why the table is not reliable, each reason once."""
-        without = sum(point.values is not None and not point.values["is_minimum"] for point in self.points)
-        doubtful = sum(point.values is not None and point.values["not_reliable"] is not None for point in self.points)
+        shapes = [point.results for point in self.points if point.results is not None]
+        without = sum(not results["is_minimum"] for results in shapes)
+        doubtful = sum(results["not_reliable"] is not None for results in shapes)
         counts = {"have no shape": self.failed, "have no certified shape": without, "are not reliable": doubtful}
         return [f"{count} of {len(self.points)} designs {what}" for what, count in counts.items() if count]
 
@@ -83,7 +65,7 @@ class Sweep:
         names = [each.path for each in self.parameters] + [each.name for each in quantities(self.exact)]
         if name not in names:
             raise SweepError(f"{name}: no column of this sweep; there are {', '.join(names)}")
-        given = [{**(point.values or {}), **point.parameters}.get(name) for point in self.points]
+        given = [{**(point.results or {}), **point.parameters}.get(name) for point in self.points]
         try:
             return np.array([np.nan if value is None else value for value in given], dtype=float)
         except (TypeError, ValueError):
@@ -122,15 +104,7 @@ class Sweep:
             columns=[
                 SweepColumnRecord(name=each.name, unit=each.unit, label=each.label) for each in quantities(self.exact)
             ],
-            table_rows=[
-                SweepRowRecord(
-                    number=point.number,
-                    parameters=dict(point.parameters),
-                    results=None if point.values is None else dict(point.values),
-                    problem=point.problem,
-                )
-                for point in self.points
-            ],
+            table_rows=list(self.points),
             law=self.law,
             version=__version__,
             design=self.design.to_dict(),

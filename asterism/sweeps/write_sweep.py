@@ -46,7 +46,7 @@ def sweep_csv(sweep: Sweep) -> str:
     table = csv.writer(stream, lineterminator="\n")
     table.writerow(["number", *(each.path for each in sweep.parameters), *names, "problem"])
     for point in sweep.points:
-        values = point.values or {}
+        values = point.results or {}
         given = [point.parameters[each.path] for each in sweep.parameters]
         table.writerow(map(_cell, [point.number, *given, *(values.get(name) for name in names), point.problem]))
     return stream.getvalue()
@@ -63,8 +63,8 @@ def sweep_page(sweep: Sweep) -> str:
         "parameters": summary["parameters"],
         "columns": summary["columns"],
         "rows": [
-            row | {"picture": None if point.picture is None else asdict(point.picture)}
-            for row, point in zip(summary["table_rows"], sweep.points, strict=True)
+            row | {"picture": None if picture is None else asdict(picture)}
+            for row, picture in zip(summary["table_rows"], sweep.pictures, strict=True)
         ],
     }
     # a text in the data must not end the script

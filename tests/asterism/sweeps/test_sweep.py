@@ -52,18 +52,18 @@ def test_each_row_is_the_preview_of_its_design(once: tuple[Path, Sweep]) -> None
         {"stars.thickness_mm": h, "stars.length_mm": length} for h in (0.3, 0.4) for length in (8.0, 30.0)
     ]
     third = result.points[2]
-    assert third.values is not None and third.picture is not None and third.problem is None
+    assert third.results is not None and result.pictures[2] is not None and third.problem is None
     shape = asterism.preview(result.design_of(3))
     assert result.design_of(3).required_stars.thickness_mm == 0.4
-    assert third.values["height_mm"] == pytest.approx(shape.height_mm, rel=1e-5)
-    assert third.values["is_minimum"] is True and third.values["extent_z_mm"] == third.values["height_mm"]
+    assert third.results["height_mm"] == pytest.approx(shape.height_mm, rel=1e-5)
+    assert third.results["is_minimum"] is True and third.results["extent_z_mm"] == third.results["height_mm"]
 
 
 def test_a_design_that_fails_is_a_row_with_its_reason(once: tuple[Path, Sweep]) -> None:
     result = once[1]
     assert result.failed == 2 and result.doubts == ["2 of 4 designs have no shape"]
     failed = result.points[1]
-    assert failed.values is None and failed.picture is None and "stars.length_mm" in (failed.problem or "")
+    assert failed.results is None and result.pictures[1] is None and "stars.length_mm" in (failed.problem or "")
     heights = result.column("height_mm")
     assert np.isfinite(heights).tolist() == [True, False, True, False]
     assert result.column("stars.thickness_mm").tolist() == [0.3, 0.3, 0.4, 0.4]
@@ -145,7 +145,7 @@ def test_a_text_of_the_table_is_no_formula_of_a_spreadsheet() -> None:
 def test_a_sweep_by_the_exact_model_has_its_quantities() -> None:
     coarse = Design.from_dict({**small().to_dict(), "mesh": {"edge_mm": 6.0}})
     result = sweep_design(coarse, {"stars.thickness_mm": [0.3]}, exact=True)
-    values = result.points[0].values
+    values = result.points[0].results
     assert (
         values is not None
         and values["stars_up"] == 7

@@ -12,10 +12,11 @@ import pytest
 from PIL import Image
 
 from asterism.pattern import gallery
+from asterism.results.records.sweep import SweepRowRecord
 from asterism.sweeps.parameters import SweepParameter
 from asterism.sweeps.quantities import quantities
 from asterism.sweeps.solve_point import SmallPicture
-from asterism.sweeps.sweep import Sweep, SweepPoint
+from asterism.sweeps.sweep import Sweep
 from asterism.sweeps.write_sweep import SWEEP_PAGE, write_sweep
 
 # of a colour of the page's body, from 0 to 1
@@ -39,28 +40,21 @@ def made(path: str = "stars.thickness_mm") -> Sweep:
     stream = BytesIO()
     Image.new("RGBA", (40, 30), (200, 60, 40, 255)).save(stream, "WEBP")
     webp = base64.b64encode(stream.getvalue()).decode()
-    points = []
+    points, pictures = [], []
     for number in range(1, 13):
         thickness, bending = 0.2 + 0.05 * ((number - 1) % 6), ("paper", "consistent")[(number - 1) // 6]
         values = {each.name: None for each in quantities(False)} | {"height_mm": 20.0 - number}
         values |= {"is_minimum": number != 3, "warnings": "curls tightly" if number == 5 else None}
         parameters = {path: round(thickness, 2), "fabric.bending": bending}
         failed = number == 12
-        picture = SmallPicture(webp, 40, 30, 1.0 if number % 2 else 2.0)
-        points.append(
-            SweepPoint(
-                number,
-                parameters,
-                None if failed else values,
-                None if failed else picture,
-                "no <law>" if failed else None,
-            )
-        )
+        results, problem = (None, "no <law>") if failed else (values, None)
+        points.append(SweepRowRecord(number=number, parameters=parameters, results=results, problem=problem))
+        pictures.append(None if failed else SmallPicture(webp, 40, 30, 1.0 if number % 2 else 2.0))
     parameters = (
         SweepParameter(path, (0.2, 0.25, 0.3, 0.35, 0.4, 0.45)),
         SweepParameter("fabric.bending", ("paper", "consistent")),
     )
-    return Sweep(gallery.load("dome"), parameters, tuple(points), False)
+    return Sweep(gallery.load("dome"), parameters, tuple(points), tuple(pictures), False)
 
 
 @pytest.fixture
