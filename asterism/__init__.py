@@ -47,8 +47,8 @@ if TYPE_CHECKING:
     from asterism.pattern.design.design import save_design as save_design
     from asterism.pattern.gallery import load
     from asterism.pattern.layout.build import load_design as load_design
-    from asterism.previews.run import preview as preview
     from asterism.previews.session import Preview as Preview
+    from asterism.previews.session import preview as preview
     from asterism.print.export import export as export
     from asterism.reports.compare_designs import compare_designs as compare_designs
     from asterism.reports.design_report import report as report
@@ -90,7 +90,7 @@ _HOMES = {
     "load_target": ("asterism.fitting.load_target", "load_target"),
     "new": ("asterism.pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
-    "preview": ("asterism.previews.run", "preview"),
+    "preview": ("asterism.previews.session", "preview"),
     "read_shape": ("asterism.shape.read_shape", "read_shape"),
     "report": ("asterism.reports.design_report", "report"),
     "save_design": ("asterism.pattern.design.design", "save_design"),

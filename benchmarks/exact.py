@@ -18,7 +18,7 @@ from typing import Any
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from benchmarks.report import markdown, number, write_report
 
 # table 1 of the paper: seconds on one thread of a Xeon Gold 5118

@@ -13,7 +13,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.reports.write_results import write_results
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes

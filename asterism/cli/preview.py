@@ -34,7 +34,7 @@ def preview(
     chosen = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
     from asterism.laws.design_law import law_from_file
-    from asterism.previews.run import preview as compute
+    from asterism.previews.session import preview as compute
     from asterism.print.bed_placement import size_warning
     from asterism.reports.write_results import write_results
     from asterism.results.words import doubts

@@ -27,9 +27,8 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.process.listeners import Say, ignore_line
-from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
-from asterism.shape.measures import contraction, needle_clearance, roll_radius
+from asterism.shape.measures import shape_numbers
 from asterism.shape.self_intersections import self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
@@ -203,12 +202,12 @@ def _record(
     wall: float,
     minima: dict[str, Any],
 ) -> ExactRecord:
-    number, axis = model.layout.star_number, roll_axis_deg(model, equilibrium.state)
+    number = model.layout.star_number
     error = error_of_levels(levels)
     follows_mesh = model.design.fabric.bending_follows_mesh
-    clearance = needle_clearance(model.layout, shape)
     record = ExactRecord(
         model=ExactRecord.model_name,
+        **shape_numbers(model.layout, shape, roll_axis_deg(model, equilibrium.state)),
         converged=equilibrium.converged,
         is_minimum=equilibrium.is_minimum,
         smallest_eigenvalue=equilibrium.smallest_eigenvalue,
@@ -223,8 +222,6 @@ def _record(
         stars_up=equilibrium.stars_up,
         stars_down=number[equilibrium.sides < 0].tolist(),
         stars_off_branch=number[stars_off_branch(model, equilibrium)].tolist(),
-        roll_axis_deg=axis,
-        roll_radius_mm=None if axis is None else roll_radius(shape, model.layout),
         vertices=model.n_vertices,
         triangles=len(model.mesh.triangles),
         dofs=len(model.free),
@@ -240,14 +237,7 @@ def _record(
         instabilities_passed=equilibrium.instabilities_passed,
         wall_s=wall,
         wall_s_by_stage=seconds,
-        height_mm=shape.height_mm,
-        extent_mm=list(shape.extent_mm),
-        printed_mm=np.ptp(model.layout.outline, axis=0).tolist(),
-        above_needles_mm=clearance and clearance.above_mm,
-        below_needles_mm=clearance and clearance.below_mm,
-        contraction=contraction(model.layout, shape),
         backend=equilibrium.backend,
-        version=__version__,
         design=model.design.to_dict(),
         mesh_error_percent=None if follows_mesh else error.percent,
         mesh_change_percent=error.change_percent,

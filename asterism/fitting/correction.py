@@ -22,7 +22,7 @@ from asterism.fitting.residual import FitDistance
 from asterism.fitting.search import FitSearch
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.pattern.design.design import Design
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.shape.shape import Shape
 
 # % of the diameter, exact distance within which corrections end

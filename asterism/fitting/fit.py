@@ -21,7 +21,7 @@ from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.print.printer import Printer
 from asterism.print.rounded import choose_rounding, with_rounding
 from asterism.process.listeners import Say, ignore_line

@@ -19,7 +19,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.law_choice import serving_law
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.process.listeners import Say, ignore_line
 
 Wanted = Literal["height_mm", "roll_radius_mm"]
@@ -70,7 +70,7 @@ def solve_for(
 
     Examples
     --------
-    >>> from asterism.previews.run import preview
+    >>> from asterism.previews.session import preview
     >>> from asterism.pattern import gallery
     >>> tube = solve_for(gallery.load("tube"), "roll_radius_mm", 25.0)
     >>> round(preview(tube).summary.roll_radius_mm)

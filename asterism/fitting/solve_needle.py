@@ -17,8 +17,7 @@ from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.geometry.planar import inside
 from asterism.previews.law_choice import serving_law
-from asterism.previews.run import preview
-from asterism.previews.session import Preview
+from asterism.previews.session import Preview, preview
 from asterism.process.listeners import Say, ignore_line
 
 # mm, distance from the wanted point within which the sheet has come to it

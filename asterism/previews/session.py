@@ -1,4 +1,4 @@
-"""A preview that keeps its state, so that edits start from the last equilibrium."""
+"""`asterism.preview`, and a preview that keeps its state, so that edits start from the last equilibrium."""
 
 from __future__ import annotations
 
@@ -455,7 +455,6 @@ class Preview:
         ----------
         before : sheet of the preview before an edit; one of the same print shares its mesh, and its law is extended.
         """
-        check_type(design, Design, "load_design reads one from a file")
         if plan is None:
             with self._clock("layout"):
                 plan = preview_layout(design)
@@ -499,6 +498,42 @@ class Preview:
         """The state of another sheet of the same print, at its present equilibrium."""
         with self._clock("fields"):
             return with_sheet(self.state, sheet)
+
+
+def preview(
+    design: Design,
+    law: Law[Any] | None = None,
+    side: Side = "auto",
+    say: Say | None = None,
+    model: PreviewModel = PREVIEW_MODEL,
+    plan: Layout | None = None,
+) -> Shape:
+    """Compute the homogenised shape of a design: with the bumps of its stars, or with the rods of its motif.
+
+    Parameters
+    ----------
+    design : from `load_design`, `new` or `Design.from_dict`.
+    law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
+        material where it covers the stars, or else one of cells that are solved now and kept.
+    side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
+    say : called with a line of text at the beginning of each stage.
+    model : constants of the preview model.
+    plan : layout of the design; computed by default.
+
+    Returns
+    -------
+    The shape. Its `summary` holds the certificate (`is_minimum`), the stars outside the range of the law, the estimated
+    error, and the whole design. The principal axes of a free sheet lie along x, y and z. `point_fields["bump_mm"]`
+    holds the vectors from the smooth surface to the shape.
+
+    Raises
+    ------
+    DesignError, MeshError, LawError
+        As for `Preview`, which keeps its state for edits.
+    """
+    begin = time.perf_counter()
+    shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
+    return replace(shape, summary=shape.summary | {"wall_s": time.perf_counter() - begin})
 
 
 class PointLens:

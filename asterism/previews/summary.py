@@ -10,9 +10,8 @@ from asterism.previews.expected_error import expected_error
 from asterism.previews.other_forms import other_forms
 from asterism.previews.state import PreviewState
 from asterism.previews.warnings import overstretched_stars, preview_warnings
-from asterism.process.version import __version__
 from asterism.results.records.preview import LawOriginRecord, OtherFormRecord, PreviewRecord, TrialRecord
-from asterism.shape.measures import contraction, needle_clearance, roll_radius, sample_vertices
+from asterism.shape.measures import sample_vertices, shape_numbers
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
 
@@ -29,9 +28,9 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
     surface = shape.positions, shape.triangles
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
-    clearance = needle_clearance(layout, shape)
     return PreviewRecord(
         model=PreviewRecord.model_name,
+        **shape_numbers(layout, shape, axis),
         converged=equilibrium.converged,
         is_minimum=equilibrium.is_minimum and not overstretched,
         gradient_norm=equilibrium.gradient_norm,
@@ -41,9 +40,7 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
         soft_modes_n_mm3=[float(value) for value in equilibrium.soft_modes],
         stars=len(layout.centres),
         **({} if layout.has_stars else {"rods_total": len(layout.graph.rods)}),
-        roll_axis_deg=axis,
         equivalent_axes_deg=equivalent_axes_deg(state, axis),
-        roll_radius_mm=None if axis is None else roll_radius(shape, layout),
         side=state.side,
         start=equilibrium.guess,
         starts=[
@@ -75,16 +72,9 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
         load_steps=equilibrium.load_steps,
         wall_s=sum(seconds.values()),
         wall_s_by_stage=seconds,
-        height_mm=height,
-        extent_mm=list(shape.extent_mm),
-        printed_mm=np.ptp(layout.outline, axis=0).tolist(),
-        above_needles_mm=clearance and clearance.above_mm,
-        below_needles_mm=clearance and clearance.below_mm,
         diameter_mm=across,
-        contraction=contraction(layout, shape),
         self_intersections=crossings,
         warnings=list(preview_warnings(state, shape, crossings, overstretched)),
-        version=__version__,
         design=state.design.to_dict(),
     )
 

@@ -208,7 +208,7 @@ def printed_shape(
         return _both(job, lambda plan: solve(plan, report=report, say=say, law=law), "exact")
     if not (preview or job.is_rounded or (job.needles and job.shape is None)):
         return None, None
-    from asterism.previews.run import preview as fast
+    from asterism.previews.session import preview as fast
 
     try:
         return _both(job, lambda plan: fast(plan, law), "preview")

@@ -19,7 +19,7 @@ from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer
 from asterism.print.profiles import load_plastic, load_printer

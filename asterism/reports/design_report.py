@@ -44,7 +44,7 @@ def shape_for_report(
     """
     from asterism.homogenize.errors import ForeignLaw, LawError
     from asterism.homogenize.law.plan import without_law
-    from asterism.previews.run import preview
+    from asterism.previews.session import preview
     from asterism.process.compiling import announce_compiling
 
     if results is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,8 +10,25 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.process.version import __version__
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
+
+
+def shape_numbers(layout: Layout, shape: Shape, roll_axis_deg: float | None) -> dict[str, Any]:
+    """The numbers that the summaries of both models have, by their keys."""
+    clearance = needle_clearance(layout, shape)
+    return {
+        "roll_axis_deg": roll_axis_deg,
+        "roll_radius_mm": None if roll_axis_deg is None else roll_radius(shape, layout),
+        "height_mm": shape.height_mm,
+        "extent_mm": list(shape.extent_mm),
+        "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
+        "above_needles_mm": clearance and clearance.above_mm,
+        "below_needles_mm": clearance and clearance.below_mm,
+        "contraction": contraction(layout, shape),
+        "version": __version__,
+    }
 
 
 def contraction(layout: Layout, shape: Shape) -> float | None:

@@ -14,7 +14,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord
 from asterism.shape.shape import Shape
@@ -24,6 +24,8 @@ from asterism.verification.warnings import two_minima_warnings
 
 # default number of starts of `simulate`
 BOTH_STARTS = 2
+# keys that a minimum has in common with the summary of its shape
+SAME_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "roll_axis_deg", "smallest_eigenvalue", "vertices")
 
 
 def simulate(
@@ -149,15 +151,10 @@ def _with(shape: Shape, values: dict[str, Any]) -> Shape:
 def _entry(shape: Shape, starts: list[str], distance_percent: float) -> MinimumRecord:
     summary = shape.summary
     return MinimumRecord(
-        energy_n_mm=summary["energy_n_mm"],
-        is_minimum=summary["is_minimum"],
-        stars_up=summary["stars_up"],
+        **{name: summary[name] for name in SAME_KEYS},
         stars_off_branch=len(summary["stars_off_branch"]),
-        roll_axis_deg=summary["roll_axis_deg"],
         starts=len(starts),
         start_names=list(starts),
         default=RELEASE in starts,
         distance_percent=distance_percent,
-        smallest_eigenvalue=summary["smallest_eigenvalue"],
-        vertices=summary["vertices"],
     )

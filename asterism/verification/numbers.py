@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from asterism.results.record import keys_of
 from asterism.results.records.verification import DifferenceRecord
 from asterism.shape.comparison import Comparison
 
@@ -17,32 +20,23 @@ MAX_FORM_DISTANCE_PERCENT = 2.5
 
 def numbers(comparison: Comparison) -> DifferenceRecord:
     """The record of a comparison: errors of the other shape relative to the reference; None if undefined."""
-    reference, other = comparison.heights_mm
-    radii, volumes, rises = comparison.roll_radii_mm, comparison.volumes_mm3, comparison.rises_mm
-    return DifferenceRecord(
-        rms_mm=comparison.rms_mm,
-        max_mm=comparison.max_mm,
-        rms_percent=comparison.rms_percent,
-        max_percent=comparison.max_percent,
-        rms_after_motion_percent=comparison.rms_after_motion_percent,
-        free_motions=comparison.free_motions,
-        rms_stars_percent=comparison.rms_stars_percent,
-        max_stars_percent=comparison.max_stars_percent,
-        diameter_mm=comparison.diameter_mm,
-        height_error_percent=_relative(reference, other),
-        mean_height_error_percent=_relative(*comparison.mean_heights_mm),
-        heights_mm=[reference, other],
-        relief_error_percent=comparison.relief_error_percent,
-        rise_error_percent=None if rises is None else _relative(*rises),
-        rises_mm=None if rises is None else list(rises),
-        volume_error_percent=None if volumes is None else _relative(*volumes),
-        volumes_mm3=None if volumes is None else list(volumes),
-        roll_radius_error_percent=None if radii is None else _relative(*radii),
-        roll_radii_mm=None if radii is None else list(radii),
-        roll_axes_deg=list(comparison.roll_axes_deg),
-        normals_rms_deg=comparison.normals_rms_deg,
-        mirrored=comparison.symmetry.mirrors,
+    pairs = {
+        "height_error_percent": comparison.heights_mm,
+        "mean_height_error_percent": comparison.mean_heights_mm,
+        "rise_error_percent": comparison.rises_mm,
+        "volume_error_percent": comparison.volumes_mm3,
+        "roll_radius_error_percent": comparison.roll_radii_mm,
+    }
+    known = {name: None if pair is None else _relative(*pair) for name, pair in pairs.items()}
+    known |= {"mirrored": comparison.symmetry.mirrors}
+    names = keys_of(DifferenceRecord)  # in the order of the file
+    return DifferenceRecord.from_json(
+        {name: known[name] if name in known else _listed(getattr(comparison, name)) for name in names}
     )
+
+
+def _listed(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def alike(comparison: Comparison) -> bool:

@@ -25,7 +25,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.write import write_export

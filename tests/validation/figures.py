@@ -17,7 +17,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 

@@ -79,7 +79,7 @@ def test_the_law_of_a_design_is_used_by_commands_and_in_python(
     done = command(["preview", str(home / "own.toml")], capsys, monkeypatch)
     assert done.status == 0, done.err
     assert json.loads((home / "own" / "summary.json").read_text())["law"]["material"] == "plain"
-    from asterism.previews.run import preview
+    from asterism.previews.session import preview
 
     assert preview(load_design(home / "own.toml")).summary.law.material == "plain"
     (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "none.npz"\n')

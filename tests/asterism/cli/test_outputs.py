@@ -16,7 +16,7 @@ FIT = ["fit", "t.npy", "--extent-mm", "120", "-o"]
 # a command, a folder or a file in the way of its results, and the function that computes them
 CASES = [
     *(
-        (["preview", "d.toml"], f"d/{name}/", "previews.run.preview")
+        (["preview", "d.toml"], f"d/{name}/", "previews.session.preview")
         for name in ("shape.png", "rods.vtu", SUMMARY_FILE)
     ),
     (["simulate", "d.toml"], "d/shape.obj/", "verification.both_starts.simulate"),

@@ -11,7 +11,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 

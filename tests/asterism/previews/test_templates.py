@@ -6,7 +6,7 @@ import pytest
 
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import load_design
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.print.bed_placement import size_warning
 
 

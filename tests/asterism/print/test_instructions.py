@@ -10,7 +10,7 @@ import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.print import instructions, sheets
 from asterism.print.drawing import Circle, Drawing, Label
 from asterism.print.job import Job

@@ -86,7 +86,7 @@ def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("word", "engine"),
     [
-        ("preview", "asterism.previews.run.preview"),
+        ("preview", "asterism.previews.session.preview"),
         ("simulate", "asterism.verification.both_starts.simulate"),
         ("verify", "asterism.verification.run.verify"),
     ],

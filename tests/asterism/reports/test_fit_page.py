@@ -19,7 +19,7 @@ from asterism.fitting.residual import FitPlaces, Residual, target_distance
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.reports.fit_page import fit_page, remainder
 from asterism.reports.fit_plots import star_contractions
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord

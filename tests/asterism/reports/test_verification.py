@@ -17,7 +17,7 @@ from PIL import Image
 
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_page import verification_page, write_verification
 from asterism.reports.write_results import write_results

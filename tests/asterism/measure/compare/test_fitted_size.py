@@ -13,7 +13,7 @@ from asterism.measure.compare.scan import Scan
 from asterism.measure.compare.scan_comparison import ScanComparison, _fit, _rim, compare_scan
 from asterism.pattern import gallery
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from asterism.shape.shape import Shape
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, sheet

@@ -10,7 +10,7 @@ from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import Scan, surface_samples
 from asterism.measure.compare.scan_comparison import compare_scan
 from asterism.pattern import gallery
-from asterism.previews.run import preview
+from asterism.previews.session import preview
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, saddle, sheet, tube
 

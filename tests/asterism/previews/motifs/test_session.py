@@ -12,8 +12,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.previews import session as preview_session
-from asterism.previews.run import preview
-from asterism.previews.session import Preview
+from asterism.previews.session import Preview, preview
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.previews.motifs.nets import CROSS, GRADED, net, net_law
 
