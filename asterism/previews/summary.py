@@ -28,9 +28,12 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
     surface = shape.positions, shape.triangles
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
+    numbers = shape_numbers(layout, shape, axis)
+    if not layout.has_stars:
+        numbers["rods_total"] = len(layout.graph.rods)
     return PreviewRecord(
         model=PreviewRecord.model_name,
-        **shape_numbers(layout, shape, axis),
+        **numbers,
         converged=equilibrium.converged,
         is_minimum=equilibrium.is_minimum and not overstretched,
         gradient_norm=equilibrium.gradient_norm,
@@ -39,7 +42,6 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
         energy_parts_n_mm=equilibrium.energies,
         soft_modes_n_mm3=[float(value) for value in equilibrium.soft_modes],
         stars=len(layout.centres),
-        **({} if layout.has_stars else {"rods_total": len(layout.graph.rods)}),
         equivalent_axes_deg=equivalent_axes_deg(state, axis),
         side=state.side,
         start=equilibrium.guess,

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.tri import Triangulation
 
 from asterism.draw.render import Scene, bare, scene
@@ -21,22 +18,20 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fitting.fit import Fit
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.reports.plots import BLUE, ORANGE, aligned_views, together
+from asterism.reports.plots import BLUE, ORANGE, PLOT_DPI, aligned_views, png_of, print_figure, together
 
 TARGET_COLOUR = "#c8553d"
-PLOT_DPI = 130
 
 
 def signed_distance_map(fitted: Fit) -> bytes:
     """PNG of the signed distance over the print, mean over a cell; needles are points, a cross is at the largest."""
-    figure, axes = _print_figure(fitted)
+    figure, axes = _figure_with_needles(fitted)
     shape, far = fitted.shape, colour_limit(fitted)
     mesh = Triangulation(shape.printed[:, 0], shape.printed[:, 1], shape.triangles)
     drawn = axes.tripcolor(
         mesh, fitted.distance.mean_mm, cmap=SIGNED_DISTANCE_COLOURS, vmin=-far, vmax=far, shading="gouraud"
     )
     figure.colorbar(drawn, label="mm; red: on the plastic side of the target", shrink=0.85, extend="both")
-    _outline(axes, fitted)
     worst = int(np.abs(fitted.distance.surface_mm).argmax())
     axes.plot(*shape.printed[worst], "X", color=INK, markersize=9, markeredgecolor="white")
     return png_of(figure)
@@ -44,14 +39,13 @@ def signed_distance_map(fitted: Fit) -> bytes:
 
 def contraction_map(fitted: Fit) -> bytes:
     """PNG of the contraction that each place of the print needs; stars whose law does not give it are red."""
-    figure, axes = _print_figure(fitted)
+    figure, axes = _figure_with_needles(fitted)
     target_map = fitted.guess.target_map
     triangles = target_map.flat.disk.triangles
     mesh = Triangulation(target_map.printed[:, 0], target_map.printed[:, 1], triangles)
     needed = np.exp(target_map.log_contraction)
     drawn = axes.tripcolor(mesh, needed, cmap=colormaps["viridis"], shading="gouraud")
     figure.colorbar(drawn, label="length in space over printed length", shrink=0.85)
-    _outline(axes, fitted)
     plan = fitted.shape.layout
     assert plan is not None
     here, low, high = star_contractions(fitted)
@@ -120,23 +114,12 @@ def draw_section(axes: Axes, fitted: Fit, along: int) -> None:
     style_axes(axes, f"cut along {'xy'[along]} through the middle: target red, shape black", "mm")
 
 
-def _print_figure(fitted: Fit) -> tuple[Figure, Axes]:
-    """A figure whose height follows the print, so that the colour bar is not much higher than the sheet."""
+def _figure_with_needles(fitted: Fit) -> tuple[Figure, Axes]:
     plan = fitted.shape.layout
     assert plan is not None
-    width, height = np.ptp(plan.outline, axis=0)
-    size = (5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6)))
-    figure = Figure(figsize=size, dpi=PLOT_DPI, layout=ConstrainedLayoutEngine(w_pad=0.12))
-    axes = figure.subplots()
-    axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
-    return figure, axes
-
-
-def _outline(axes: Axes, fitted: Fit) -> None:
-    plan = fitted.shape.layout
-    assert plan is not None
-    axes.plot(*np.vstack([plan.outline, plan.outline[:1]]).T, color="0.3", linewidth=0.8)
+    figure, axes = print_figure(plan)
     axes.plot(*plan.pin_points.T, "o", color=PALE, markersize=4)
+    return figure, axes
 
 
 def fit_views(fitted: Fit) -> dict[str, list[Floats]]:
@@ -173,10 +156,3 @@ def _target_scene(fitted: Fit) -> Scene:
     normals = vertex_normals(disk.vertices, disk.triangles)
     colours = np.broadcast_to(ORANGE, disk.vertices.shape)
     return Scene(disk.vertices, normals, disk.triangles, len(disk.triangles), colours=colours)
-
-
-def png_of(figure: Figure) -> bytes:
-    """PNG of a figure. In contrast to `Figure.savefig`, the canvas draws and lays out the figure once."""
-    out = BytesIO()
-    FigureCanvasAgg(figure).print_png(out)  # type: ignore[no-untyped-call]
-    return out.getvalue()

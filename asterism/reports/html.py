@@ -78,10 +78,10 @@ def warnings_box(title: str, lines: Sequence[str]) -> str:
 
 
 def figures(pictures: Sequence[tuple[bytes, str]]) -> str:
-    """Pairs of PNG or SVG data and caption, side by side."""
+    """Pairs of PNG data and caption, side by side."""
     each = (
         f'<figure><img alt="{escape(caption, quote=True)}" '
-        f'src="data:image/{"svg+xml" if data.startswith(b"<svg") else "png"};base64,{b64encode(data).decode()}">'
+        f'src="data:image/png;base64,{b64encode(data).decode()}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
         for data, caption in pictures
     )

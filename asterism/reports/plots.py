@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from io import BytesIO
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.tri import Triangulation
 
-from asterism.draw.chart import RIGHT, Chart
-from asterism.draw.raster import rasterise
 from asterism.draw.render import Camera, Scene, bare, render, scene, sheet_camera
 from asterism.draw.shading import FABRIC_SIDE
-from asterism.draw.style import INK
 from asterism.equilibrium.arrays import Floats
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.reports.html import png
 from asterism.shape.comparison import Comparison
 
 ORANGE = (0.93, 0.47, 0.16)
 # largest size of a view
 MAX_VIEW_HEIGHT_PX = 440
 MAX_VIEW_WIDTH_PX = 640
-# of growing distances, from 0 to 255: the colours of matplotlib's "magma", reversed
-DISTANCE_COLOURS = np.array(
-    [
-        [252, 253, 191], [254, 194, 135], [251, 135, 97], [229, 80, 100], [181, 54, 122], [129, 37, 129],
-        [79, 18, 123], [28, 16, 68], [0, 0, 4],
-    ]
-)  # fmt: skip
+PLOT_DPI = 130
+# of growing distances
+DISTANCE_COLOURS = colormaps["magma_r"]
 
 
 def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
@@ -60,7 +60,8 @@ def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[
 
 def colours_of(comparison: Comparison) -> Floats:
     """(V, 3) colours of the distance at the vertices of the exact sheet, from zero to its maximum."""
-    return distance_colours(comparison.distance_mm / max(float(comparison.distance_mm.max()), 1e-12))
+    share = comparison.distance_mm / max(float(comparison.distance_mm.max()), 1e-12)
+    return np.asarray(DISTANCE_COLOURS(share))[:, :3]
 
 
 def together(one: Scene, other: Scene) -> Scene:
@@ -96,44 +97,54 @@ MAX_CUT_SHARE = 0.999
 
 
 def distance_map(comparison: Comparison) -> bytes:
-    """SVG of the distance over the print, in % of the diameter: cell means as colours, stars or sites as dots."""
+    """PNG of the distance over the print, in % of the diameter: cell means as colours, stars or sites as dots."""
     reference, layout = comparison.reference, comparison.layout
-    low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
-    chart = Chart(low, high, 560.0, 440.0, ("x on the print, mm", "y on the print, mm"), RIGHT)
-    width, height = np.ceil(chart.size).astype(int)
-    places = (reference.printed - low) * chart.scale
-    raster = rasterise(places, np.zeros(len(places)), reference.triangles, height, width)
-    seen, (row, column) = raster.face >= 0, np.indices(raster.face.shape) + 0.5
-    along, up, constant = raster.affine(comparison.distance_mm[:, None], reference.triangles)[:, raster.face, 0]
-    most = max(float(comparison.distance_mm.max()), 1e-12)
-    image = np.dstack([distance_colours((along * column + up * row + constant) / most), seen])
-    chart.picture(png(image))
-    chart.dots(layout.sample_points, distance_colours(comparison.star_distance_mm / most))
-    chart.line(np.concatenate([layout.outline, layout.outline[:1]]), INK, 1.0)
-    most_percent = 100.0 * most / comparison.diameter_mm
-    chart.colour_bar(distance_colours(np.linspace(0.0, 1.0, 64)), most_percent, "distance, % of the diameter")
-    return chart.svg()
+    figure, axes = print_figure(layout)
+    percent = 100.0 / comparison.diameter_mm
+    most = percent * max(float(comparison.distance_mm.max()), 1e-12)
+    mesh = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
+    drawn = axes.tripcolor(
+        mesh, percent * comparison.distance_mm, cmap=DISTANCE_COLOURS, vmin=0.0, vmax=most, shading="gouraud"
+    )
+    figure.colorbar(drawn, label="distance, % of the diameter", shrink=0.85)
+    colours = DISTANCE_COLOURS(percent * comparison.star_distance_mm / most)
+    x, y = layout.sample_points.T
+    axes.scatter(x, y, s=20, c=colours, edgecolors="0.4", linewidths=0.6)
+    return png_of(figure)
 
 
-def distance_colours(part: Floats) -> Floats:
-    """(..., 3) colours from 0 to 1 of distances over the largest one."""
-    at = np.linspace(0.0, 1.0, len(DISTANCE_COLOURS))
-    return np.stack([np.interp(part, at, DISTANCE_COLOURS[:, k] / 255.0) for k in range(3)], axis=-1)
+def print_figure(layout: Layout) -> tuple[Figure, Axes]:
+    """A figure whose height follows the print, so that a colour bar is not much higher than the sheet's outline."""
+    width, height = np.ptp(layout.outline, axis=0)
+    size = (5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6)))
+    figure = Figure(figsize=size, dpi=PLOT_DPI, layout=ConstrainedLayoutEngine(w_pad=0.12))
+    axes = figure.subplots()
+    axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
+    axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
+    return figure, axes
+
+
+def png_of(figure: Figure) -> bytes:
+    """PNG of a figure. In contrast to `Figure.savefig`, the canvas draws and lays out the figure once."""
+    out = BytesIO()
+    FigureCanvasAgg(figure).print_png(out)  # type: ignore[no-untyped-call]
+    return out.getvalue()
 
 
 def profiles(comparison: Comparison) -> list[tuple[bytes, str]]:
-    """SVG and name of two perpendicular cuts through the middle of the print, each in its own plane."""
+    """PNG and name of two perpendicular cuts through the middle of the print, each in its own plane."""
     out = []
     for name, way in profile_directions(comparison).items():
         exact, preview = _in_plane(*profile_cut(comparison, way))
-        both = np.concatenate([exact, preview])
-        low, high = both.min(axis=0), both.max(axis=0)
-        # also a flat cut has a picture of some height
-        margin = 0.03 * (high - low).max()
-        chart = Chart(low - margin, high + margin, 560.0, 420.0)
-        chart.line(exact, BLUE)
-        chart.line(preview, "#ed7829")
-        out.append((chart.svg(), f"{name}; exact blue, preview orange"))
+        width, rise = np.ptp(np.concatenate([exact, preview]), axis=0)
+        size = (5.6, float(np.clip(1.0 + 4.6 * rise / width, 1.6, 4.2)))
+        figure = Figure(figsize=size, dpi=PLOT_DPI, layout="constrained")
+        axes = figure.subplots()
+        axes.set(xlabel="mm", ylabel="mm")
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.plot(*exact.T, color=BLUE)
+        axes.plot(*preview.T, color=ORANGE)
+        out.append((png_of(figure), f"{name}; exact blue, preview orange"))
     return out
 
 
