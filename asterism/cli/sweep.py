@@ -52,10 +52,11 @@ def sweep(
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.homogenize.law.law_file import load_law
     from asterism.laws.replace_material import read_design
+    from asterism.process.progress_line import CountLine
     from asterism.results.files import check_folder
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
-    from asterism.sweeps.run import SweepProgressLine, check_model, sampled, sweep_design, sweep_parameters
+    from asterism.sweeps.run import check_model, sampled, sweep_design, sweep_parameters
     from asterism.sweeps.write_sweep import write_sweep
 
     check_workers(jobs, dask)
@@ -72,7 +73,7 @@ def sweep(
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs(), law is not None))
     own_law = load_law(law) if law else None
     with run.resumable(folder, "designs"):
-        with SweepProgressLine(run.hand_over()) as progress:
+        with CountLine("designs", run.hand_over()) as progress:
             result = sweep_design(
                 chosen,
                 parameters,

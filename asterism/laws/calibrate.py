@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, SolveCell, run_campaign
+from asterism.homogenize.campaign.campaign import SampleRecord, SolveCell, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.campaign.kept_samples import cells_folder, code_version
 from asterism.homogenize.law.law_file import law_bytes
@@ -58,7 +58,7 @@ def calibrate(
     check_writable(output.parent, output.name)
     start, folder = time.perf_counter(), cells_folder()
     try:
-        with ProgressLine(stream) as watch:
+        with CountLine("cells", stream) as watch:
             records = run_campaign(plan, folder, jobs, dask, watch.report, respond)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
@@ -82,17 +82,3 @@ def _origin(command: str, start: float, records: Sequence[SampleRecord]) -> dict
         "cell_seconds": sum(record.seconds for record in records),
         "wall_seconds_of_last_run": time.perf_counter() - start,
     }
-
-
-class ProgressLine(CountLine):
-    """Progress of a campaign on a stream."""
-
-    def __init__(self, stream: TextIO | None = None) -> None:
-        super().__init__("cells", stream)
-
-    def report(self, progress: CampaignProgress) -> None:
-        """Show the progress, at the beginning and after each cell."""
-        record = progress.last
-        if record is not None and record.failed is not None:
-            self.failed(record.label, record.failed)
-        self.show(progress.done, progress.total, progress.failed, progress.seconds_left)

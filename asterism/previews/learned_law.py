@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, SolveCell, run_campaign
+from asterism.homogenize.campaign.campaign import SampleRecord, SolveCell, run_campaign
 from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
-from asterism.homogenize.campaign.workers import default_jobs
+from asterism.homogenize.campaign.workers import CampaignProgress, default_jobs
 from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.motif_law import MotifLaw, problem_of_motif

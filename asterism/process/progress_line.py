@@ -8,9 +8,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import TracebackType
-from typing import Self, TextIO
+from typing import TYPE_CHECKING, Self, TextIO
 
 from asterism.equilibrium.errors import one_line
+
+if TYPE_CHECKING:
+    from asterism.homogenize.campaign.workers import CampaignProgress
 
 # longest silence: then a line says that the computation goes on
 MAX_QUIET_S = 4.0
@@ -98,8 +101,13 @@ class CountLine(ProgressLine):
         self._next_s = 0.0
         self._reasons: set[str] = set()
 
-    def show(self, done: int, total: int, failed: int, seconds_left: float | None) -> None:
-        """Show the progress."""
+    def report(self, progress: CampaignProgress) -> None:
+        """Show the progress, at the beginning and after each computation."""
+        if progress.last is not None and progress.last.failed is not None:
+            self._failed(progress.last.label, progress.last.failed)
+        self._show(progress.done, progress.total, progress.failed, progress.seconds_left)
+
+    def _show(self, done: int, total: int, failed: int, seconds_left: float | None) -> None:
         text = f"  {done} of {total} {self._noun}"
         if failed:
             text += f", {failed} without an answer"
@@ -112,7 +120,7 @@ class CountLine(ProgressLine):
             self._next_s = time.monotonic() + MAX_QUIET_S
             self.say(text)
 
-    def failed(self, which: str, problem: str) -> None:
+    def _failed(self, which: str, problem: str) -> None:
         """Name the first one that fails for a reason: the others differ from it by their numbers."""
         if (reason := without_numbers(problem)) not in self._reasons:
             self._reasons.add(reason)

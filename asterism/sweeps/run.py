@@ -6,19 +6,23 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NamedTuple
 
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
-from asterism.homogenize.campaign.workers import SubmitAll, dask_workers, default_jobs, local_workers
+from asterism.homogenize.campaign.workers import (
+    CampaignProgress,
+    SubmitAll,
+    dask_workers,
+    default_jobs,
+    local_workers,
+)
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_digest
 from asterism.homogenize.law.plan import without_law
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
-from asterism.process.progress_line import CountLine
 from asterism.results.files import OutputError
 from asterism.results.records.sweep import SweepRowRecord
 from asterism.sweeps.parameters import (
@@ -36,37 +40,11 @@ from asterism.sweeps.sweep import Sweep
 Vary = Mapping[str, str | Sequence[Any]] | Sequence[SweepParameter]
 
 
-@dataclass(frozen=True)
-class SweepProgress:
-    """State of a running sweep.
+class _Finished(NamedTuple):
+    """A design for messages, see `homogenize.campaign.workers.Finished`."""
 
-    Attributes
-    ----------
-    done, total, failed : numbers of designs.
-    seconds_left : estimate; None before the first design is computed.
-    last : the last design; None at the beginning.
-    """
-
-    done: int
-    total: int
-    failed: int
-    seconds_left: float | None
-    last: SweepRowRecord | None
-
-
-class SweepProgressLine(CountLine):
-    """Progress of a sweep on a stream."""
-
-    def __init__(self, stream: TextIO | None = None) -> None:
-        super().__init__("designs", stream)
-
-    def report(self, progress: SweepProgress) -> None:
-        """Show the progress, at the beginning and after each design."""
-        point = progress.last
-        if point is not None and point.problem is not None:
-            which = ", ".join(f"{path} = {value}" for path, value in point.parameters.items())
-            self.failed(f"design {point.number}, {which}", point.problem)
-        self.show(progress.done, progress.total, progress.failed, progress.seconds_left)
+    label: str
+    failed: str | None
 
 
 def sweep_design(
@@ -80,7 +58,7 @@ def sweep_design(
     jobs: int | None = None,
     dask: str | None = None,
     law: Law[Any] | None = None,
-    report: Callable[[SweepProgress], None] | None = None,
+    report: Callable[[CampaignProgress], None] | None = None,
 ) -> Sweep:
     """`asterism.sweep`: compute one design for many values of some of its entries.
 
@@ -193,7 +171,7 @@ def _outcomes(
     jobs: int | None,
     dask: str | None,
     combinations: Sequence[Mapping[str, Any]],
-    report: Callable[[SweepProgress], None] | None,
+    report: Callable[[CampaignProgress], None] | None,
 ) -> list[Outcome]:
     """The outcome of each design, from the folder where it is there."""
     outcomes: dict[int, Outcome] = {}
@@ -206,8 +184,11 @@ def _outcomes(
     def send_report(left: float | None, last: int | None) -> None:
         if report is not None:
             failed = sum(outcome.failed is not None for outcome in outcomes.values())
-            point = None if last is None else _row(last + 1, combinations[last], outcomes[last])
-            report(SweepProgress(len(outcomes), len(inputs), failed, left, point))
+            finished = None
+            if last is not None:
+                which = ", ".join(f"{path} = {value}" for path, value in combinations[last].items())
+                finished = _Finished(f"design {last + 1}, {which}", outcomes[last].failed)
+            report(CampaignProgress(len(outcomes), len(inputs), failed, left, finished))
 
     if not missing:
         send_report(None, None)

@@ -17,6 +17,7 @@ import numpy as np
 
 from asterism.homogenize.campaign import workers
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt, code_version
+from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.plan import CellTask, LawPlan
@@ -56,24 +57,6 @@ class SampleRecord:
     failed: str | None
     crashed: bool
     seconds: float
-
-
-@dataclass(frozen=True)
-class CampaignProgress:
-    """State of a running campaign.
-
-    Attributes
-    ----------
-    done, total, failed : numbers of cells.
-    seconds_left : estimate; None before the first cell is solved.
-    last : the last record; None at the beginning.
-    """
-
-    done: int
-    total: int
-    failed: int
-    seconds_left: float | None
-    last: SampleRecord | None
 
 
 def run_campaign(

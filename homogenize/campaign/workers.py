@@ -20,7 +20,8 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.homogenize.errors import AddressError, CampaignError
@@ -43,6 +44,34 @@ WORKER_ENVIRONMENT = {
     "NUMBA_NUM_THREADS": "1",
     "MKL_CBWR": "AUTO,STRICT",
 }
+
+
+class Finished(Protocol):
+    """One of many computations: what it is, for messages, and why it has no answer."""
+
+    @property
+    def label(self) -> str: ...
+
+    @property
+    def failed(self) -> str | None: ...
+
+
+@dataclass(frozen=True)
+class CampaignProgress:
+    """State of a running campaign of cells, or of designs.
+
+    Attributes
+    ----------
+    done, total, failed : numbers of them.
+    seconds_left : estimate; None before the first one is solved.
+    last : the last one; None at the beginning.
+    """
+
+    done: int
+    total: int
+    failed: int
+    seconds_left: float | None
+    last: Finished | None
 
 
 def default_jobs() -> int:

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord
+from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.plan import CellTask
-from asterism.laws.calibrate import ProgressLine
+from asterism.process.progress_line import CountLine
 from tests.asterism.commands import command
 from tests.homogenize import same_process
 
@@ -146,11 +147,11 @@ def test_cells_that_all_fail_are_status_one(
 def test_interrupted_before_a_cell_is_finished(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(watch: ProgressLine, progress: object) -> None:
+    def interrupted(watch: CountLine, progress: object) -> None:
         raise KeyboardInterrupt
 
     (tmp_path / "m.toml").write_text(PLAN)
-    monkeypatch.setattr(ProgressLine, "report", interrupted)
+    monkeypatch.setattr(CountLine, "report", interrupted)
     ended = command(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"], capsys, monkeypatch)
     assert ended.status == 130 and ended.line.startswith("asterism: interrupted")
     assert not (tmp_path / "m.npz").exists()
@@ -181,7 +182,7 @@ def test_interrupted_and_resumed(
 
 def test_cells_that_fail_for_one_reason_have_one_line() -> None:
     stream = io.StringIO()
-    watch = ProgressLine(stream)
+    watch = CountLine("cells", stream)
     for number in range(40):
         task = CellTask(1.35, False, (5.0 + 0.1 * number, 0.3, 1.2))
         failed = SampleRecord(

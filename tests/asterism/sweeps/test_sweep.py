@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 
 import asterism
+from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
-from asterism.sweeps.run import SweepProgress, sweep_design
+from asterism.sweeps.run import sweep_design
 from asterism.sweeps.solve_point import named_law
 from asterism.sweeps.sweep import Sweep
 from asterism.sweeps.write_sweep import sweep_csv, write_sweep
@@ -71,7 +72,7 @@ def test_a_design_that_fails_is_a_row_with_its_reason(once: tuple[Path, Sweep]) 
 
 def test_finished_designs_are_not_computed_again(once: tuple[Path, Sweep], monkeypatch: pytest.MonkeyPatch) -> None:
     folder, result = once
-    reports: list[SweepProgress] = []
+    reports: list[CampaignProgress] = []
 
     def refuse(*arguments: object) -> None:
         raise AssertionError("computed again")
@@ -107,7 +108,7 @@ def test_a_law_that_this_machine_cannot_read_is_tried_again(tmp_path: Path, monk
 
 
 def test_more_designs_compute_only_what_is_new(once: tuple[Path, Sweep]) -> None:
-    reports: list[SweepProgress] = []
+    reports: list[CampaignProgress] = []
     more = sweep_design(small(), {**VARY, "stars.length_mm": [8.0, 9.0]}, folder=once[0], report=reports.append)
     assert [progress.done for progress in reports] == [2, 3, 4] and more.failed == 0
     assert reports[0].seconds_left is None and reports[-1].seconds_left == 0.0

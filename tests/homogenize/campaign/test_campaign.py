@@ -17,8 +17,9 @@ from typing import Any
 import pytest
 
 from asterism.homogenize.campaign import workers
-from asterism.homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
+from asterism.homogenize.campaign.campaign import SampleRecord, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.errors import AddressError, CampaignError
 from asterism.homogenize.law.law_file import law_bytes, law_digest
 from asterism.homogenize.law.material import Material
