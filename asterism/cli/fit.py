@@ -56,7 +56,7 @@ def fit(
     """Find star sizes whose sheet comes near to a target surface.
 
     Writes the design file, and a folder beside it, DESIGN-fit, with report.html, summary.json, shape.vtu, shape.obj,
-    rods.vtu, target.obj and fit.png. The exit status is 1 if the shape is further from the target than --within, or
+    rods.vtu and target.obj. The exit status is 1 if the shape is further from the target than --within, or
     is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
     """
     from asterism.fitting.fit import FitInterrupted

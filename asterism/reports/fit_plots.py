@@ -88,11 +88,11 @@ def sections(fitted: Fit) -> bytes:
     flatness = rise / max(min(width, depth), 1e-9)
     figure = Figure(figsize=(10.0, float(np.clip(1.2 + 5.0 * flatness, 1.8, 4.6))), dpi=PLOT_DPI, layout="constrained")
     for along, axes in enumerate(figure.subplots(1, 2)):
-        draw_section(axes, fitted, along)
+        _draw_section(axes, fitted, along)
     return png_of(figure)
 
 
-def draw_section(axes: Axes, fitted: Fit, along: int) -> None:
+def _draw_section(axes: Axes, fitted: Fit, along: int) -> None:
     """Draw the sections of target and shape along x (0) or y (1) through the middle of the target."""
     across = 1 - along
     disk, shape = fitted.target.disk, fitted.shape

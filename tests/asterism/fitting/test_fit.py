@@ -155,7 +155,7 @@ def test_the_command_writes_a_design_and_its_evidence(
     summary = json.loads((tmp_path / "out-fit" / "summary.json").read_text())
     assert load_design(design).to_dict() == summary["design"]
     names = {file.name for file in (tmp_path / "out-fit").iterdir()}
-    assert names == {"fit.png", "report.html", "rods.vtu", "shape.obj", "shape.vtu", "summary.json", "target.obj"}
+    assert names == {"report.html", "rods.vtu", "shape.obj", "shape.vtu", "summary.json", "target.obj"}
     # the written target is that of the fit, in its pose
     written = trimesh.load(tmp_path / "out-fit" / "target.obj", process=False)
     assert np.ptp(np.asarray(written.vertices)[:, 2]) == pytest.approx(np.ptp(vertices[:, 2]), abs=1e-3)
