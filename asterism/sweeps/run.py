@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -12,10 +11,12 @@ from typing import Any, NamedTuple
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.campaign.workers import (
     CampaignProgress,
+    Finished,
     SubmitAll,
     dask_workers,
     default_jobs,
     local_workers,
+    this_process,
 )
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_digest
@@ -109,8 +110,20 @@ def sweep_design(
             {"exact": exact, "law": digest if law is not None or exact else named_law(each), "design": each}
             for each in tables
         ]
+        own_law, code = packed_law(None if exact else law), sweep_code_version()
+
+        def workers(count: int) -> AbstractContextManager[SubmitAll]:
+            if not count:
+                return this_process()
+            return local_workers(min(jobs or default_jobs(), count)) if dask is None else dask_workers(dask)
+
+        def finished(number: int, outcome: Outcome) -> Finished:
+            which = ", ".join(f"{path} = {value}" for path, value in combinations[number].items())
+            return _Finished(f"design {number + 1}, {which}", outcome.failed)
+
         try:
-            outcomes = _outcomes(kept, inputs, packed_law(None if exact else law), jobs, dask, combinations, report)
+            arguments = [(each, exact, own_law, code) for each in tables]
+            outcomes = kept.outcomes(inputs, workers, solve_point, arguments, finished, report)
         except OSError as error:
             raise OutputError(f"cannot write {kept.folder}: {(error.strerror or str(error)).lower()}") from None
     points = tuple(_row(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))
@@ -162,49 +175,6 @@ def sampled(parameters: Sequence[SweepParameter], samples: int | None, seed: int
         As `grid` and `latin_hypercube`.
     """
     return grid(parameters) if samples is None else latin_hypercube(parameters, samples, seed)
-
-
-def _outcomes(
-    kept: KeptSamples,
-    inputs: Sequence[dict[str, Any]],
-    law: bytes | None,
-    jobs: int | None,
-    dask: str | None,
-    combinations: Sequence[Mapping[str, Any]],
-    report: Callable[[CampaignProgress], None] | None,
-) -> list[Outcome]:
-    """The outcome of each design, from the folder where it is there."""
-    outcomes: dict[int, Outcome] = {}
-    for number, each in enumerate(inputs):
-        if (outcome := kept.read(each)) is not None:
-            outcomes[number] = outcome
-    missing = [number for number in range(len(inputs)) if number not in outcomes]
-    before, start = len(outcomes), time.perf_counter()
-
-    def send_report(left: float | None, last: int | None) -> None:
-        if report is not None:
-            failed = sum(outcome.failed is not None for outcome in outcomes.values())
-            finished = None
-            if last is not None:
-                which = ", ".join(f"{path} = {value}" for path, value in combinations[last].items())
-                finished = _Finished(f"design {last + 1}, {which}", outcomes[last].failed)
-            report(CampaignProgress(len(outcomes), len(inputs), failed, left, finished))
-
-    if not missing:
-        send_report(None, None)
-        return [outcomes[number] for number in range(len(inputs))]
-    processes = min(jobs or default_jobs(), len(missing))
-    workers: AbstractContextManager[SubmitAll] = local_workers(processes) if dask is None else dask_workers(dask)
-    with workers as submit_all:
-        send_report(None, None)
-        code = sweep_code_version()
-        arguments = [(inputs[number]["design"], inputs[number]["exact"], law, code) for number in missing]
-        for position, outcome in submit_all(solve_point, arguments):
-            number = missing[position]
-            outcomes[number] = kept.write(inputs[number], outcome)
-            pace = (time.perf_counter() - start) / (len(outcomes) - before)
-            send_report(pace * (len(inputs) - len(outcomes)), number)
-    return [outcomes[number] for number in range(len(inputs))]
 
 
 def _row(number: int, values: Mapping[str, Any], outcome: Outcome) -> SweepRowRecord:

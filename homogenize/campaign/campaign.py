@@ -6,7 +6,6 @@ never uses samples of another material or of other code.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -97,35 +96,30 @@ def run_campaign(
         raise ValueError(f"jobs = {jobs}: must be at least 1")
     folder.mkdir(parents=True, exist_ok=True)
     solve = respond or (motif_responses if plan.is_motif else solve_cell)
-    kept, send_report = KeptSamples(folder, code_version()), report or (lambda progress: None)
+    kept = KeptSamples(folder, code_version())
     tasks = plan.tasks() if tasks is None else tasks
     designs = {task: plan.cell_design(task) for task in tasks}
     inputs = {task: cell_inputs(design, plan.edge_mm, respond) for task, design in designs.items()}
     name = {task: kept.name(each) for task, each in inputs.items()}
     # a cell is solved once, also if it is both a node and a test
-    first = {name[task]: task for task in reversed(tasks)}
-    known = {key: outcome for key, task in first.items() if (outcome := kept.read(inputs[task])) is not None}
+    once = {name[task]: task for task in reversed(tasks)}.values()
     # large cells take longest: if they begin first, all workers end at about the same time
-    missing = sorted((task for key, task in first.items() if key not in known), key=lambda t: t.sizes, reverse=True)
+    cells = sorted(once, key=lambda task: task.sizes, reverse=True)
 
-    def record(task: CellTask) -> SampleRecord:
-        outcome = known[name[task]]
+    def record(task: CellTask, outcome: Outcome) -> SampleRecord:
         failed = outcome.failed or next(iter((outcome.sample or {}).get("doubts", ())), None)
         return SampleRecord(task, plan.label(task), outcome.sample, failed, outcome.crashed, outcome.seconds)
 
-    failed = sum(record(task).failed is not None for key, task in first.items() if key in known)
-    start = time.perf_counter()
-    with _workers(len(missing), jobs, dask) as submit_all:
-        send_report(CampaignProgress(len(known), len(first), failed, None, None))
-        arguments = [(solve, designs[task], plan.edge_mm, code_version()) for task in missing]
-        for count, (number, outcome) in enumerate(submit_all(_solve_one, arguments), 1):
-            task = missing[number]
-            known[name[task]] = kept.write(inputs[task], outcome)
-            last = record(task)
-            failed += last.failed is not None
-            left = (time.perf_counter() - start) / count * (len(missing) - count)
-            send_report(CampaignProgress(len(known), len(first), failed, left, last))
-    return [record(task) for task in tasks]
+    outcomes = kept.outcomes(
+        [inputs[task] for task in cells],
+        lambda count: _workers(count, jobs, dask),
+        _solve_one,
+        [(solve, designs[task], plan.edge_mm, code_version()) for task in cells],
+        lambda number, outcome: record(cells[number], outcome),
+        report,
+    )
+    known = dict(zip((name[task] for task in cells), outcomes, strict=True))
+    return [record(task, known[name[task]]) for task in tasks]
 
 
 def cell_inputs(design: Design, edge_mm: float, respond: SolveCell | None = None) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -23,6 +23,7 @@ from typing import Any
 import platformdirs
 
 from asterism import discrete, equilibrium, homogenize, pattern
+from asterism.homogenize.campaign.workers import CampaignProgress, Finished, SubmitAll
 from asterism.homogenize.errors import CampaignError
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import plain, read_table, write_table
@@ -169,6 +170,39 @@ class KeptSamples:
         self.folder.mkdir(parents=True, exist_ok=True)
         write_table(content, self._path(inputs))
         return replace(outcome, sample=sample)
+
+    def outcomes(
+        self,
+        inputs: Sequence[Mapping[str, Any]],
+        workers: Callable[[int], AbstractContextManager[SubmitAll]],
+        solve: Callable[..., Outcome],
+        arguments: Sequence[tuple[Any, ...]],
+        finished: Callable[[int, Outcome], Finished],
+        report: Callable[[CampaignProgress], None] | None,
+    ) -> list[Outcome]:
+        """The outcome for each of the inputs: read if it is in the folder, otherwise solved and written.
+
+        Parameters
+        ----------
+        workers : those that solve so many.
+        solve, arguments : the function that the workers call, and its arguments for each of the inputs.
+        finished : what a report says of an outcome, by its position.
+        report : called at the beginning and after every solution.
+        """
+        known = {number: outcome for number, each in enumerate(inputs) if (outcome := self.read(each)) is not None}
+        missing = [number for number in range(len(inputs)) if number not in known]
+        failed = sum(finished(*pair).failed is not None for pair in known.items())
+        send_report, start = report or (lambda progress: None), time.perf_counter()
+        with workers(len(missing)) as submit_all:
+            send_report(CampaignProgress(len(known), len(inputs), failed, None, None))
+            for count, (position, outcome) in enumerate(submit_all(solve, [arguments[n] for n in missing]), 1):
+                number = missing[position]
+                known[number] = self.write(inputs[number], outcome)
+                last = finished(number, known[number])
+                failed += last.failed is not None
+                left = (time.perf_counter() - start) / count * (len(missing) - count)
+                send_report(CampaignProgress(len(known), len(inputs), failed, left, last))
+        return [known[number] for number in range(len(inputs))]
 
     def _path(self, inputs: Mapping[str, Any]) -> Path:
         return self.folder / f"{self.name(inputs)}.json"
