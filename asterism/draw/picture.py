@@ -60,6 +60,13 @@ def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None
     canvas.text(margin, canvas.height - 112, line, size=min(8.5, room / max(len(line), 1)), color=PALE)
 
 
+def shape_image(shape: Drawable, title: str) -> Image.Image:
+    """The picture of `draw_shape` as an image, for notebooks."""
+    stream = BytesIO()
+    draw_shape(shape, title, stream)
+    return Image.open(stream)
+
+
 def small_png(image: Image.Image) -> bytes:
     """PNG of an image in 256 colours. MAXCOVERAGE keeps colours of few pixels, such as the red of the supports."""
     out = BytesIO()
