@@ -23,48 +23,41 @@ if not (Path(__file__).parent / "fem").is_dir():
 from asterism.process.version import __version__
 
 if TYPE_CHECKING:
-    from asterism.equilibrium.errors import Error as Error
-    from asterism.fitting.fit import Fit as Fit
-    from asterism.fitting.fit import fit as fit
-    from asterism.fitting.load_target import load_target as load_target
-    from asterism.fitting.sensitivity import sensitivity as sensitivity
-    from asterism.fitting.settings import FitSettings as FitSettings
-    from asterism.fitting.solve_for import solve_for as solve_for
-    from asterism.fitting.solve_needle import solve_for_point as solve_for_point
-    from asterism.fitting.target import TargetSurface as TargetSurface
-    from asterism.homogenize.law.law import Law as Law
-    from asterism.homogenize.law.law_file import load_law as load_law
-    from asterism.homogenize.law.material import load_material as load_material
-    from asterism.laws.calibrate import calibrate as calibrate
+    from asterism.equilibrium.errors import Error
+    from asterism.fitting.fit import Fit, fit
+    from asterism.fitting.load_target import load_target
+    from asterism.fitting.sensitivity import sensitivity
+    from asterism.fitting.settings import FitSettings
+    from asterism.fitting.solve_for import solve_for
+    from asterism.fitting.solve_needle import solve_for_point
+    from asterism.fitting.target import TargetSurface
+    from asterism.homogenize.law.law import Law
+    from asterism.homogenize.law.law_file import load_law
+    from asterism.homogenize.law.material import load_material
+    from asterism.laws.calibrate import calibrate
     from asterism.laws.show_law import show_law as show_law
-    from asterism.measure.compare.compare import compare as compare
-    from asterism.measure.compare.compare import write_comparison as write_comparison
-    from asterism.measure.strips.fit_strips import fit_strips as fit_strips
-    from asterism.measure.strips.fit_strips import write_material as write_material
-    from asterism.measure.strips.new_strips import new_strips as new_strips
-    from asterism.notebook.show import show as show
-    from asterism.pattern.design.design import Design as Design
-    from asterism.pattern.design.design import save_design as save_design
-    from asterism.pattern.gallery import load
-    from asterism.pattern.layout.build import load_design as load_design
-    from asterism.previews.session import Preview as Preview
-    from asterism.previews.session import preview as preview
-    from asterism.print.export import export as export
-    from asterism.reports.compare_designs import compare_designs as compare_designs
-    from asterism.reports.design_report import report as report
-    from asterism.reports.fit_files import write_fit as write_fit
-    from asterism.reports.verification_page import write_verification as write_verification
-    from asterism.reports.write_results import write_results as write_results
-    from asterism.shape.read_shape import read_shape as read_shape
-    from asterism.shape.shape import Shape as Shape
-    from asterism.sweeps.run import sweep_design
-    from asterism.sweeps.sweep import Sweep as Sweep
-    from asterism.sweeps.write_sweep import write_sweep as write_sweep
-    from asterism.verification.both_starts import simulate as simulate
-    from asterism.verification.run import verify as verify
-    from asterism.verification.verification import Verification as Verification
-
-    new, sweep = load, sweep_design
+    from asterism.measure.compare.compare import compare, write_comparison
+    from asterism.measure.strips.fit_strips import fit_strips, write_material
+    from asterism.measure.strips.new_strips import new_strips
+    from asterism.notebook.show import show
+    from asterism.pattern.design.design import Design, save_design
+    from asterism.pattern.gallery import load as new
+    from asterism.pattern.layout.build import load_design
+    from asterism.previews.session import Preview, preview
+    from asterism.print.export import export
+    from asterism.reports.compare_designs import compare_designs
+    from asterism.reports.design_report import report
+    from asterism.reports.fit_files import write_fit
+    from asterism.reports.verification_page import write_verification
+    from asterism.reports.write_results import write_results
+    from asterism.shape.read_shape import read_shape
+    from asterism.shape.shape import Shape
+    from asterism.sweeps.run import sweep_design as sweep
+    from asterism.sweeps.sweep import Sweep
+    from asterism.sweeps.write_sweep import write_sweep
+    from asterism.verification.both_starts import simulate
+    from asterism.verification.run import verify
+    from asterism.verification.verification import Verification
 
 # Where each public name is defined. A name is imported when it is first used: the solvers take most of a second.
 _HOMES = {
@@ -109,7 +102,49 @@ _HOMES = {
     "write_sweep": ("asterism.sweeps.write_sweep", "write_sweep"),
     "write_verification": ("asterism.reports.verification_page", "write_verification"),
 }
-__all__ = [*_HOMES, "__version__"]
+__all__ = [
+    "Design",
+    "Error",
+    "Fit",
+    "FitSettings",
+    "Law",
+    "Preview",
+    "Shape",
+    "Sweep",
+    "TargetSurface",
+    "Verification",
+    "__version__",
+    "calibrate",
+    "compare",
+    "compare_designs",
+    "export",
+    "fit",
+    "fit_strips",
+    "load_design",
+    "load_law",
+    "load_material",
+    "load_target",
+    "new",
+    "new_strips",
+    "preview",
+    "read_shape",
+    "report",
+    "save_design",
+    "sensitivity",
+    "show",
+    "show_law",
+    "simulate",
+    "solve_for",
+    "solve_for_point",
+    "sweep",
+    "verify",
+    "write_comparison",
+    "write_fit",
+    "write_material",
+    "write_results",
+    "write_sweep",
+    "write_verification",
+]
 
 
 def __dir__() -> list[str]:
