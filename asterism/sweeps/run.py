@@ -9,15 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
-from asterism.homogenize.campaign.workers import (
-    CampaignProgress,
-    Finished,
-    SubmitAll,
-    dask_workers,
-    default_jobs,
-    local_workers,
-    this_process,
-)
+from asterism.homogenize.campaign.workers import CampaignProgress, Finished, default_jobs, workers_for
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_digest
 from asterism.homogenize.law.plan import without_law
@@ -112,18 +104,20 @@ def sweep_design(
         ]
         own_law, code = packed_law(None if exact else law), sweep_code_version()
 
-        def workers(count: int) -> AbstractContextManager[SubmitAll]:
-            if not count:
-                return this_process()
-            return local_workers(min(jobs or default_jobs(), count)) if dask is None else dask_workers(dask)
-
         def finished(number: int, outcome: Outcome) -> Finished:
             which = ", ".join(f"{path} = {value}" for path, value in combinations[number].items())
             return _Finished(f"design {number + 1}, {which}", outcome.failed)
 
         try:
             arguments = [(each, exact, own_law, code) for each in tables]
-            outcomes = kept.outcomes(inputs, workers, solve_point, arguments, finished, report)
+            outcomes = kept.outcomes(
+                inputs,
+                lambda count: workers_for(count, jobs or default_jobs(), dask),
+                solve_point,
+                arguments,
+                finished,
+                report,
+            )
         except OSError as error:
             raise OutputError(f"cannot write {kept.folder}: {(error.strerror or str(error)).lower()}") from None
     points = tuple(_row(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))

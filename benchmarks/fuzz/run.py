@@ -11,7 +11,6 @@ import tempfile
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.campaign.workers import SubmitAll
 from benchmarks.fuzz.cases import DESIGNS, Case, make_case, make_kit
 from benchmarks.fuzz.nested import difference
 
@@ -123,21 +121,17 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
 
 
 def _do_less() -> None:
-    """Make pictures of shapes blank, leave texts out of layouts, and let sweeps compute in this process."""
+    """Make pictures of shapes blank, leave texts out of layouts, and let campaigns and sweeps use this process."""
     from PIL import Image
 
     import asterism.print.formats.pdf
     import asterism.reports.write_results
-    import asterism.sweeps.run
-
-    @contextmanager
-    def no_workers(jobs: int) -> Iterator[SubmitAll]:
-        yield lambda function, arguments: ((number, function(*given)) for number, given in enumerate(arguments))
+    from asterism.homogenize.campaign import workers
 
     blank = Image.new("RGB", (8, 8))
     asterism.reports.write_results.draw_shape = lambda shape, title, path: blank.save(path, format="png")
     asterism.print.formats.pdf._write_text = lambda figure, item, to_page: None
-    asterism.sweeps.run.local_workers = no_workers
+    workers.local_workers = lambda jobs: workers.this_process()
 
 
 def summary(outcomes: list[Outcome]) -> list[list[str]]:

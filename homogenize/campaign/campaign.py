@@ -7,16 +7,14 @@ never uses samples of another material or of other code.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
-from asterism.homogenize.campaign import workers
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, attempt, code_version
-from asterism.homogenize.campaign.workers import CampaignProgress
+from asterism.homogenize.campaign.workers import CampaignProgress, workers_for
 from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.plan import CellTask, LawPlan
@@ -112,7 +110,7 @@ def run_campaign(
 
     outcomes = kept.outcomes(
         [inputs[task] for task in cells],
-        lambda count: _workers(count, jobs, dask),
+        lambda count: workers_for(count, jobs, dask, FEW_CELLS),
         _solve_one,
         [(solve, designs[task], plan.edge_mm, code_version()) for task in cells],
         lambda number, outcome: record(cells[number], outcome),
@@ -128,13 +126,6 @@ def cell_inputs(design: Design, edge_mm: float, respond: SolveCell | None = None
     parts = {name: data.get(name) for name in ("fabric", "plastic", "lattice", "stars", "rods")}
     other = {} if respond is None else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
     return {**parts, "edge_mm": edge_mm, "graded": design.mesh.graded, **other}
-
-
-def _workers(cells: int, jobs: int, dask: str | None) -> AbstractContextManager[workers.SubmitAll]:
-    """Those that solve so many cells; a few are solved here, before a process would have begun."""
-    if cells and dask is not None:
-        return workers.dask_workers(dask)
-    return workers.local_workers(min(jobs, cells)) if cells > FEW_CELLS else workers.this_process()
 
 
 def _solve_one(respond: SolveCell, design: Design, edge_mm: float, code: str) -> Outcome:

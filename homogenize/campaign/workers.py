@@ -19,7 +19,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -77,6 +77,13 @@ class CampaignProgress:
 def default_jobs() -> int:
     """One process per core that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def workers_for(count: int, jobs: int, dask: str | None, few: int = 0) -> AbstractContextManager[SubmitAll]:
+    """Those that compute so many; a few are computed here, before a process would have begun."""
+    if count and dask is not None:
+        return dask_workers(dask)
+    return local_workers(min(jobs, count)) if count > few else this_process()
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.shell.density import Density, EnergyTerm, gaussian_limits, on_metric
+from asterism.fem.shell.density import Density, EnergyTerm, gaussian_limits
 from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.shell.hyperelastic import hyperelastic
 from asterism.homogenize.cell.linear_response import voigt_turn
@@ -34,6 +34,11 @@ from asterism.previews.point_pins import softened_fields
 from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of
 
 
+def to_grain(fabric: Fabric) -> Floats:
+    """(3, 3) T, from strains 11, 22, 2 x 12 of the print to those of the released fabric along and across its grain."""
+    return voigt_turn(fabric.axes.T * fabric.stretch_xy)
+
+
 def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
     """Additional energy term of a shell whose strains count from a rest metric.
 
@@ -47,8 +52,7 @@ def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
     already = np.stack(
         [0.5 * (reference[:, 0] - released[0]), 0.5 * (reference[:, 1] - released[1]), reference[:, 2]], axis=1
     )
-    # of strains E11, E22, 2 E12 in the released fabric's own lengths, along and across its grain
-    own = voigt_turn(fabric.axes.T) / np.array([released[0], released[1], np.sqrt(released.prod())])
+    own = to_grain(fabric)
     amount = share.ravel() * fabric.thickness_mm * np.sqrt(released.prod())
     where = np.flatnonzero(amount)
     mu = fabric.shear_modulus * amount[where]
@@ -246,9 +250,7 @@ def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fab
 
 def fabric_bending(fabric: Fabric) -> Floats:
     """(3, 3) N mm, bending stiffness of bare fabric per printed area."""
-    metric = np.array([*(1.0 / stretch**2 for stretch in fabric.stretch_xy), 0.0])
     d11, d12, d22, d66 = fabric.bending_tensor
-    own = voigt_turn(fabric.axes.T)
-    stiffness = np.zeros((6, 6))
-    stiffness[3:, 3:] = own.T @ [[d11, d12, 0.0], [d12, d22, 0.0], [0.0, 0.0, d66]] @ own
-    return on_metric(stiffness, metric)[3:, 3:]
+    own = to_grain(fabric)
+    stiffness = own.T @ [[d11, d12, 0.0], [d12, d22, 0.0], [0.0, 0.0, d66]] @ own
+    return np.asarray(stiffness / np.prod(fabric.stretch_xy))

@@ -36,14 +36,14 @@ def small() -> Design:
 @pytest.fixture(autouse=True)
 def one_process(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     if "slow" not in request.keywords:
-        monkeypatch.setattr("asterism.sweeps.run.local_workers", same_process.workers)
+        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
 
 
 @pytest.fixture(scope="module")
 def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Sweep]:
     folder = tmp_path_factory.mktemp("sweep") / "designs"
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("asterism.sweeps.run.local_workers", same_process.workers)
+        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
         return folder, sweep_design(small(), VARY, folder=folder)
 
 
