@@ -6,6 +6,7 @@ import signal
 from functools import cache
 from pathlib import Path
 
+import hypothesis
 import pytest
 from jaxtyping import install_import_hook
 
@@ -29,6 +30,9 @@ for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 # cells are kept with the tests' other files, for all workers and runs
 os.environ.setdefault("ASTERISM_CELLS", str(ROOT / ".pytest_cache" / "cells"))
+# a machine that is busy with other things makes no example wrong
+hypothesis.settings.register_profile("untimed")
+hypothesis.settings.load_profile("untimed")
 # pictures are made without a display, also where a test draws on its own
 os.environ.setdefault("MPLBACKEND", "Agg")
 # a shell that starts the tests in the background has them ignore Ctrl-C, and with them every program they start

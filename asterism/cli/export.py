@@ -49,6 +49,9 @@ def export(
         float | None,
         typer.Option(help="Thickness of the stretched fabric in mm (default: that of the released fabric)."),
     ] = None,
+    fabric_set: Annotated[
+        float, typer.Option(help="Percent by which the fabric stays longer after its release: stretched further by it.")
+    ] = 0.0,
     turn: Annotated[float, typer.Option(help="Rotation of the print on the bed in degrees, counterclockwise.")] = 0.0,
     needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on supported edges in mm.")] = 20.0,
     border: Annotated[bool, typer.Option("--border/--no-border", help="Print a line to cut along.")] = True,
@@ -95,6 +98,7 @@ def export(
             plate_mm=plate,
             frame_mm=None if frame is None else two_sizes(frame, "--frame"),
             fabric_mm=fabric,
+            fabric_set_percent=fabric_set,
             turn_deg=turn,
             needle_spacing_mm=needle_spacing,
             border=border,

@@ -30,7 +30,15 @@ def new(
         list[float] | None,
         typer.Option(help="Thickness of strips in mm; give it several times (default: 0.3, 0.35, 0.4 and 0.45)."),
     ] = None,
-    count: Annotated[int, typer.Option(min=1, max=200, help="Number of strips of each thickness.")] = 10,
+    count: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=200, help="Number of strips of each thickness, and direction (default: 10; 5 in both)."
+        ),
+    ] = None,
+    both_directions: Annotated[
+        bool, typer.Option("--both-directions", help="Strips along and across the grain of the fabric.")
+    ] = False,
     length: Annotated[float, typer.Option(min=10, max=500, help="Length of a strip in mm.")] = 60.0,
     width: Annotated[float, typer.Option(min=0.4, max=50, help="Width of a strip in mm.")] = 4.0,
     stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Stretch of the fabric.")] = 1.35,
@@ -56,17 +64,19 @@ def new(
         output,
         machine,
         thicknesses_mm=thicknesses,
-        count=count,
+        count=count or (5 if both_directions else 10),
         length_mm=length,
         width_mm=width,
         stretch=stretch,
         fabric_thickness_mm=fabric_thickness,
         stretched_thickness_mm=fabric,
+        both_directions=both_directions,
     )
     first, others = written.layers_mm
     thick = ", ".join(f"{h:g}" for h in written.specimen.thicknesses_mm)
     kind = "released" if fabric is None else "stretched"
     table = quoted(output / "strips.csv")
+    lie = ", half of them across the grain" if both_directions else ""
     other_layers = []
     if written.star_layers_mm != written.layers_mm:
         stars = "first {:g} mm, then {:g} mm".format(*written.star_layers_mm)
@@ -74,7 +84,7 @@ def new(
         other_layers = [f"  stars are sliced in other layers ({stars}): export them with  {option}  for equal plastic"]
     run.lines(
         [
-            f"  {len(written.specimen.strips)} strips of {length:g} x {width:g} mm, {thick} mm thick",
+            f"  {len(written.specimen.strips)} strips of {length:g} x {width:g} mm{lie}, {thick} mm thick",
             f"  slice with a first layer of {first:g} mm and others of {others:g} mm",
             *other_layers,
             f"  z offset {written.z_offset_mm:.2f} mm (plate and {kind} fabric), in start.gcode",

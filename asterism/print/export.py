@@ -71,6 +71,7 @@ def export(
     plate_mm: float | None = None,
     frame_mm: Sequence[float] | None = None,
     fabric_mm: float | None = None,
+    fabric_set_percent: float = 0.0,
     turn_deg: float = 0.0,
     needle_spacing_mm: float = NEEDLE_SPACING_MM,
     border: bool = True,
@@ -93,6 +94,8 @@ def export(
         width and depth of the frame,
         in place of the printer's.
     fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
+    fabric_set_percent : by how much a bare piece of the fabric is longer after its release than before it was
+        stretched. The check square of the layout then is stretched further than the design says by as much.
     turn_deg : counterclockwise turn of the print on the bed.
     needle_spacing_mm : largest distance between needles on supported edges.
     border : print a line to cut along, if it fits on the bed.
@@ -131,6 +134,7 @@ def export(
             machine,
             profile,
             fabric_mm=fabric_mm,
+            fabric_set_percent=fabric_set_percent,
             border=border,
             turn_deg=turn_deg,
             needle_spacing_mm=needle_spacing_mm,

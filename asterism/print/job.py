@@ -57,6 +57,7 @@ class Job:
     needles : needles, in printed coordinates.
     shape : the sheet in space whose files are written; None without these files.
     too_large : why the print does not fit; empty if it fits.
+    fabric_set_percent : by how much the fabric is longer after its release than before it was stretched.
     glance : the sheet in space from the preview, without files; for heights and warnings only.
     """
 
@@ -78,6 +79,7 @@ class Job:
     needles: tuple[Needle, ...]
     shape: Shape | None = None
     too_large: str = ""
+    fabric_set_percent: float = 0.0
     glance: Shape | None = None
 
     @property
@@ -93,7 +95,7 @@ class Job:
     @property
     def check_before_mm(self) -> float:
         """Side of the check square on the released fabric; after stretching it lies well within the frame."""
-        room = np.asarray(self.printer.frame.opening_mm) / self.design.fabric.stretch_xy
+        room = np.asarray(self.printer.frame.opening_mm) / self.clamped_stretch
         # largest part of the frame's opening for the stretched check square
         most = 0.8 * float(room.min()) + 1e-9
         return next((side for side in CHECK_SQUARES_MM if side <= most), CHECK_SQUARES_MM[-1])
@@ -101,8 +103,14 @@ class Job:
     @property
     def check_after_mm(self) -> tuple[float, float]:
         """Sides of the check square on the stretched fabric."""
-        x, y = self.design.fabric.stretch_xy
+        x, y = self.clamped_stretch
         return self.check_before_mm * x, self.check_before_mm * y
+
+    @property
+    def clamped_stretch(self) -> tuple[float, float]:
+        """Stretched length over the length before, along x and y; that of the design is over the length after."""
+        x, y = ((1.0 + 0.01 * self.fabric_set_percent) * each for each in self.design.fabric.stretch_xy)
+        return x, y
 
     @cached_property
     def size_changes(self) -> dict[str, SizeChangeRecord]:
@@ -191,6 +199,7 @@ def prepare(
     plastic: PlasticProfile,
     *,
     fabric_mm: float | None = None,
+    fabric_set_percent: float = 0.0,
     border: bool = True,
     turn_deg: float = 0.0,
     needle_spacing_mm: float = 20.0,
@@ -202,6 +211,7 @@ def prepare(
     Parameters
     ----------
     fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
+    fabric_set_percent : by how much the fabric is longer after its release than before it was stretched.
     border : print a line to cut along, if it fits the bed and the frame.
     turn_deg : counterclockwise turn of the print on the bed.
     needle_spacing_mm : largest distance of needles on supported edges.
@@ -215,6 +225,7 @@ def prepare(
     """
     for option, value, limits in (
         ("--fabric", fabric_mm, (0.01, 50.0)),  # the lower limit is that of a design
+        ("--fabric-set", fabric_set_percent, (0.0, 50.0)),
         ("--needle-spacing", needle_spacing_mm, (1.0, 1000.0)),
         ("--turn", turn_deg, (-360.0, 360.0)),
     ):
@@ -265,6 +276,7 @@ def prepare(
         needles=needles(plan, needle_spacing_mm, shape),
         shape=shape,
         too_large=too_large,
+        fabric_set_percent=fabric_set_percent,
     )
 
 

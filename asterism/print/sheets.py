@@ -68,7 +68,7 @@ def layout_sheet(job: Job) -> Drawing:
         items += _needle(job.placement.points(needle.printed), str(needle.number))
     field = np.max([frame, bed, job.check_after_mm], axis=0)
     items.append(Label(TEXT, np.array([-frame[0] / 4, -field[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
-    x, y = job.design.fabric.stretch_xy
+    x, y = job.clamped_stretch
     sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.pattern}))
     paragraphs = [
         "Seen from above, the plastic on top, as it lies on the printer.",
@@ -113,11 +113,13 @@ def stretch_sheet(job: Job) -> Drawing:
     lies = "its sides along the threads that will lie along the frame"
     if job.design.fabric.is_orthotropic:
         lies = "with the grain along the arrow"
+    longer = 1.0 + 0.01 * job.fabric_set_percent
+    measured = f"stretch that you measured, over {longer:g}," if longer > 1.0 else "stretch that you measured"
     paragraphs = [
         f"1. Lay the relaxed fabric on this page and draw the dashed square on it, {lies}.",
         f"2. Stretch and clamp the fabric. The square must now be {x:.1f} mm wide (left to right) and {y:.1f} mm deep.",
         f"3. A millimetre off is a stretch that is off by {1 / before:.2g}. If you cannot do better, write the "
-        "stretch that you measured into fabric.stretch of the design, as [x, y], and look at its shape again.",
+        f"{measured} into fabric.stretch of the design, as [x, y], and look at its shape again.",
     ]
     return sheet_page(
         f"{job.design.name}: stretch check", field, (0.0, 0.0), items, job.design.name, "Stretch check 1:1", paragraphs

@@ -84,7 +84,7 @@ def test_state_has_all_energies_and_large_rotations():
     assert STATE.directors[:, 2].min() < 0.0 < STATE.directors[:, 2].max()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(shift=directions, size=st.floats(0.0, 1e3))
 def test_translation(shift, size):
     moved = State(STATE.positions + size * shift, STATE.directors)
@@ -93,7 +93,7 @@ def test_translation(shift, size):
         assert value == pytest.approx(ENERGIES[name], rel=1e-11 + 1e-12 * size), name
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(axis=directions, angle=turns)
 def test_rotation(axis, angle):
     moved = State(rotated(STATE.positions, axis, angle), rotated(STATE.directors, axis, angle))
@@ -102,7 +102,7 @@ def test_rotation(axis, angle):
     assert_gradient(MODEL.full_gradient(moved), np.concatenate([forces.ravel(), GRADIENT[N:]]))
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(axis=directions, angle=turns)
 def test_rotation_by_time_parallel_steps(axis, angle):
     """Parallel transport rotates a director by w . t less than the body, as in `rigid_modes`; second order."""
@@ -132,7 +132,7 @@ def mirrored_mesh() -> Mesh:
     return replace(MESH, points=MESH.points * [-1.0, 1.0], triangles=MESH.triangles[:, ::-1].copy())
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(normal=directions)
 def test_mirror(normal):
     """The mirrored print in the mirrored state; the plastic normal is a vector and mirrors like a position.
@@ -158,7 +158,7 @@ def test_mirrored_state_of_the_same_print_costs_energy():
     assert MODEL.energies(moved)["rod_bending"] > 1.1 * ENERGIES["rod_bending"]
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_permuted_vertices_triangles_and_rods(seed):
     rng = np.random.default_rng(seed)

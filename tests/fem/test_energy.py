@@ -86,7 +86,7 @@ def test_a_cylinder_has_its_strains(space: type) -> None:
 
 
 @given(st.integers(0, 2**31), st.sampled_from(SPACES))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_motions_and_mirrors(seed: int, space: type) -> None:
     """VALIDATION V2: rigid motions leave the strains; a mirror changes the sign of the curvatures."""
     assembly, x = bent(space, 0.02)

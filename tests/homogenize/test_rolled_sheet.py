@@ -91,7 +91,7 @@ def _turned_strains(turn: np.ndarray) -> np.ndarray:
 
 
 @given(st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12), st.integers(0, 5))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_reliefs_are_found_again_and_have_the_symmetry_of_the_star(amplitudes: list[float], turns: int) -> None:
     waves = CorrugationWaves.of(Lattice())
     cell = relaxed(10.0, 0.4, 1.44)[0]

@@ -48,7 +48,7 @@ def test_garbage_is_refused_or_laid_out(changes):
 
 
 @given(values)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_anything_is_refused(data):
     with pytest.raises(DesignError):
         Design.from_dict(data)

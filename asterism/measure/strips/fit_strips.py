@@ -5,19 +5,28 @@ from __future__ import annotations
 import datetime
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import IO
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
-from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, KappaBarKind, StripFit, StripFormula, fit_readings
-from asterism.measure.strips.strip_table import read_strips
+from asterism.measure.strips.strip_fit import (
+    FLAT_HEIGHT_MM,
+    KappaBarKind,
+    NamedReading,
+    StripFit,
+    StripFormula,
+    fit_directions,
+)
+from asterism.measure.strips.strip_table import Reading, read_strips
 from asterism.pattern.design.errors import one_line
 from asterism.pattern.design.materials import (
     Fabric,
@@ -48,19 +57,40 @@ class FittedMaterial:
 
     Attributes
     ----------
-    fit : the fit with its estimates, intervals and readings.
+    fit : the fit with its estimates, intervals and readings; of strips in two directions that along the grain.
     table : name of the table.
     options : options that the table was read with.
+    across : the fit across the grain; None if the table has no directions.
     """
 
     fit: StripFit
     table: str
     options: StripOptionsRecord
+    across: StripFit | None = None
 
     @property
     def plastic(self) -> Plastic:
-        """The plastic as a design has it."""
-        return self.fit.plastic()
+        """The plastic as a design has it: of two directions E1/E2 is the geometric mean."""
+        return self.fit.plastic(math.sqrt(math.prod(self._ratios)) if self.across else None)
+
+    @property
+    def moduli(self) -> tuple[float, float] | None:
+        """MPa, moduli of the fabric along and across its grain, in the scale of the default; None for one direction."""
+        if self.across is None:
+            return None
+        mean = Fabric().modulus
+        along, across = self._ratios
+        return mean * math.sqrt(across / along), mean * math.sqrt(along / across)
+
+    @property
+    def _ratios(self) -> tuple[float, ...]:
+        """E1/E2 of each direction."""
+        return tuple(fit.ratio[fit.formula].value for fit in self.fits)
+
+    @property
+    def fits(self) -> tuple[StripFit, ...]:
+        """One fit, or those along and across the grain."""
+        return (self.fit,) if self.across is None else (self.fit, self.across)
 
     @cached_property
     def summary(self) -> StripFitRecord:
@@ -73,20 +103,18 @@ class FittedMaterial:
             rest_curvature=fit.formula,
             confidence=fit.confidence,
             degrees_of_freedom=fit.freedom,
-            modulus_ratio={
-                name: RatioIntervalRecord(value=value, low=low, high=high if math.isfinite(high) else None)
-                for name, (value, low, high) in fit.ratio.items()
-            },
+            modulus_ratio=_intervals(fit),
+            modulus_ratio_across=_intervals(self.across) if self.across else ABSENT,
             kappa_bar_kind=fit.kappa_bar_kind,
             kappa_bar=[
                 KappaBarRecord(thickness_mm=h, value_per_mm=value, low_per_mm=low, high_per_mm=high)
                 for h, (value, low, high) in fit.kappa_bar.items()
             ],
-            readings_used=len(fit.used),
-            readings_flat=sum(reading.curvature_per_mm is None for reading in fit.used),
+            readings_used=len(self.used),
+            readings_flat=sum(reading.curvature_per_mm is None for reading in self.used),
             left_out=[
                 LeftOutReadingRecord(strip=one.strip, row=one.row, peeled=one.peeled, reason=reason)
-                for one, reason in fit.left_out
+                for one, reason in self._left_out
             ],
             warnings=self.warnings,
         )
@@ -117,16 +145,25 @@ class FittedMaterial:
     def warnings(self) -> list[str]:
         """One line for each reason to doubt the numbers."""
         left_to = "the material says none; add fabric.{} to it for asterism calibrate"
-        fabrics = _fabrics(self.fit).items()
+        fabrics = _fabrics(self.used).items()
         return [
-            *self.fit.warnings,
+            *dict.fromkeys(line for fit in self.fits for line in fit.warnings),
             *(f"strips of {len(v)} {called}: {left_to.format(key)}" for key, (called, v) in fabrics if len(v) > 1),
         ]
 
     @property
     def left_out(self) -> list[str]:
         """One line for each reading that is not used."""
-        return [f"left out: {one.name} (row {one.row}): {reason}" for one, reason in self.fit.left_out]
+        return [f"left out: {one.name} (row {one.row}): {reason}" for one, reason in self._left_out]
+
+    @property
+    def _left_out(self) -> list[NamedReading]:
+        return list(dict.fromkeys(each for fit in self.fits for each in fit.left_out))
+
+    @property
+    def used(self) -> list[Reading]:
+        """The readings that are used."""
+        return list(dict.fromkeys(each for fit in self.fits for each in fit.used))
 
 
 def fit_strips(
@@ -172,14 +209,21 @@ def fit_strips(
     """
     table = Path(table)
     readings = read_strips(table, stretch, fabric_thickness_mm, outside=outside)
-    fit = fit_readings(readings, rest_curvature, kappa_bar, flat_height_mm=flat_height_mm)
+    fit, across = fit_directions(readings, rest_curvature, kappa_bar, flat_height_mm=flat_height_mm)
     options = StripOptionsRecord(
         outside=outside,
         flat_height_mm=flat_height_mm,
         stretch=ABSENT if stretch is None else stretch,
         fabric_thickness_mm=ABSENT if fabric_thickness_mm is None else fabric_thickness_mm,
     )
-    return FittedMaterial(fit, table.name, options)
+    return FittedMaterial(fit, table.name, options, across)
+
+
+def _intervals(fit: StripFit) -> dict[str, RatioIntervalRecord]:
+    return {
+        name: RatioIntervalRecord(value=value, low=low, high=high if math.isfinite(high) else None)
+        for name, (value, low, high) in fit.ratio.items()
+    }
 
 
 def check_material_path(path: str | Path) -> None:
@@ -217,10 +261,10 @@ def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
     """
     path = Path(path)
     check_material_path(path)
-    title = one_line(f"{material.table}: {len(material.fit.used)} readings of strips")
+    title = one_line(f"{material.table}: {material.summary.readings_used} readings of strips")
     with staged(path.parent) as folder:
         (folder / path.name).write_text(_material_text(material, one_line(path.stem), title), encoding="utf-8")
-        draw_fit(material.fit, title, folder / f"{path.stem}.png")
+        draw_fit(material.fits, title, folder / f"{path.stem}.png")
         (folder / f"{path.stem}.json").write_text(material.summary.json_text(), encoding="utf-8")
     return [path.name, f"{path.stem}.png", f"{path.stem}.json"]
 
@@ -235,6 +279,10 @@ def _material_text(material: FittedMaterial, name: str, source: str) -> str:
         kept = f"{{ thickness_mm = [{thicknesses}], per_mm = [{values}] }}"
     else:
         kept = f"{kappa_bar:.4g}"
+    moduli = []
+    if material.moduli:
+        moduli.append("# along and across the grain: strips give their ratio; with a weight's, multiply both")
+        moduli.append("modulus_mpa = [{:.4g}, {:.4g}]".format(*material.moduli))
     remarks = [f"{label}: {text}" for label, text in material.rows.items()] + material.sentences
     lines = [
         MATERIAL_FIRST_LINE,
@@ -247,7 +295,8 @@ def _material_text(material: FittedMaterial, name: str, source: str) -> str:
         "",
         "[fabric]",
         # with several values the key is left out, and commands use the design's value
-        *(f"{key} = {values.pop():g}" for key, (_, values) in _fabrics(material.fit).items() if len(values) == 1),
+        *(f"{key} = {values.pop():g}" for key, (_, values) in _fabrics(material.used).items() if len(values) == 1),
+        *moduli,
         "",
         "[plastic]",
         f"modulus_ratio = {plastic.modulus_ratio:.5g}",
@@ -257,59 +306,66 @@ def _material_text(material: FittedMaterial, name: str, source: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _fabrics(fit: StripFit) -> dict[str, tuple[str, set[float]]]:
+def _fabrics(used: list[Reading]) -> dict[str, tuple[str, set[float]]]:
     """Values of the fabrics with their name, by the keys of a design's fabric; most tables have one value each."""
     return {
-        "stretch": ("stretches", {reading.stretch for reading in fit.used}),
-        "thickness_mm": ("thicknesses of the fabric", {reading.fabric_thickness_mm for reading in fit.used}),
+        "stretch": ("stretches", {reading.stretch for reading in used}),
+        "thickness_mm": ("thicknesses of the fabric", {reading.fabric_thickness_mm for reading in used}),
     }
 
 
-WITH_FABRIC_COLOUR = "#2a6f97"
+# of strips with their fabric, in one direction or along and across
+FABRIC_COLOURS = ("#2a6f97", "#5d8a3a")
 PEELED_COLOUR = "#c8553d"
 DOUBTFUL_COLOUR = "#9d1f1f"
 
 
-def draw_fit(fit: StripFit, title: str, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw a fit as PNG."""
+def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw one fit, or those along and across the grain, as PNG."""
     figure = Figure(figsize=(9, 5.4), dpi=150, facecolor="white")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.08, right=0.98, bottom=0.12, top=0.79)
-    ratio = fit.ratio[fit.formula]
-    thicknesses = [reading.thickness_mm for reading in fit.used]
+    one = fits[0]
+    thicknesses = [reading.thickness_mm for reading in one.used]
     h = np.linspace(min(thicknesses) - 0.01, max(thicknesses) + 0.01, 200)
-    for stretch, fabric_mm in {(r.stretch, r.fabric_thickness_mm) for r in fit.used if not r.peeled}:
-        fabric = Fabric(stretch=stretch, thickness_mm=fabric_mm)
-        middle, low, high = (rest_curvature(h, fabric, fit.plastic(min(max(one, 1.0), 1e7))) for one in ratio)
-        axes.fill_between(h, low, high, color=WITH_FABRIC_COLOUR, alpha=0.2, linewidth=0)
-        axes.plot(h, middle, color=WITH_FABRIC_COLOUR, linewidth=1.2)
-    if fit.kappa_bar:
-        axes.plot(h, residual_curvature(h, fit.plastic().kappa_bar_per_mm), color=PEELED_COLOUR, linewidth=1.2)
-    for peeled, colour, label in ((False, WITH_FABRIC_COLOUR, "with fabric"), (True, PEELED_COLOUR, "peeled")):
-        bent = [(r.thickness_mm, r.curvature_per_mm) for r in fit.used if r.peeled == peeled and r.curvature_per_mm]
-        flat = [
-            (r.thickness_mm, 8 * fit.flat_height_mm / r.length_mm**2)
-            for r in fit.used
-            if r.peeled == peeled and r.curvature_per_mm is None
-        ]
-        if bent:
-            axes.plot(*zip(*bent, strict=True), "o", color=colour, markersize=4, alpha=0.6, label=label)
-        if flat:
-            label += ", flat: below"
-            axes.plot(*zip(*flat, strict=True), "v", color=colour, markersize=6, fillstyle="none", label=label)
-    for one, _ in (*fit.left_out, *fit.outliers):
-        place = (one.thickness_mm, one.curvature_per_mm or 0.0)
+    for fit, colour in zip(fits, FABRIC_COLOURS, strict=False):
+        covered = [reading for reading in fit.used if not reading.peeled]
+        for stretch, fabric_mm in {(r.stretch, r.fabric_thickness_mm) for r in covered}:
+            fabric, ends = Fabric(stretch=stretch, thickness_mm=fabric_mm), fit.ratio[fit.formula]
+            middle, low, high = (rest_curvature(h, fabric, fit.plastic(min(max(end, 1.0), 1e7))) for end in ends)
+            axes.fill_between(h, low, high, color=colour, alpha=0.2, linewidth=0)
+            axes.plot(h, middle, color=colour, linewidth=1.2)
+        lie = f" {covered[0].direction}" if len(fits) > 1 else ""
+        _draw_readings(axes, fit, covered, colour, f"with fabric{lie}")
+    if one.kappa_bar:
+        axes.plot(h, residual_curvature(h, one.plastic().kappa_bar_per_mm), color=PEELED_COLOUR, linewidth=1.2)
+    _draw_readings(axes, one, [reading for reading in one.used if reading.peeled], PEELED_COLOUR, "peeled")
+    for reading, _ in {each for fit in fits for each in (*fit.left_out, *fit.outliers)}:
+        place = (reading.thickness_mm, reading.curvature_per_mm or 0.0)
         axes.plot(*place, "x", color=DOUBTFUL_COLOUR, markersize=8)
-        axes.annotate(f"  {one.strip}", place, fontsize=8, color=DOUBTFUL_COLOUR, va="center", parse_math=False)
+        axes.annotate(f"  {reading.strip}", place, fontsize=8, color=DOUBTFUL_COLOUR, va="center", parse_math=False)
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     style_axes(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
     add_grid(axes)
     axes.legend(fontsize=8, frameon=False)
     write_title(figure, 0.012, 0.93, title, 14)
-    text = (
-        f"E1/E2 = {ratio.value:.0f}, {ratio.low:.0f} to {'no bound' if np.isinf(ratio.high) else f'{ratio.high:.0f}'}"
+    ratios = " and ".join(
+        f"{ratio.value:.0f}, {ratio.low:.0f} to {'no bound' if np.isinf(ratio.high) else f'{ratio.high:.0f}'}"
+        for ratio in (fit.ratio[fit.formula] for fit in fits)
     )
-    text += f' ({100 * fit.confidence:g} %, shaded), rest_curvature = "{fit.formula}"; crosses: left out or doubtful'
+    lie = " along and across" if len(fits) > 1 else ""
+    text = f"E1/E2{lie} = {ratios} ({100 * one.confidence:g} %, shaded)"
+    text += f', rest_curvature = "{one.formula}"; crosses: left out or doubtful'
     figure.text(0.012, 0.88, text, fontsize=10, color=PALE, parse_math=False)
     figure.savefig(path_or_file, format="png", dpi=150)
+
+
+def _draw_readings(axes: Axes, fit: StripFit, readings: list[Reading], colour: str, label: str) -> None:
+    bent = [(r.thickness_mm, r.curvature_per_mm) for r in readings if r.curvature_per_mm]
+    flat = [(r.thickness_mm, 8 * fit.flat_height_mm / r.length_mm**2) for r in readings if r.curvature_per_mm is None]
+    if bent:
+        axes.plot(*zip(*bent, strict=True), "o", color=colour, markersize=4, alpha=0.6, label=label)
+    if flat:
+        label += ", flat: below"
+        axes.plot(*zip(*flat, strict=True), "v", color=colour, markersize=6, fillstyle="none", label=label)

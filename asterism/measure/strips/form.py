@@ -9,7 +9,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.measure.strips import arc
 from asterism.measure.strips.specimen import PrintedStrip, Specimen
-from asterism.measure.strips.strip_table import BOX_COLUMNS, KNOWN_COLUMNS
+from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.instructions import homing_advice
@@ -59,10 +59,12 @@ def page_head(title: str, lines: list[str]) -> tuple[list[Polyline | Label], flo
 
 def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
     """The table to fill in as CSV, with the known values."""
-    lines = [",".join((*KNOWN_COLUMNS, *BOX_COLUMNS))]
+    direction = [DIRECTION_COLUMN] if specimen.has_directions else []
+    lines = [",".join((*KNOWN_COLUMNS, *direction, *BOX_COLUMNS))]
     for strip in specimen.strips:
-        known = (strip.number, f"{strip.thickness_mm:g}", f"{specimen.length_mm:g}", f"{stretch:g}", f"{fabric_mm:g}")
-        lines.append(",".join([*map(str, known), *[""] * len(BOX_COLUMNS)]))
+        known = [str(strip.number), *(f"{x:g}" for x in (strip.thickness_mm, specimen.length_mm, stretch, fabric_mm))]
+        known += [strip.direction] if strip.direction else []
+        lines.append(",".join([*known, *[""] * len(BOX_COLUMNS)]))
     return "\n".join(lines) + "\n"
 
 
@@ -72,16 +74,18 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Lab
     parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, MAP_MM, strict=True)))
     width, depth = bed_mm[0] / parts, bed_mm[1] / parts
     centre = (A4_MM[0] / 2, 12.0 + depth / 2)
-    head = f"The print, 1:{parts:g}, seen from above: number and thickness"
+    grain = ", grain from left to right" if specimen.has_directions else ""
+    head = f"The print, 1:{parts:g}, seen from above: number and thickness{grain}"
     items: list[Polyline | Label] = [
         Label(HELP_PEN, np.array([15.0, 14.5 + depth]), head, 3.0),
         rectangle(HELP_PEN, (width, depth), centre),
     ]
-    size = (specimen.length_mm / parts, specimen.width_mm / parts)
     for strip in specimen.strips:
+        size = (strip.size_mm[0] / parts, strip.size_mm[1] / parts)
         x, y = centre[0] + strip.centre_mm[0] / parts, centre[1] + strip.centre_mm[1] / parts
         items.append(rectangle(STRIP_PEN, size, (x, y)))
-        label = f"{strip.number}: {strip.thickness_mm:g}"
+        is_upright = size[1] > size[0]  # and without space for its thickness
+        label = str(strip.number) if is_upright else f"{strip.number}: {strip.thickness_mm:g}"
         items.append(Label(TEXT_PEN, np.array([x, y + size[1] / 2 + 0.6]), label, 2.3, end="middle"))
     return items
 
@@ -99,6 +103,7 @@ def _instructions(
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
         "    write your own stretch into the table. Measure the fabric's thickness before it is stretched:",
         f"    the table says {fabric_mm:g} mm.",
+        *(["    The fabric's grain lies from left to right."] if specimen.has_directions else []),
         *wrapped(f"2. Put the frame with its plate on the bed. {homing_advice(printer)}"),
         *wrapped(
             "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the "

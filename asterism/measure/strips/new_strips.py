@@ -56,6 +56,7 @@ def new_strips(
     stretch: float = 1.35,
     fabric_thickness_mm: float = 0.8,
     stretched_thickness_mm: float | None = None,
+    both_directions: bool = False,
 ) -> StripsPrint:
     """Write the files of a test print: strips as STL and 3MF, start code, instructions, and a table to fill in.
 
@@ -63,10 +64,12 @@ def new_strips(
     ----------
     printer : a profile, its name, or its file.
     thicknesses_mm : thicknesses of the strips.
-    count : strips of each thickness.
+    count : strips of each thickness, and direction.
     length_mm, width_mm : size of each strip.
     stretch, fabric_thickness_mm : stretch of the fabric, and its thickness when released.
     stretched_thickness_mm : its thickness when stretched; by default that of the released fabric.
+
+    both_directions : strips along the grain of the fabric, which lies along x, and as many across.
 
     Raises
     ------
@@ -93,12 +96,12 @@ def new_strips(
     if len(set(thicknesses_mm)) < len(thicknesses_mm):
         raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
     heights = layer_heights(thicknesses_mm, machine.nozzle_mm)
-    specimen = lay_out_specimen(machine.bed_mm, thicknesses_mm, count, length_mm, width_mm)
+    specimen = lay_out_specimen(machine.bed_mm, thicknesses_mm, count, length_mm, width_mm, both_directions)
     table, text = directory / "strips.csv", csv_text(specimen, stretch, fabric_thickness_mm)
     if table.exists() and table.read_bytes() != text.encode():
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
     rounding = Rounding(first_layer_mm=heights[0], layer_mm=heights[1], line_mm=machine.nozzle_mm)
-    solids = [_solid(strip, specimen) for strip in specimen.strips]
+    solids = [_solid(strip) for strip in specimen.strips]
     under_nozzle = fabric_thickness_mm if stretched_thickness_mm is None else stretched_thickness_mm
     z_offset = machine.frame.plate_mm + under_nozzle
     with staged(directory) as folder:
@@ -119,8 +122,8 @@ def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:
     return np.concatenate([solid.points for solid in solids]), np.concatenate(triangles)
 
 
-def _solid(strip: PrintedStrip, specimen: Specimen) -> Solid:
+def _solid(strip: PrintedStrip) -> Solid:
     """A strip as a named box, in coordinates from the middle of the bed."""
-    (x, y), half = strip.centre_mm, (specimen.length_mm / 2, specimen.width_mm / 2)
+    (x, y), half = strip.centre_mm, [side / 2 for side in strip.size_mm]
     region = shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])
     return terraced_solid(f"strip {strip.number}, {strip.thickness_mm:g} mm", [Terrace(strip.thickness_mm, region)])

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from asterism.measure.strips.strip_table import Direction
 from asterism.pattern.design.errors import DesignError
 from asterism.print.rounded import MAX_LAYER_OVER_LINE
 
@@ -24,20 +25,29 @@ class PrintedStrip:
     ----------
     number : from 1, row by row from the lower left.
     centre_mm : centre, from the middle of the bed.
+    size_mm : along x and y.
+    direction : to the grain of the fabric, which lies along x; None if the specimen has one direction.
     """
 
     number: int
     thickness_mm: float
     centre_mm: tuple[float, float]
+    size_mm: tuple[float, float]
+    direction: Direction | None = None
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """All strips of a test print. They are parallel to x and have one length and width."""
+    """All strips of a test print, of one length and width. They lie along x, or some along x and the others along y."""
 
     length_mm: float
     width_mm: float
     strips: tuple[PrintedStrip, ...]
+
+    @property
+    def has_directions(self) -> bool:
+        """Strips lie along and across the grain of the fabric."""
+        return any(strip.direction for strip in self.strips)
 
     @property
     def thicknesses_mm(self) -> tuple[float, ...]:
@@ -51,8 +61,9 @@ def lay_out_specimen(
     count: int = 10,
     length_mm: float = 60.0,
     width_mm: float = 4.0,
+    both_directions: bool = False,
 ) -> Specimen:
-    """Lay out `count` strips of each thickness on a bed.
+    """Lay out `count` strips of each thickness on a bed, along x; or as many along x and above them along y.
 
     The thicknesses alternate, so that an uneven bed affects all of them equally.
 
@@ -61,23 +72,31 @@ def lay_out_specimen(
     DesignError
         The strips do not fit on the bed.
     """
-    total = count * len(thicknesses_mm)
-    columns = min(math.floor((bed_mm[0] - 2 * BED_MARGIN_MM + STRIP_GAP_MM) / (length_mm + STRIP_GAP_MM)), total)
-    rows = math.ceil(total / columns) if columns else 0
-    pitch = (length_mm + STRIP_GAP_MM, width_mm + STRIP_GAP_MM)
-    if columns == 0 or rows * pitch[1] - STRIP_GAP_MM > bed_mm[1] - 2 * BED_MARGIN_MM:
-        room = max(math.floor((bed_mm[1] - 2 * BED_MARGIN_MM + STRIP_GAP_MM) / pitch[1]), 0) * columns
-        problem = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: it has room for {room}"
-        raise DesignError("--count" if room else "--length", problem, f"{total} strips of {length_mm:g} mm")
-    strips = []
-    for place in range(total):
-        row, column = divmod(place, columns)
-        # shift the sequence if each column would hold one thickness
-        turn = row if columns % len(thicknesses_mm) == 0 else 0
-        thickness = thicknesses_mm[(place + turn) % len(thicknesses_mm)]
-        centre = ((column - (columns - 1) / 2) * pitch[0], (row - (rows - 1) / 2) * pitch[1])
-        strips.append(PrintedStrip(place + 1, thickness, centre))
-    return Specimen(length_mm, width_mm, tuple(strips))
+    total, room = count * len(thicknesses_mm), [side - 2 * BED_MARGIN_MM for side in bed_mm]
+    size = (length_mm, width_mm)
+    blocks: list[tuple[Direction | None, tuple[float, float]]]
+    blocks = [("along", size), ("across", size[::-1])] if both_directions else [(None, size)]
+    given = f"{total * len(blocks)} strips of {length_mm:g} mm"
+    fits = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: "
+    strips: list[PrintedStrip] = []
+    top = 0.0
+    for direction, (x, y) in blocks:
+        columns = min(math.floor((room[0] + STRIP_GAP_MM) / (x + STRIP_GAP_MM)), total)
+        if columns < 1:
+            raise DesignError("--length", f"{fits}it has room for {room[0]:g} mm", given)
+        for place in range(total):
+            row, column = divmod(place, columns)
+            # shift the sequence if each column would hold one thickness
+            turn = row if columns % len(thicknesses_mm) == 0 else 0
+            thickness = thicknesses_mm[(place + turn) % len(thicknesses_mm)]
+            centre = ((column - (columns - 1) / 2) * (x + STRIP_GAP_MM), top + row * (y + STRIP_GAP_MM) + y / 2)
+            strips.append(PrintedStrip(len(strips) + 1, thickness, centre, (x, y), direction))
+        top += math.ceil(total / columns) * (y + STRIP_GAP_MM)
+    height = top - STRIP_GAP_MM
+    if height > room[1]:
+        raise DesignError("--count", f"{fits}they need {height:g} of {room[1]:g} mm", given)
+    middle = [replace(strip, centre_mm=(strip.centre_mm[0], strip.centre_mm[1] - height / 2)) for strip in strips]
+    return Specimen(length_mm, width_mm, tuple(middle))
 
 
 def layer_heights(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:

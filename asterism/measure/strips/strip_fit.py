@@ -18,7 +18,7 @@ from scipy.stats import t as student
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.errors import Error
-from asterism.measure.strips.strip_table import Reading
+from asterism.measure.strips.strip_table import DIRECTIONS, Reading
 from asterism.pattern.design.errors import from_validation
 from asterism.pattern.design.materials import Plastic, bilayer_curvature
 
@@ -263,6 +263,33 @@ class StripFit:
             kept = {"thickness_mm": tuple(self.kappa_bar), "per_mm": tuple(i.value for i in self.kappa_bar.values())}
         ratio = modulus_ratio or self.ratio[self.formula].value
         return Plastic(modulus_ratio=ratio, rest_curvature=self.formula, kappa_bar_per_mm=kept)
+
+
+def fit_directions(
+    readings: list[Reading], formula: StripFormula, kappa_bar: KappaBarKind, *, flat_height_mm: float
+) -> tuple[StripFit, StripFit | None]:
+    """Fit a material to strips along the grain, and to those across it; one fit if they have no directions.
+
+    Each direction is a fit of its own, with all peeled strips: strips of one thickness may share an error, whatever
+    their direction. Parameters and errors as those of `fit_readings`.
+    """
+    covered = [r for r in readings if not r.peeled and not r.left_out]
+    lie = {r.direction for r in covered}
+    if lie <= {None}:
+        return fit_readings(readings, formula, kappa_bar, flat_height_mm=flat_height_mm), None
+    if kappa_bar == "constant" and len(covered) == len([r for r in readings if not r.left_out]):
+        raise UndeterminedMaterialError(
+            "strips in two directions and none peeled cannot tell E1/E2 from kappa_bar: "
+            "peel some, or give --kappa-bar zero"
+        )
+    fits = []
+    for direction in DIRECTIONS:
+        part = [r for r in readings if r.peeled or r.direction == direction]
+        try:
+            fits.append(fit_readings(part, formula, kappa_bar, flat_height_mm=flat_height_mm))
+        except UndeterminedMaterialError as error:
+            raise UndeterminedMaterialError(f"strips {direction} the grain: {error}") from None
+    return fits[0], fits[1]
 
 
 @np.errstate(all="ignore")  # the material is checked

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -13,10 +14,14 @@ from asterism.results.csv_cells import Row, TableError, read_rows
 
 # columns that are known before the measurement
 KNOWN_COLUMNS = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
+# direction of the strip on fabric with a grain, in tables of both directions
+DIRECTION_COLUMN = "direction"
+Direction = Literal["along", "across"]
+DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 # columns of the boxes around the arcs
 BOX_COLUMNS = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
 # curvatures may replace boxes
-STRIP_COLUMNS = (*KNOWN_COLUMNS, *BOX_COLUMNS, "curvature_per_mm", "peeled_curvature_per_mm")
+STRIP_COLUMNS = (*KNOWN_COLUMNS, DIRECTION_COLUMN, *BOX_COLUMNS, "curvature_per_mm", "peeled_curvature_per_mm")
 # allowed values; a shorter strip is given in another unit or hardly bends
 _RANGES = {
     "thickness_mm": THICKNESS_RANGE_MM,
@@ -49,6 +54,7 @@ class Reading:
     curvature_per_mm : positive if the plastic is outside; None for a strip that looks flat.
     left_out : why this reading is not used; None if it is used.
     step_mm : step of the ruler to which the sides of the box are rounded; 0 if unknown.
+    direction : of the strip to the grain of the fabric; None in tables without directions.
     """
 
     strip: str
@@ -61,6 +67,7 @@ class Reading:
     curvature_per_mm: float | None
     left_out: str | None = None
     step_mm: float = 0.0
+    direction: Direction | None = None
 
     @property
     def name(self) -> str:
@@ -104,6 +111,7 @@ def read_strips(
     if not measured:
         raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
     _check_not_swapped(rows, [reading for reading, _ in measured])
+    _check_directions(rows)
     step = _ruler_step([side for _, box in measured for side in box or ()])
     return [replace(reading, step_mm=step) if box else reading for reading, box in measured]
 
@@ -117,6 +125,10 @@ def _ruler_step(sides: list[float]) -> float:
 def _readings(row: Row, name: str, given: dict[str, tuple[str, float | None]], outside: bool) -> list[Measured]:
     """The readings of one row with their boxes: none, one (with fabric or peeled), or both."""
     thickness, length, stretch, fabric = (_known(row, column, *given.get(column, ("", None))) for column in _RANGES)
+    lies = row.cells.get(DIRECTION_COLUMN, "").lower()
+    direction = next((each for each in DIRECTIONS if each == lies), None)
+    if lies and direction is None:
+        raise row.wrong(DIRECTION_COLUMN, f"must be along or across the grain of the fabric, not {lies!r}")
     readings: list[Measured] = []
     for prefix in ("", "peeled_"):
         peeled = bool(prefix)
@@ -124,7 +136,9 @@ def _readings(row: Row, name: str, given: dict[str, tuple[str, float | None]], o
         boxed = any(row.cells.get(f"{prefix}box_{side}_mm") for side in ("width", "height"))
         if curvature is not None and boxed:
             raise row.wrong(f"{prefix}curvature_per_mm", "give the box or the curvature, not both")
-        reading = Reading(name, row.number, thickness, length, stretch, fabric, peeled, curvature or None)
+        reading = Reading(
+            name, row.number, thickness, length, stretch, fabric, peeled, curvature or None, direction=direction
+        )
         if boxed:
             around = thickness + (0.0 if peeled else fabric) if outside else 0.0
             readings.append(_boxed(row, prefix, reading, around))
@@ -176,6 +190,13 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
     if abs(arc_mm / length - 1) > _ARC_TOLERANCE and not rolled_over_itself:
         reading = replace(reading, left_out=f"its box holds an arc of {arc_mm:.1f} mm, the strip has {length:g}")
     return reading, box
+
+
+def _check_directions(rows: list[Row]) -> None:
+    """Refuse tables with directions for some strips only."""
+    without = [row for row in rows if not row.cells.get(DIRECTION_COLUMN)]
+    if 0 < len(without) < len(rows):
+        raise without[0].wrong(DIRECTION_COLUMN, "is empty, but other strips have one; fill in along or across")
 
 
 def _check_not_swapped(rows: list[Row], readings: list[Reading]) -> None:

@@ -55,7 +55,12 @@ def _readings(record: StripFitRecord) -> str:
 
 
 def _ratios(record: StripFitRecord) -> dict[str, str]:
-    return {f"E1/E2, {name}": interval.in_words() for name, interval in record.modulus_ratio.items()}
+    along = " along" if "modulus_ratio_across" in record else ""
+    return {f"E1/E2{along}, {name}": interval.in_words() for name, interval in record.modulus_ratio.items()}
+
+
+def _ratios_across(record: StripFitRecord) -> dict[str, str]:
+    return {f"E1/E2 across, {name}": each.in_words() for name, each in record.modulus_ratio_across.items()}
 
 
 def _kappa_bars(record: StripFitRecord) -> dict[str, str]:
@@ -70,7 +75,7 @@ def _kappa_bars(record: StripFitRecord) -> dict[str, str]:
 class StripFitRecord(Record):
     """The summary of a fit of strips."""
 
-    rows = ("readings_used", "modulus_ratio", "kappa_bar", "confidence")
+    rows = ("readings_used", "modulus_ratio", "modulus_ratio_across", "kappa_bar", "confidence")
 
     version: str = key("Version of asterism.")
     strips: str = key("Name of the table of strips.")
@@ -82,7 +87,15 @@ class StripFitRecord(Record):
         show=lambda record: f"{100 * record.confidence:g} %, {record.degrees_of_freedom:.1f} degrees of freedom",
     )
     degrees_of_freedom: float = key("Degrees of freedom of the interval of E1/E2.")
-    modulus_ratio: dict[str, RatioIntervalRecord] = key("E1/E2 for each convention.", label="E1/E2", show=_ratios)
+    modulus_ratio: dict[str, RatioIntervalRecord] = key(
+        "E1/E2 for each convention; of strips in two directions along the grain.", label="E1/E2", show=_ratios
+    )
+    modulus_ratio_across: dict[str, RatioIntervalRecord] = key(
+        "E1/E2 across the grain, if the table has directions.",
+        label="E1/E2 across",
+        show=_ratios_across,
+        default=ABSENT,
+    )
     kappa_bar_kind: str = key("Model of kappa_bar: `constant`, `per-thickness` or `zero`.")
     kappa_bar: list[KappaBarRecord] = key(
         "kappa_bar: one value, one for each thickness, or none if it is taken for 0.",

@@ -46,7 +46,7 @@ def test_angles_are_kept_better_on_finer_meshes() -> None:
 
 
 @given(st.floats(15.0, 80.0), st.floats(0.2, 2.0), st.floats(10.0, 200.0))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_a_developable_surface_is_flattened_isometrically(radius: float, turn: float, depth: float) -> None:
     disk = disk_of(*cylinder_part(radius, turn, depth), "cylinder")
     values = singular_values(Flattener(disk).flatten())
@@ -54,7 +54,7 @@ def test_a_developable_surface_is_flattened_isometrically(radius: float, turn: f
 
 
 @given(st.integers(0, 1000))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_position_and_size_do_not_matter(seed: int) -> None:
     rng = np.random.default_rng(seed)
     plane, triangles = round_mesh(9)

@@ -66,7 +66,7 @@ def test_what_is_no_disk_is_refused_in_one_line(mesh: Callable[[], Mesh], proble
     arrays(float, st.tuples(st.integers(3, 8), st.just(3)), elements=st.floats(-50.0, 50.0, width=16)),
     st.data(),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_random_triangles_give_a_target_or_one_line(vertices: Floats, data: st.DataObject) -> None:
     corner = st.integers(0, len(vertices) - 1)
     triangles = data.draw(st.lists(st.tuples(corner, corner, corner), min_size=1, max_size=8))

@@ -61,7 +61,7 @@ def test_shares_are_those_of_the_formula() -> None:
 LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0.0, 11.0), min_size=1, max_size=6)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.lists(LENGTHS, min_size=1, max_size=3))
 @pytest.mark.slow
 def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, float]]) -> None:
@@ -73,7 +73,7 @@ def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, 
         assert followed.along.toarray() == pytest.approx(anew.along.toarray(), abs=1e-12)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(LENGTHS)
 def test_arms_with_other_lengths_are_those_made_anew(lengths: dict[int, float]) -> None:
     anew = arms_with(lengths)

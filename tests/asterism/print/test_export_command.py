@@ -85,6 +85,7 @@ def test_a_plastic_with_an_empty_line_of_advice(file: Path, tmp_path: Path, run:
         (["--fabric", "nan"], "--fabric = nan: must be from 0.01 to 50"),
         (["--fabric", "0"], "--fabric = 0.0: must be from 0.01 to 50"),
         (["--needle-spacing", "0"], "--needle-spacing = 0.0: must be from 1 to 1000"),
+        (["--fabric-set", "-1"], "--fabric-set = -1.0: must be from 0 to 50"),
         (["--turn", "30"], "--turn = 30.0: must be 0 on a fabric"),
         (["--shape", "nowhere"], "nowhere: is not there"),
         (["--shape", "x", "--simulate"], "--shape: must be the only one"),

@@ -197,6 +197,13 @@ def test_large_beds_and_small_frames(stretch: Any, printer: dict[str, Any], side
     assert front.at[1] < -max(made.printer.bed_mm[1], made.printer.frame.size_mm[1]) / 2
 
 
+def test_a_fabric_that_stays_longer_is_stretched_further() -> None:
+    made = job(design(fabric={"stretch": [1.3, 1.2]}), fabric_set_percent=4.0)
+    assert np.allclose(made.check_after_mm, made.check_before_mm * 1.04 * np.array([1.3, 1.2]))
+    assert "stretch that you measured, over 1.04, into fabric.stretch" in " ".join(texts(sheets.stretch_sheet(made)))
+    assert "stretched by 1.352 along x and 1.248 along y" in " ".join(texts(sheets.layout_sheet(made)))
+
+
 def test_everything_is_on_its_page(one: Job) -> None:
     template = sheets.needle_sheet(one)
     assert template is not None

@@ -121,7 +121,7 @@ def test_nothing_makes_no_solid() -> None:
 
 @example([(0, 0, 1, 1, 1), (1, 1, 1, 1, 1)])
 @example([(0, 0, 8, 1, 3), (0, 5, 1, 1, 2), (0, 5, 1, 9, 1), (0, -6, 7, 9, 1), (-8, -3, 15, 7, 4)])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(BOXES, min_size=1, max_size=12))
 def test_any_pile_of_boxes_is_watertight(boxes: list[tuple[int, int, int, int, int]]) -> None:
     """Faces, edges and corners that coincide are the rule here."""

@@ -98,7 +98,7 @@ def test_normals_differ_by_the_angle_of_the_slopes():
     assert 8.0 < compared(UNIFORM, flat, roof).normals_rms_deg < 10.0
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(st.tuples(*4 * [st.floats(-1.0, 1.0)]).filter(lambda q: sum(x * x for x in q) > 0.01), st.floats(-500.0, 500.0))
 def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
     one, other = shape(UNLIKE, lumpy), shape(UNLIKE, rolled(30.0))

@@ -119,7 +119,7 @@ def test_indefinite_matrices_are_never_proven(below):
     assert factor.factorise(shifted(below)) and factor.proves_definite()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=st.integers(0, 2**32 - 1), rank=st.integers(1, 3), push=st.floats(-2.0, 1.0))
 def test_proof_is_that_of_dense_eigenvalues(seed, rank, push):
     """A few eigenvalues moved to either side of zero, along modes that the coarse level does not know."""

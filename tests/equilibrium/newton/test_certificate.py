@@ -42,7 +42,7 @@ def assert_is_smallest(pair: Eigenpair, matrix: Floats, allowed: Floats) -> None
 
 
 @pytest.mark.parametrize("backend", available())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 2**32 - 1),
     size=st.integers(1, 40),
@@ -57,7 +57,7 @@ def test_random_sparse_matrices(backend, seed, size, density, shift):
     assert_is_smallest(certified(pattern, data, backend=backend), matrix, np.linalg.eigvalsh(matrix))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 2**32 - 1),
     size=st.integers(3, 40),

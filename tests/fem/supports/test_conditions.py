@@ -109,7 +109,7 @@ def test_rim_held_at_a_saddle(space_of, clamped: bool) -> None:
     assert np.allclose(space.locate(points).value @ heights, expected, rtol=0, atol=2e-5)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.sampled_from(sorted(SPACES)), st.floats(-180, 180), st.integers(0, 10**6), st.booleans())
 def test_edges_are_held_for_all_free_unknowns(name: str, degrees: float, seed: int, clamped: bool) -> None:
     """Position, and tangent plane of a clamp, at random points of oblique edges for random free unknowns."""

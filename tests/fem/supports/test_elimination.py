@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from asterism.fem.supports.elimination import Contradiction, eliminate
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 10**6), st.integers(1, 12), st.integers(0, 5))
 def test_the_map_gives_all_solutions_and_only_these(seed: int, equations: int, repeated: int) -> None:
     """Sparse equations, some of them combinations of others, with coefficients of any size."""

@@ -21,7 +21,7 @@ size = st.tuples(st.floats(1.0, SPACING), st.floats(0.2, 0.6), st.floats(0.8, 1.
 
 
 @given(st.lists(size, min_size=1, max_size=20))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_all_stars_lie_within_the_law(rows: list[tuple[float, float, float]]) -> None:
     sizes = np.array(rows)
     plan = plan_for_sizes(design(), sizes)

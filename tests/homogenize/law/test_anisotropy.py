@@ -102,7 +102,7 @@ def test_bare_fabric_bends_as_its_plate() -> None:
     assert q[0, 0] / q[1, 1] == pytest.approx(3.0, rel=0.05) and not own[MOMENT_COLUMNS].any()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     axis=st.floats(0.0, np.pi),
     across=st.floats(0.4, 2.5),

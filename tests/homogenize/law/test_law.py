@@ -77,7 +77,7 @@ def test_cells_of_the_plan_are_met_exactly() -> None:
 
 
 @given(st.floats(0.1, 11.9), st.floats(0.21, 0.59), st.floats(0.81, 1.59))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_slopes_are_derivatives(length: float, thickness: float, width: float) -> None:
     sizes = np.array([length, thickness, width])
     table, step = LAW.at(1.35), 1e-5
@@ -94,7 +94,7 @@ def test_slopes_are_derivatives(length: float, thickness: float, width: float) -
 
 
 @given(st.lists(st.floats(0, 1), min_size=4, max_size=9), st.floats(0, 1), st.floats(0, 1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float) -> None:
     """Data that rise along the first axis give functions that do, whatever they do along the others."""
     rise = np.cumsum(steps)

@@ -228,7 +228,7 @@ def test_eight_arms_do_not_fit_a_square_grid():
         aligned_mesh(sheet, 2.0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     st.integers(0, 2),
     st.floats(0.5, D),

@@ -129,7 +129,7 @@ def test_pins():
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.data())
 def test_any_polygon(data):
     """Star-shaped outlines with stars of any length and direction: a sound mesh, or one line that says why not."""

@@ -129,7 +129,7 @@ def test_vertices_crowd_at_the_tip():
     assert steps.sum() == pytest.approx(10.0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.data())
 def test_any_polygon(data):
     """Wherever there is an even mesh, there is a graded one."""

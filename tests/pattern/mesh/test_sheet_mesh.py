@@ -106,7 +106,7 @@ def round_hole(count: int, radius: float, centre: tuple[float, float] = (0.0, 0.
     return np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(3, 40), st.floats(1.0, 25.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.booleans())
 def test_holes_are_left_out_and_angles_stay_large(n: int, radius: float, x: float, y: float, turned: bool) -> None:
     hole = round_hole(n, radius, (x * (57.0 - radius), y * (37.0 - radius)))

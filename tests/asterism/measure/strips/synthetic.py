@@ -23,6 +23,7 @@ def synthetic_readings(
     fabric_mm: float = 0.8,
     step_mm: float = 0.0,
     off_mm: float = 0.0,
+    moduli: tuple[float, float] | None = None,
 ) -> list[Reading]:
     """Readings of `count` strips of each of the paper's thicknesses, with fabric and peeled.
 
@@ -34,6 +35,7 @@ def synthetic_readings(
     flat_mm : strips whose arc is lower count as flat.
     step_mm : step of the ruler to which sides are rounded; 0 for no rounding.
     off_mm : standard deviation of the error of a thickness, which all its strips share.
+    moduli : of the fabric along and across its grain, with strips that lie along and across in turn.
     """
     plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
     rng = np.random.default_rng(seed)
@@ -43,7 +45,12 @@ def synthetic_readings(
     thicknesses = np.repeat(THICKNESSES_MM, count)
     real = thicknesses + np.repeat(errors, count)
     bare = plastic.model_copy(update={"rest_curvature": "none"})
-    curvatures = np.column_stack([rest_curvature(real, fabric, plastic), rest_curvature(real, fabric, bare)])
+    along = np.ones(len(real), dtype=bool)
+    if moduli:
+        fabric = Fabric(stretch=stretch, thickness_mm=fabric_mm, modulus_mpa=moduli)
+        along = np.arange(len(real)) % 2 == 0
+    lie = np.column_stack([along, ~along]).astype(float)
+    curvatures = np.column_stack([rest_curvature(real, fabric, each, lie) for each in (plastic, bare)])
     noise = rng.standard_normal((*curvatures.shape, 3))
     sides = np.stack(arc.box(curvatures * (1 + scatter * noise[..., 0]), length)) + reading_mm * np.moveaxis(
         noise[..., 1:], 2, 0
@@ -62,6 +69,7 @@ def synthetic_readings(
             bool(peeled),
             None if sides[1, i, peeled] <= flat_mm else float(bent[i, peeled]),
             step_mm=step_mm,
+            direction=("along" if along[i] else "across") if moduli else None,
         )
         for i, h in enumerate(thicknesses)
         for peeled in (0, 1)

@@ -23,10 +23,11 @@ from tests.asterism.measure.strips.synthetic import synthetic_readings
 
 def table(strips: list[Reading], path: Path) -> Path:
     """Boxes of strips to a tenth of a millimetre, as someone writes them down."""
-    head = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
+    head = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,direction,box_width_mm,box_height_mm"
     rows: dict[str, list[str]] = {}
     for r in strips:
         first = [r.strip, f"{r.thickness_mm:g}", f"{r.length_mm:g}", f"{r.stretch:g}", f"{r.fabric_thickness_mm:g}"]
+        first.append(r.direction or "")
         width, height = arc.box(r.curvature_per_mm or 0.0, r.length_mm)
         rows.setdefault(r.strip, first).extend([f"{width:.1f}", f"{height:.1f}"])
     lines = [head + ",peeled_box_width_mm,peeled_box_height_mm", *map(",".join, rows.values())]
@@ -56,6 +57,20 @@ def test_material_picture_and_numbers(strips: Path, capsys, monkeypatch) -> None
         assert picture.size == (1350, 810)
 
 
+def test_strips_in_two_directions_give_a_fabric_with_a_grain(tmp_path: Path, capsys, monkeypatch) -> None:
+    strips = table(synthetic_readings(0, moduli=(10.0, 5.0)), tmp_path / "strips.csv")
+    done = command(["strips", "fit", str(strips)], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert "E1/E2 along, paper" in done.out and "E1/E2 across, timoshenko" in done.out
+    material = load_material(strips.with_name("material.toml"))
+    along, across = material.fabric.moduli
+    assert along / across == pytest.approx(2.0, rel=0.05) and material.fabric.modulus == pytest.approx(7.1875, rel=1e-3)
+    assert material.plastic.modulus_ratio == pytest.approx(3200, rel=0.04)
+    numbers = json.loads(strips.with_name("material.json").read_text())
+    assert numbers["modulus_ratio"]["paper"]["value"] < 2600 < numbers["modulus_ratio_across"]["paper"]["value"]
+    assert numbers["readings_used"] == 80
+
+
 def test_the_other_convention_and_a_table(strips: Path, capsys, monkeypatch) -> None:
     words = ["strips", "fit", str(strips), "--rest-curvature", "timoshenko", "--kappa-bar", "per-thickness"]
     assert command(words, capsys, monkeypatch).status == 0
@@ -67,8 +82,8 @@ def test_the_other_convention_and_a_table(strips: Path, capsys, monkeypatch) -> 
 def test_outliers_are_named(tmp_path: Path, capsys, monkeypatch) -> None:
     file = table(synthetic_readings(0), tmp_path / "strips.csv")
     rows = file.read_text().splitlines()
-    rows[7] = "7,0.3,60,1.35,0.8,44.0,18.0,59.6,1.6"
-    rows[9] = "9,0.3,60,1.35,0.8,44.0,5.0,59.6,1.6"
+    rows[7] = "7,0.3,60,1.35,0.8,,44.0,18.0,59.6,1.6"
+    rows[9] = "9,0.3,60,1.35,0.8,,44.0,5.0,59.6,1.6"
     file.write_text("\n".join(rows))
     done = command(["strips", "fit", str(file)], capsys, monkeypatch)
     assert done.status == 0 and "80, 79 used" in done.out

@@ -42,21 +42,26 @@ def test_four_times_ten_strips_mixed_over_the_bed() -> None:
     length=st.floats(20, 105),
     kinds=st.integers(1, 5),
     bed=st.tuples(st.floats(120, 400), st.floats(120, 400)),
+    both=st.booleans(),
 )
-def test_strips_keep_apart_and_on_the_bed(count: int, length: float, kinds: int, bed: tuple[float, float]) -> None:
+def test_strips_keep_apart_and_on_the_bed(
+    count: int, length: float, kinds: int, bed: tuple[float, float], both: bool
+) -> None:
     thicknesses = tuple(0.3 + 0.05 * k for k in range(kinds))
     try:
-        found = lay_out_specimen(bed, thicknesses, count, length, 3.0)
+        found = lay_out_specimen(bed, thicknesses, count, length, 3.0, both)
     except DesignError as error:
         assert error.field == "--count"
         return
-    assert Counter(s.thickness_mm for s in found.strips) == dict.fromkeys(thicknesses, count)
-    centres = np.array([s.centre_mm for s in found.strips])
-    reach = np.abs(centres) + np.array([length / 2, 1.5])
-    assert (reach <= np.array(bed) / 2 - BED_MARGIN_MM + 1e-9).all()
-    apart = np.abs(centres[:, None] - centres[None])
-    clear = (apart[..., 0] >= length + STRIP_GAP_MM - 1e-9) | (apart[..., 1] >= 3.0 + STRIP_GAP_MM - 1e-9)
-    assert (clear | np.eye(len(centres), dtype=bool)).all()
+    kinds_on_bed = Counter((s.thickness_mm, s.direction) for s in found.strips)
+    directions = ("along", "across") if both else (None,)
+    assert kinds_on_bed == {(h, direction): count for h in thicknesses for direction in directions}
+    for s in found.strips:
+        assert s.size_mm == ((3.0, length) if s.direction == "across" else (length, 3.0))
+    centres, halves = np.array([s.centre_mm for s in found.strips]), np.array([s.size_mm for s in found.strips]) / 2
+    assert (np.abs(centres) + halves <= np.array(bed) / 2 - BED_MARGIN_MM + 1e-9).all()
+    gaps = np.abs(centres[:, None] - centres) - halves[:, None] - halves
+    assert ((gaps >= STRIP_GAP_MM - 1e-9).any(axis=-1) | np.eye(len(centres), dtype=bool)).all()
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from asterism.measure.strips.strip_fit import (
     StripFit,
     StripFormula,
     UndeterminedMaterialError,
+    fit_directions,
     fit_readings,
 )
 from asterism.measure.strips.strip_table import Reading
@@ -60,7 +61,7 @@ def test_the_papers_strips_give_3200(seed: int) -> None:
     assert 0.44 < fit.ratio["timoshenko"].value / found.value < 0.5
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     ratio=st.floats(500, 20000),
     kept=st.floats(-0.002, 0.006),
@@ -112,6 +113,27 @@ def test_intervals_hold_the_truth_as_often_as_they_say(
     assert sum(len(fit.outliers) > 0 for fit in fits) <= 10
 
 
+@pytest.mark.parametrize("case", [{}, {"off_mm": 0.01}])
+def test_strips_in_two_directions_give_both_moduli_as_often_as_their_intervals_say(case: dict[str, Any]) -> None:
+    held = np.zeros(2)
+    for seed in range(60):
+        part = np.sqrt(np.random.default_rng(seed).uniform(1.0, 3.0))
+        readings = synthetic_readings(seed, moduli=(7.0 * part, 7.0 / part), **case)
+        fits = fit_directions(readings, "paper", "constant", flat_height_mm=0.5)
+        truths = (PAPER / part, PAPER * part)
+        held += [fit is not None and inside(fit, truth) for fit, truth in zip(fits, truths, strict=True)]
+    assert held.min() >= binom.ppf(0.001, 60, 0.95)
+
+
+def test_directions_that_do_not_determine_a_material() -> None:
+    readings = synthetic_readings(0, moduli=(10.0, 5.0))
+    only_along = [r for r in readings if r.peeled or r.direction == "along"]
+    with pytest.raises(UndeterminedMaterialError, match=r"^strips across the grain: no strip was measured"):
+        fit_directions(only_along, "paper", "constant", flat_height_mm=0.5)
+    with pytest.raises(UndeterminedMaterialError, match=r"^strips in two directions and none peeled"):
+        fit_directions([r for r in readings if not r.peeled], "paper", "constant", flat_height_mm=0.5)
+
+
 def test_half_of_the_narrow_intervals_miss() -> None:
     """An interval that always holds the truth says nothing."""
     fits = [fit_readings(synthetic_readings(seed, **WRONG_THICKNESSES), confidence=0.5) for seed in range(200)]
@@ -119,7 +141,7 @@ def test_half_of_the_narrow_intervals_miss() -> None:
     assert least <= sum(inside(fit) for fit in fits) <= most
 
 
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=3)
 @given(order=st.permutations(range(40)))
 def test_the_order_of_the_strips_does_not_matter(order: list[int]) -> None:
     strips = synthetic_readings(5, count=5)

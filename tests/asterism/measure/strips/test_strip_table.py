@@ -118,6 +118,8 @@ def test_a_box_that_does_not_fit_its_strip(tmp_path: Path) -> None:
         (f"{HEAD}\n1,0.3,60,1.35,0.8,11.7,53.4\n", "row 2, column box_height_mm", "at most the width"),
         (f"{HEAD},curvature_per_mm\n{GOOD},0.03\n", "row 2, column curvature_per_mm", "not both"),
         (f"{HEAD},curvature_per_mm\n1,0.3,60,1.35,0.8,,,-0.03\n", "row 2, column curvature_per_mm", "from 0 to 1"),
+        (f"{HEAD},direction\n{GOOD},left\n", "row 2, column direction", "along or across"),
+        (f"{HEAD},direction\n{GOOD},along\n2{GOOD[1:]},\n", "row 3, column direction", "other strips have one"),
         (b"strip,thickness_mm,length_mm\n\xff\xfe,1,1\n", "row 2", "UTF-8"),
         ("strip,thickness_mm,length_mm\n1\0,1,1\n", "strips.csv", "not text"),
     ],

@@ -115,7 +115,7 @@ def test_caps_of_soft_directions_stay_stable() -> None:
     assert np.linalg.eigvalsh(stiffness).min() > 0.0
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     softer=st.floats(-0.8, 0.8),
     moment=st.floats(-0.02, 0.02),
