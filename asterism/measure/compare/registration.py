@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import surface_samples
+from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # starts of the first stage with random rotations
@@ -23,6 +24,8 @@ _RANDOM_STARTS = 200
 _TUKEY_CUTOFF = 4.685
 # key that sorts poses, the best first
 SPREAD = attrgetter("spread_mm")
+# a scan that is further off than this part of the shape's diameter has no pose worth its last steps
+_ROUGH_FIT = 0.05
 # smallest scale of the distances: errors of the shape's triangles and of the scanner
 _MIN_SCALE_MM = 0.02
 
@@ -84,7 +87,9 @@ def register(
     coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first), key=SPREAD)
     best = distinct_poses(coarse)[: effort * 8]
     middle = sorted((_refine(some, pose, target, trim, 25) for pose in best), key=SPREAD)
-    fine = [_refine(many, pose, target, trim, 60) for pose in distinct_poses(middle)[:4]]
+    fine = distinct_poses(middle)[:4]
+    if middle[0].spread_mm < _ROUGH_FIT * diameter(vertices):
+        fine = [_refine(many, pose, target, trim, 60) for pose in fine]
     exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
     return distinct_poses(sorted(exact, key=SPREAD))
 
@@ -149,7 +154,7 @@ def _coarse(points: Floats, pose: Pose, target: _Target, trim: float, steps: int
     """A few steps of point-to-point registration."""
     for _ in range(steps):
         distance, index = target.tree.query(pose(points))
-        near = distance <= np.quantile(distance, 1 - max(trim, 0.1))
+        near = distance <= np.sort(distance)[int((1 - max(trim, 0.1)) * (len(distance) - 1))]
         rotation, shift = rigid_fit(points[near], target.places[index[near]])
         pose = Pose(rotation, shift, float(np.sqrt(np.mean(distance[near] ** 2))))
     return pose

@@ -17,11 +17,11 @@ import pytest
 
 from tests.asterism.verification.browser import NAMES, browser, lacks_browser
 
-# software drawing, so that a machine without a graphics card behaves as one with it; what is drawn in a plane is drawn
-# by the processor itself, which takes a tenth of the time that it takes in place of a graphics card
+# software drawing, so that a machine without a graphics card behaves as one with it; what is drawn in a plane, and the
+# page itself, is drawn by the processor, which takes less time than it takes in place of a graphics card
 ARGUMENTS = (
     *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-    *("--disable-accelerated-2d-canvas", "--disable-gpu-rasterization"),
+    *("--disable-accelerated-2d-canvas", "--disable-gpu-rasterization", "--disable-gpu-compositing"),
 )
 VIEWPORT = {"width": 1280, "height": 720}
 PATIENCE_S = 120.0
