@@ -19,6 +19,7 @@ from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import MeshLevel, SharedSearch, error_of_levels, solve_on_meshes
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread
+from asterism.exact.bond import line_forces
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
 from asterism.pattern.design.design import Design
@@ -183,12 +184,30 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
     own = net.signs[:, 0] > 0
     np.add.at(bend, net.stencil_edges[own], curvature[own, None])
     np.add.at(touched, net.stencil_edges[own], 1.0)
-    return {
+    fields = {
         "arm": net.rod,
         "star": model.layout.star_of_rods[net.rod],
         "thickness_mm": model.edge_thickness,
         "width_mm": model.edge_width,
         "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
+    }
+    if model.design.fabric.has_scale and len(net.edges):
+        forces = line_forces(model, equilibrium.state)
+        fields |= {"peel_n_per_mm": forces.peel, "shear_n_per_mm": forces.shear}
+    return fields
+
+
+def _bond(shape: Shape) -> dict[str, Any]:
+    """The largest forces between fabric and plastic, by the keys of the summary."""
+    if "peel_n_per_mm" not in shape.rod_fields:
+        return {"peel_n_per_mm": None, "peel_star": None, "peel_at_mm": None, "shear_n_per_mm": None}
+    peel, star = shape.rod_fields["peel_n_per_mm"], shape.rod_fields["star"]
+    edge = int(np.argmax(peel))
+    return {
+        "peel_n_per_mm": max(float(peel[edge]), 0.0),
+        "peel_star": int(star[edge]) if star[edge] >= 0 else None,
+        "peel_at_mm": shape.printed[shape.rod_edges[edge]].mean(axis=0).tolist(),
+        "shear_n_per_mm": float(shape.rod_fields["shear_n_per_mm"].max()),
     }
 
 
@@ -227,6 +246,7 @@ def _record(
         dofs=len(model.free),
         mesh=model.mesh.kind,
         edge_mm=edge_mm,
+        **_bond(shape),
         self_intersections=self_intersections(shape.positions, shape.triangles),
         self_contact=_contact(model, equilibrium),
         fabric_bending=model.design.fabric.bending,

@@ -42,7 +42,7 @@ def _plastic(material: Material) -> str:
 def _fabric(material: Material) -> str:
     fabric = material.fabric
     at = f", at stretch {fabric.stretch_xy[0]:g}" if "stretch" in fabric.model_fields_set else ""
-    modulus = f", E {fabric.modulus_text}" if "modulus_mpa" in fabric.model_fields_set else ""
+    modulus = f", E {fabric.modulus_text}" if fabric.has_scale else ""
     return f"fabric {fabric.thickness_mm:g} mm{at}{modulus}"
 
 

@@ -249,7 +249,7 @@ class Design(Section):
 
     @model_validator(mode="after")
     def _modulus_with_gravity(self) -> Self:
-        if self.gravity.on and "modulus_mpa" not in self.fabric.model_fields_set:
+        if self.gravity.on and not self.fabric.has_scale:
             raise DesignError(
                 "fabric.modulus_mpa", "must be given with gravity on: the default only sets the scale of a ratio"
             )

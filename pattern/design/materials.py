@@ -177,7 +177,7 @@ class Fabric(Section):
         if not self.bends_as_plate:
             message = 'needs fabric.bending = "plate": other bending energies have no stiffness of their own'
             raise DesignError("bending_stiffness_n_mm", message, self.bending_stiffness_n_mm)
-        if "modulus_mpa" not in self.model_fields_set:
+        if not self.has_scale:
             message = "must be given with bending_stiffness_n_mm: the default only sets the scale of a ratio"
             raise DesignError("modulus_mpa", message)
         return self
@@ -274,6 +274,11 @@ class Fabric(Section):
         """(2, 2) unit vectors along and across the grain on the released fabric, as columns."""
         angle = np.radians(self.grain_deg or 0.0)
         return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+    @property
+    def has_scale(self) -> bool:
+        """Whether its modulus was given, so that forces are known. The default only sets the scale of a ratio."""
+        return "modulus_mpa" in self.model_fields_set
 
     @property
     def modulus_text(self) -> str:

@@ -97,6 +97,15 @@ def _rods(record: ExactRecord) -> str | None:
     return None if record.stars_total else f"{record.rods_total}, {record.joints_total} joints"
 
 
+def _bond(record: ExactRecord) -> str | None:
+    if record.peel_n_per_mm is None or record.peel_at_mm is None:
+        return None
+    x, y = record.peel_at_mm
+    place = f"{x:.0f}, {y:.0f} mm" if record.peel_star is None else f"star {record.peel_star}"
+    peel, shear = f"{record.peel_n_per_mm:.2g} N/mm at {place}", f"{record.shear_n_per_mm:.2g} N/mm"
+    return f"pulls at the plastic with up to {peel}, and with {shear} along it"
+
+
 def _starts(record: ExactRecord) -> str | None:
     lost = record.get("starts_lost", 0)
     return f"{record.starts}, of which {lost} came to no equilibrium" if lost else None
@@ -127,6 +136,7 @@ class ExactRecord(ShapeRecord):
         "printed_mm",
         "contraction",
         "roll_axis_deg",
+        "peel_n_per_mm",
         "energy_n_mm",
         "gradient_norm",
         "smallest_eigenvalue",
@@ -151,6 +161,20 @@ class ExactRecord(ShapeRecord):
     stars_up: int = key("Stars that bump to the plastic side.", label="stars", show=_stars)
     stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
     stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
+    peel_n_per_mm: float | None = key(
+        "Largest force that pulls the fabric off an arm or drawn rod, for each mm of it and at a right angle to it, as "
+        "a mean over two widths; 0 if the fabric presses on all plastic. Null without `fabric.modulus_mpa`, whose "
+        "default only sets the scale of a ratio, and without plastic.",
+        unit="N/mm",
+        label="fabric",
+        show=_bond,
+    )
+    peel_star: int | None = key("Number of the star with that force; null for drawn rods.")
+    peel_at_mm: list[float] | None = key("Printed place of that force.", unit="mm")
+    shear_n_per_mm: float | None = key(
+        "Largest force between fabric and plastic in the plane of the bond, in the same way. It acts at tips of arms.",
+        unit="N/mm",
+    )
     edge_mm: float = key("Edge length of the mesh.", unit="mm")
     self_contact: ContactRecord | None = key(
         "Contact of the sheet with itself; null if the model ran without contact, so that parts may pass through each "

@@ -1,0 +1,77 @@
+"""Line forces between plastic and fabric: closed forms, scale, and convergence with the mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.exact.bond import line_forces
+from asterism.exact.simulation import exact_shape
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.build import layout
+from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.results.records.exact import ExactRecord
+
+
+def star(edge_mm: float, modulus: float = 2.0) -> ExactRecord:
+    """The summary of a single star of the paper's sizes."""
+    data = {"border": {"rings": 0}, "stars": {"length_mm": 10.0, "thickness_mm": 0.3}, "mesh": {"edge_mm": edge_mm}}
+    summary = exact_shape(Design.from_dict({**data, "fabric": {"modulus_mpa": modulus}})).summary
+    assert isinstance(summary, ExactRecord) and summary.is_minimum
+    return summary
+
+
+def rod_along_x() -> tuple[DiscreteModel, np.ndarray]:
+    """A straight rod of 40 mm on an even mesh, and the printed positions of its sheet."""
+    design = Design.from_dict(
+        {
+            "border": {"rectangle_mm": [60.0, 20.0]},
+            "rods": {"draw": [{"line_mm": [[-20, 0], [20, 0]]}], "thickness_mm": 0.4},
+            "fabric": {"bending": "paper"},
+        }
+    )
+    plan = layout(design)
+    model = DiscreteModel(design, plan, mesh_layout(plan, 1.0, "delaunay"))
+    return model, model.printed_state().positions
+
+
+def test_a_rod_in_a_given_shape_needs_the_forces_of_beam_theory() -> None:
+    """A deflection `a x^4` needs the line load `24 a EI` upwards, a displacement `b x^2` the load `-2 b EA`."""
+    model, at = rod_along_x()
+    x, modulus = at[:, 0], model.design.fabric.modulus * model.design.plastic.modulus_ratio
+    width, thickness = 1.2, 0.4
+    rod = model.mesh.rods[0]
+    inner = np.abs(x[rod][1:] + x[rod][:-1]) < 28.0  # away from the ends, where the rest curvature acts
+    for a, b in ((2e-8, 0.0), (-2e-8, 0.0), (0.0, 1e-6)):
+        # the second term along x keeps the length of the bent rod
+        moved = at + np.column_stack([b * x**2 - 8.0 * a**2 * x**7 / 7.0, 0 * x, a * x**4])
+        slope = np.diff(moved[rod, 2]) / np.diff(moved[rod, 0])
+        up = np.column_stack([-slope, 0 * slope, np.ones(len(slope))])
+        state = State(moved, up / np.linalg.norm(up, axis=1, keepdims=True))
+        forces = line_forces(model, state)
+        bending = modulus * width * thickness**3 / 12.0
+        peel, shear = -24.0 * a * bending, 2.0 * b * modulus * width * thickness
+        error = 0.01 * max(abs(peel), shear)
+        assert forces.peel[inner] == pytest.approx(peel, abs=error)
+        assert forces.shear[inner] == pytest.approx(shear, abs=error)
+
+
+def test_forces_are_proportional_to_the_moduli() -> None:
+    one, two = star(2.4, 1.0), star(2.4, 2.0)
+    assert one.peel_star == 0
+    for name in ("peel_n_per_mm", "shear_n_per_mm"):
+        assert two[name] == pytest.approx(2.0 * one[name], rel=1e-5)
+
+
+def test_forces_converge_with_the_mesh() -> None:
+    coarse, fine = star(2.4), star(1.2)
+    for name in ("peel_n_per_mm", "shear_n_per_mm"):
+        assert coarse[name] == pytest.approx(fine[name], rel=0.05)
+
+
+def test_without_a_modulus_there_are_no_forces() -> None:
+    shape = exact_shape(Design.from_dict({"border": {"rings": 0}, "mesh": {"edge_mm": 3.0}}))
+    assert shape.summary["peel_n_per_mm"] is None and "peel_n_per_mm" not in shape.rod_fields
+    assert "fabric" not in shape.summary.table()
