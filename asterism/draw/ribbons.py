@@ -1,4 +1,4 @@
-"""The arms as ribbons of their printed width, on the plastic side of the sheet."""
+"""The arms as ribbons of their printed width, on the side of the sheet that carries them."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def ribbons(shape: Drawable) -> tuple[Floats, Floats, Ints]:
     Returns
     -------
     points : (2 P, 3) mm, first the P points left of the vertices of all arms, then those right of them.
-    normals : (2 P, 3) unit normals of the sheet at these points.
-    triangles : (2 R, 3), two for each of the R rod edges.
+    normals : (2 P, 3) unit normals at these points, away from the fabric.
+    triangles : (2 R, 3), two for each of the R rod edges, counterclockwise seen from outside.
     """
     if not shape.rods:
         return np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
@@ -40,6 +40,8 @@ def ribbons(shape: Drawable) -> tuple[Floats, Floats, Ints]:
     side = np.cross(normals, along)
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
     half_width = _at_points(shape, "width_mm", DEFAULT_WIDTH_MM, begin, len(vertices)) / 2
+    below = _at_points(shape, "side", 1.0, begin, len(vertices)) < 0
+    normals, side = (np.where(below[:, None], -each, each) for each in (normals, side))
     points = np.concatenate([places + half_width[:, None] * side, places - half_width[:, None] * side])
     left, right = begin, begin + len(vertices)
     triangles = np.concatenate(

@@ -65,4 +65,4 @@ def line_forces(model: DiscreteModel, state: State) -> LineForces:
     along, across, off = (
         (np.interp(begin + piece, place, each) - np.interp(begin, place, each)) / piece for each in total.T
     )
-    return LineForces(peel=-off, shear=np.hypot(along, across))
+    return LineForces(peel=-model.edge_side * off, shear=np.hypot(along, across))

@@ -189,8 +189,11 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
         "star": model.layout.star_of_rods[net.rod],
         "thickness_mm": model.edge_thickness,
         "width_mm": model.edge_width,
-        "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
+        "curvature_per_mm": model.edge_side
+        * np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
     }
+    if (model.edge_side < 0).any():
+        fields["side"] = model.edge_side
     if model.design.fabric.has_scale and len(net.edges):
         forces = line_forces(model, equilibrium.state)
         fields |= {"peel_n_per_mm": forces.peel, "shear_n_per_mm": forces.shear}

@@ -60,7 +60,8 @@ def corrugation_heights(
     stars = np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
     near = beside(weights, values.value["kappa"][:-1], nearest)
     low, lower = beside(weights, values.tip_heights[:-1], nearest).T
-    rim = np.minimum(low + _bent(near, curvature, spacing, model) * lower, 0.0)
+    side = values.side[nearest]
+    rim = side * np.minimum(side * (low + _bent(near, curvature, spacing, model) * lower), 0.0)
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 

@@ -53,12 +53,13 @@ def _rod_fields(layout: Layout, mesh: Mesh) -> dict[str, np.ndarray]:
     # all rods on one line, each from its number to the next
     places, knots = number + middle, np.add(*_parts_along([rod.points for rod in rods]))
     thickness, width = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
-    return {
+    fields = {
         "arm": number,
         "star": layout.star_of_rods[number],
         "thickness_mm": np.interp(places, knots, thickness),
         "width_mm": np.interp(places, knots, width),
     }
+    return fields | ({"side": layout.rod_side[number]} if (layout.rod_side < 0).any() else {})
 
 
 def _parts_along(lines: Sequence[Floats]) -> tuple[Ints, Floats]:

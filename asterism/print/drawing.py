@@ -116,6 +116,7 @@ OPENING = DrawingLayer("frame-opening", "#6b6b6b", 0.2, meaning="inside of the f
 BED = DrawingLayer("printable-area", "#2f6fc1", 0.25, (4.0, 2.0), meaning="what the nozzle reaches")
 STARS = DrawingLayer("stars", "#3a3a44", filled=True, meaning="stars")
 RODS = DrawingLayer("rods", STARS.colour, filled=True, meaning="printed lines")
+BELOW = DrawingLayer("below", "#7c93ab", filled=True, meaning="plastic below the fabric")
 GUIDE = DrawingLayer("printed-border", "#8a8a94", filled=True, meaning="printed line to cut along")
 CUT = DrawingLayer("cut", "#d01c1c", 0.25, meaning="cut here")
 MARKS = DrawingLayer("alignment", "#0a7d32", 0.2, meaning="alignment marks")

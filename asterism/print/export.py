@@ -144,6 +144,8 @@ def export(
     # this finds most mistakes before anything is computed
     job = job_with(given)
     warnings = [*formats_left_out(), *frame_warning(machine, frame_is_known), *plastic_warning(design, profile)]
+    if job.below:
+        warnings.append("the scripts for OpenSCAD and IceSL are left out: they have plastic on one side only")
     doubts = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
     of_shapes = {"the given shape": job.shape_warnings}
     computed, change = printed_shape(job, preview, simulate, law, report, say)

@@ -14,6 +14,7 @@ from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
 from asterism.print.sheets import grain_in_words
 from asterism.print.slicing import WALLS, wider_mm
+from asterism.print.solid import Solid
 from asterism.results.records.export import TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
@@ -93,16 +94,12 @@ def _offset(job: Job) -> Chapter:
 
 
 def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
-    low = np.min([solid.box[0] for solid in job.solids], axis=0)
-    high = np.max([solid.box[1] for solid in job.solids], axis=0)
-    middle = (low + high) / 2
     r = job.rounding
     lines = [
-        "Load print.3mf, or the STL files if your slicer prefers them, in millimetres, at 100 %. Scaling in the slicer "
-        f"would thicken the {'arms' if job.arms else 'rods'}: change the design instead. Do not turn it.",
-        f"It belongs with the middle of its box at x = {middle[0]:.2f}, y = {middle[1]:.2f} mm and is "
-        f"{high[0] - low[0]:.2f} x {high[1] - low[1]:.2f} x {high[2]:.2f} mm large. If the slicer moved it, type "
-        "that in.",
+        f"Load {' or '.join(f'{name}.3mf' for name in job.prints)}, or the STL files if your slicer prefers them, in "
+        f"millimetres, at 100 %. Scaling in the slicer would thicken the {'arms' if job.arms else 'rods'}: change the "
+        "design instead. Do not turn it.",
+        *(_box(name, solids) for name, solids in job.prints.items()),
         f"First layer {r.first_layer_mm:g} mm, other layers {r.layer_mm:g} mm, all lines {r.line_mm:g} mm wide. Skirt, "
         f"brim, raft and supports off. First layer slow ({job.printer.speed.first_layer_mm_s:g} mm/s).",
         f"Cura 5 or newer: Wall Line Count {WALLS}, Infill Density 100 %, Print Thin Walls on, Horizontal Expansion 0, "
@@ -129,6 +126,18 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
     return Chapter("4. Slice", tuple(lines))
 
 
+def _box(name: str, solids: Sequence[Solid]) -> str:
+    """Where a print belongs on the bed."""
+    low = np.min([solid.box[0] for solid in solids], axis=0)
+    high = np.max([solid.box[1] for solid in solids], axis=0)
+    x, y, _ = (low + high) / 2
+    return (
+        f"{name}.3mf belongs with the middle of its box at x = {x:.2f}, y = {y:.2f} mm and is "
+        f"{high[0] - low[0]:.2f} x {high[1] - low[1]:.2f} x {high[2]:.2f} mm large. If the slicer moved it, type "
+        "that in."
+    )
+
+
 def _lines_across(job: Job) -> str:
     """How many lines lie side by side in arms and rods, by their widths."""
     widths = {w for arm in job.arms for w in (arm.begin_width_mm, arm.end_width_mm)}
@@ -140,10 +149,23 @@ def _lines_across(job: Job) -> str:
 
 
 def _print(job: Job) -> Chapter:
-    cost = job.cost
+    cost, sides = job.cost, []
+    if job.below:
+        turned = "with the frame upside down: turn it over sideways, so that left and right are exchanged"
+        sides.append(f"The plastic below the fabric is printed {turned}. Its files are mirrored for that.")
+    if job.above and job.below:
+        high = job.below[-1].height_mm
+        sides.append(
+            "First print print-below.3mf like this. Let it cool, turn the frame back, and align it again. Now the "
+            f"fabric lies on the plastic below. Put a sheet of card {high:g} mm thick under the fabric, cut out around "
+            f"that plastic, start {high:g} mm higher than start.gcode says, and print print.3mf on top."
+        )
+    if job.below:
+        sides.append("The fabric must lie on the plate both ways: use a plate that fits into the frame's opening.")
     return Chapter(
         "5. Print",
         (
+            *sides,
             f"About {cost.minutes:.0f} minutes, {cost.filament_m:.2f} m or {cost.mass_g:.2f} g of "
             f"{job.plastic.name}. Stay with the first layer: it must wet the fabric everywhere.",
         ),

@@ -51,6 +51,7 @@ class Job:
     placement : motion from printed coordinates to those of the sheets.
     pattern, border : terraces of plastic in sheet coordinates: stars and drawn rods, and the line to cut along; no
         border if it is switched off or does not fit.
+    above, below : the part of the pattern on either face of the fabric, seen from above; empty if there is none.
     cut : closed lines (n, 2) to cut along, in printed coordinates: the outline first.
     fabric_mm : thickness of the fabric under the nozzle: of the stretched fabric if given, else of the released fabric.
     fabric_given : the thickness of the stretched fabric is given.
@@ -77,6 +78,8 @@ class Job:
     fabric_mm: float
     fabric_given: bool
     needles: tuple[Needle, ...]
+    above: tuple[Terrace, ...]
+    below: tuple[Terrace, ...]
     shape: Shape | None = None
     too_large: str = ""
     fabric_set_percent: float = 0.0
@@ -178,18 +181,33 @@ class Job:
         return None if percent is None else percent / 100.0 * summary["height_mm"]
 
     @cached_property
+    def prints(self) -> dict[str, tuple[Solid, ...]]:
+        """Stars and drawn rods in the printer's coordinates, on z = 0, by the file of their print.
+
+        Plastic below the fabric is printed with the frame turned over, so it is mirrored: `print-below`, or `print` if
+        there is none above. `print` has the border line.
+        """
+        bed = BedPlacement(0.0, np.asarray(self.printer.bed_centre_mm))
+        line = [] if self.border is None else [("border", (self.border,))]
+        prints: dict[str, tuple[Solid, ...]] = {}
+        for end, steps, mirror in (("", self.above, 1.0), ("-below", self.below, -1.0)):
+            if steps:
+                parts = [(self.pattern_file + end, steps), *([] if prints else line)]
+                prints["print-below" if prints else "print"] = tuple(
+                    terraced_solid(part, [bed.step(step.stretched((mirror, 1.0))) for step in terraces])
+                    for part, terraces in parts
+                )
+        return prints
+
+    @property
     def solids(self) -> tuple[Solid, ...]:
-        """Stars and drawn rods, and the border line, in the printer's coordinates, on z = 0."""
-        on_bed = BedPlacement(0.0, np.asarray(self.printer.bed_centre_mm))
-        solids = [terraced_solid(self.pattern_file, [on_bed.step(step) for step in self.pattern])]
-        if self.border is not None:
-            solids.append(terraced_solid("border", [on_bed.step(self.border)]))
-        return tuple(solids)
+        """The solids of all prints."""
+        return tuple(solid for solids in self.prints.values() for solid in solids)
 
     @cached_property
     def cost(self) -> PrintCostRecord:
         """Plastic and time for the pattern and the border line, see `print_cost`."""
-        prints = [self.pattern, *([(self.border,)] if self.border is not None else [])]
+        prints = [*filter(None, (self.above, self.below)), *([(self.border,)] if self.border is not None else [])]
         return print_cost(prints, self.printer, self.rounding, self.plastic)
 
 
@@ -242,6 +260,11 @@ def prepare(
     arms = tuple(arm_pieces(plan, rounding))
     rods = tuple(rod_pieces(plan, rounding))
     here = plastic_terraces(plan, arms, rods)
+    faces = [
+        ([arm for arm in arms if plan.star_side[arm.star] == side], [rod for rod in rods if rod.side == side])
+        for side in (1, -1)
+    ]
+    above, below = (plastic_terraces(plan, *pieces) if any(pieces) else () for pieces in faces)
     x, y = design.fabric.stretch_xy
     if x != y and turn_deg % 360:
         raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
@@ -274,6 +297,8 @@ def prepare(
         fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
         fabric_given=fabric_mm is not None,
         needles=needles(plan, needle_spacing_mm, shape),
+        above=tuple(placement.step(step) for step in above),
+        below=tuple(placement.step(step) for step in below),
         shape=shape,
         too_large=too_large,
         fabric_set_percent=fabric_set_percent,

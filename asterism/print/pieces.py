@@ -85,6 +85,7 @@ class RodPiece:
     width : (n,) mm at the points, linear between them.
     height_mm : printed height.
     round_ends : whether the beginning and the end are round, because the rod meets another one there.
+    side : face of the fabric that carries it: 1 above, -1 below.
     """
 
     rod: int
@@ -92,6 +93,7 @@ class RodPiece:
     width: Floats
     height_mm: float
     round_ends: tuple[bool, bool]
+    side: int = 1
 
     @property
     def region(self) -> BaseGeometry:
@@ -146,6 +148,7 @@ def _pieces(number: int, rod: Rod, rounding: Rounding, round_ends: tuple[bool, b
             rod.at(rod.width, np.array(run)),
             height,
             (round_ends[0] and k == 0, round_ends[1] and k == last),
+            rod.side,
         )
         for k, (height, run) in enumerate(zip(heights, runs, strict=True))
     ]

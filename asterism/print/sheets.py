@@ -17,6 +17,7 @@ from asterism.print.drawing import (
     AFTER,
     BED,
     BEFORE,
+    BELOW,
     CUT,
     FRAME,
     GRAIN,
@@ -57,7 +58,9 @@ DrawingItems = list[Polyline | Circle | Label]
 def layout_sheet(job: Job) -> Drawing:
     """The layout on the printer: frame, printable area, pattern, cut lines, needles, marks, check squares."""
     frame, bed = job.printer.frame.size_mm, job.printer.bed_mm
-    items: DrawingItems = [*_areas(job.pattern[0], STARS if job.arms else RODS)]
+    items: DrawingItems = []
+    for steps, layer in ((job.above, STARS if job.arms else RODS), (job.below, BELOW)):
+        items += _areas(steps[0], layer) if steps else []
     if job.border is not None:
         items += _areas(job.border, GUIDE)
     items += [Polyline(CUT, job.placement.points(line), closed=True) for line in job.cut]
@@ -79,6 +82,8 @@ def layout_sheet(job: Job) -> Drawing:
     ]
     if job.design.fabric.is_orthotropic:
         paragraphs.insert(-1, grain_in_words(job))
+    if job.below:
+        paragraphs[0] = "Seen from above. Plastic below is printed with the frame turned over, left to right."
     if not job.fabric_given:
         paragraphs[-1] += " That is with the released fabric: stretched it is thinner, measure it."
     if job.placement.turn_deg:

@@ -55,6 +55,10 @@ class Terrace:
     height_mm: float
     region: BaseGeometry
 
+    def stretched(self, factors: tuple[float, float]) -> Terrace:
+        """The terrace with its coordinates times factors along x and y."""
+        return Terrace(self.height_mm, shapely.transform(self.region, lambda points: points * factors))
+
 
 def nested_terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Terrace, ...]:
     """One terrace for each height from regions (height, polygon) that may overlap; the lowest and widest first.

@@ -36,6 +36,9 @@ MODEL_STEM = "model"
 OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "stars": ("solid", "script"),
     "rods": ("solid", "script"),
+    "stars-below": ("solid",),
+    "rods-below": ("solid",),
+    "print-below": ("print",),
     "border": ("solid",),
     "middle-lines": ("drawing",),
     "needles": ("table", "drawing"),
@@ -66,8 +69,10 @@ def write_export(
     with staged(directory, stale=_stale_files(directory)) as folder:
         for solid in job.solids:
             write_all("solid", folder, solid.name, solid)
-        write_all("print", folder, "print", job.solids, job.design.name, job.rounding)
-        write_all("script", folder, job.pattern_file, job)
+        for name, solids in job.prints.items():
+            write_all("print", folder, name, solids, job.design.name, job.rounding)
+        if not job.below:
+            write_all("script", folder, job.pattern_file, job)
         _write_sheets(job, folder)
         parts = instructions.chapters(job, tiny)
         write_all("pages", folder, "instructions", instructions.as_pages(job, parts))

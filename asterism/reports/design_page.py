@@ -140,9 +140,10 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
     sheet = shapely.Polygon(border, job.plan.holes)
     _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
     for arm in job.arms:
-        _draw(figure, to_drawing, shapely.Polygon(arm.corners(job.plan.centres[arm.star])), facecolor=INK, linewidth=0)
+        strip = shapely.Polygon(arm.corners(job.plan.centres[arm.star]))
+        _draw(figure, to_drawing, strip, facecolor=INK if job.plan.star_side[arm.star] > 0 else PALE, linewidth=0)
     for rod in job.rods:
-        _draw(figure, to_drawing, rod.region, facecolor=INK, linewidth=0)
+        _draw(figure, to_drawing, rod.region, facecolor=INK if rod.side > 0 else PALE, linewidth=0)
     for needle in job.needles[:200]:
         spot = shapely.Point(needle.printed).buffer(1.0 * parts)
         _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)
@@ -155,7 +156,7 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
             # with a background, since it may lie on an arm
             style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
             _text(figure, to_page, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
-    head = f"Layout 1:{parts:g}, on the stretched fabric, plastic side"
+    head = f"Layout 1:{parts:g}, on the stretched fabric, " + ("plastic below grey" if job.below else "plastic side")
     _text(figure, to_page, LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, weight="bold")
     return float(parts)
 
@@ -268,10 +269,11 @@ def _size(plan: Layout) -> str:
 
 
 def _sides(plan: Layout) -> list[str]:
-    """The number of stars that start down or flat."""
+    """The number of stars below the fabric, and of those that start down or flat."""
+    below = int((plan.star_side < 0).sum())
     down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
     parts = [f"{count} {how}" for count, how in ((down, "down"), (free, "flat")) if count]
-    return ["started " + ", ".join(parts)] if parts else []
+    return [*([f"{below} below the fabric"] if below else []), *(["started " + ", ".join(parts)] if parts else [])]
 
 
 def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:

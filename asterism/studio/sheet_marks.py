@@ -38,7 +38,7 @@ class SheetMarks:
         self._needle_points = np.empty((0, 2))
 
     def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
-        """(A, K, 3, 3) left and right upper edges of the ribbons and their middle on the fabric, (A, K, 3) normals."""
+        """(A, K, 3, 3) left and right outer edges of the ribbons and their middle on the fabric, (A, K, 3) normals."""
         if layout is not self._ribbons_of:
             self._ribbons = ribbon_stations(layout)
             self._ribbons_of = layout
@@ -50,7 +50,7 @@ class SheetMarks:
             self._ribbon_points = ribbons.points
         shape = *ribbons.width.shape, 3
         middle = (self._stations @ positions).reshape(shape)
-        normal = _unit((self._stations @ normals).reshape(shape))
+        normal = ribbons.side[:, None, None] * _unit((self._stations @ normals).reshape(shape))
         across = _unit(np.cross(normal, np.gradient(middle, axis=1)))
         top, half = middle + ribbons.thickness[..., None] * normal, 0.5 * ribbons.width[..., None] * across
         return np.stack([top + half, top - half, middle], axis=2), normal
@@ -110,12 +110,14 @@ class RibbonStations:
     points : (A, K, 2) mm, of the middle lines.
     width, thickness : (A, K) mm.
     site : (A,) row of the star's site in the plan; `NO_SITE` for drawn rods.
+    side : (A,) 1 above the fabric, -1 below.
     """
 
     points: Floats
     width: Floats
     thickness: Floats
     site: Ints
+    side: Ints
 
 
 def ribbon_stations(layout: Layout) -> RibbonStations:
@@ -144,7 +146,8 @@ def ribbon_stations(layout: Layout) -> RibbonStations:
         thickness.append(rod.at(rod.thickness, part).reshape(count, STATIONS))
     site = np.full(sum(len(part) for part in points), NO_SITE)
     site[: len(layout.arm_star)] = layout.star_number[layout.arm_star]
-    return RibbonStations(np.concatenate(points), np.concatenate(width), np.concatenate(thickness), site)
+    side = np.repeat(layout.rod_side, [1] * len(layout.arm_star) + [len(part) for part in points[1:]])
+    return RibbonStations(np.concatenate(points), np.concatenate(width), np.concatenate(thickness), site, side)
 
 
 def _between(ends: Floats, share: Floats) -> Floats:

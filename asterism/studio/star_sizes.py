@@ -78,12 +78,12 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
 
     Returns
     -------
-    The table without weights of a fit, with those entries only that are given by star or place, or set a branch; sites
-    (n, 2) and their sizes (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
+    The table without weights of a fit, with those entries only that are given by star or place, or set a branch or a
+    side; sites (n, 2) and their sizes (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
     """
     base, sites, sizes, gone = [], [], [], []
     for entry in table.get("stars", {}).get("override", ()):
-        if "site" not in entry or "branch" in entry:
+        if "site" not in entry or "branch" in entry or "side" in entry:
             base.append(entry)
         elif entry.get("remove"):
             gone.append(entry["site"])

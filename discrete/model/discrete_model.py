@@ -125,6 +125,7 @@ class DiscreteModel(System):
         self.network, self.joints = _networks(layout.graph, mesh)
         self.edge_thickness = _at_midpoints(self.network, layout.graph, "thickness")
         self.edge_width = _at_midpoints(self.network, layout.graph, "width")
+        self.edge_side = layout.rod_side[self.network.rod]
         self._own_residual_curvature = self._residual_curvature_over_the_plastics()
         self.constraints = pin_constraints(layout, mesh)
         edges = self.network.edges
@@ -198,7 +199,8 @@ class DiscreteModel(System):
         along = step / length[:, None]
         kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, along)
         tau = rest_twist(self.edge_thickness, partly, self.design.plastic, along)
-        kappa += self._own_residual_curvature
+        # plastic below is the mirror image of plastic above
+        kappa, tau = self.edge_side * (kappa + self._own_residual_curvature), self.edge_side * tau
         span = length[net.stencil_edges].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
         self.parts["rod_twist"].params[:, 3] = -0.5 * tau[net.stencil_edges].mean(axis=1) * span

@@ -14,10 +14,7 @@ BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, 
 
 
 def bump_heights(model: DiscreteModel, state: State) -> Array:
-    """(S,) mm, height of each star's centre above the mean of its tips, along its plastic normal; 0 without arms.
-
-    A positive height is a bump to the plastic side (up).
-    """
+    """(S,) mm, height of each star's centre above the mean of its tips, to its plastic's side; 0 without arms."""
     mesh, stars = model.mesh, model.layout.arm_star
     n_stars = len(model.layout.centres)
     tips = np.zeros((n_stars, 3))
@@ -25,11 +22,11 @@ def bump_heights(model: DiscreteModel, state: State) -> Array:
     arms = np.bincount(stars, minlength=n_stars)[:, None]
     centre = state.positions[mesh.star_vertices]
     above_tips = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
-    return np.asarray((above_tips * star_normals(model, state)).sum(axis=1))
+    return np.asarray(model.layout.star_side * (above_tips * star_normals(model, state)).sum(axis=1))
 
 
 def star_normals(model: DiscreteModel, state: State) -> Array:
-    """(S, 3) unit vectors along the mean plastic normal of each star's arms; zero without arms."""
+    """(S, 3) unit vectors along the mean normal of each star's arms, up in print; zero without arms."""
     normal = np.zeros((len(model.layout.centres), 3))
     arms = model.network.rod < len(model.layout.arm_star)  # all rods, but those of a drawing
     np.add.at(normal, model.layout.arm_star[model.network.rod[arms]], state.directors[arms])
@@ -42,13 +39,15 @@ def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
 
     Parameters
     ----------
-    heights : (S,) mm, to the plastic side; a star of height 0 does not change. Held components do not move.
+    heights : (S,) mm, to the side of each star's plastic; a star of height 0 does not change. Held components do not
+        move.
     """
     bumped = np.flatnonzero(heights)
     if len(bumped) == 0:
         return state
+    up = (model.layout.star_side * heights)[bumped]
     distance, nearest = cKDTree(model.layout.centres[bumped]).query(model.mesh.points)
-    lift = heights[bumped][nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
+    lift = up[nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
     return model.moved_to(state, positions)

@@ -93,14 +93,16 @@ class ReleaseStart:
     def initial_state(self, model: DiscreteModel) -> State:
         """The first state, at the present release of the model."""
         held, mm = model.constraints.held, spacing_ratio(model)
+        # a sheet with most of its plastic below starts as the mirror image of one with it above
+        facing = np.array([1.0, 1.0, -1.0 if model.edge_side.sum() < 0 else 1.0])
         if self.bend == "none":
             state = model.flat_state()
         else:
             # bend the print first, then move its pins, which may be far away
-            bent = _bent_sheet(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
+            bent = facing * _bent_sheet(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
             state = model.apply_supports(model.moved_to(model.printed_state(), bent))
         state = add_bumps(model, state, mm * START_BUMP_MM * self.branches(model))
-        noise = mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
+        noise = facing * mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
         return model.moved_to(state, state.positions + np.where(held, 0.0, noise))
 
     def restore_branches(self, model: DiscreteModel, state: State) -> State:

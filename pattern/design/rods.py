@@ -12,6 +12,7 @@ from asterism.pattern.design.materials import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Line, Number, NumberOrPair, Point, Section, Text
 from asterism.pattern.design.sizing.profiles import SizingField
+from asterism.pattern.design.stars import Side
 
 MIN_RADIUS_MM = 0.5
 MAX_RADIUS_MM = 1e4
@@ -176,6 +177,7 @@ class Rods(Section):
     motif : lines relative to a site of `[lattice]`, which are repeated at all sites whose copies reach the sheet.
     curve_mm : largest distance of a curve from the straight pieces that stand for it.
     join_mm : ends that are nearer than this to another line are moved onto it.
+    side : the face of the fabric that carries the plastic of all lines; above by default.
     rounding : rounds thickness and width of every line to what a printer can make.
     """
 
@@ -186,6 +188,7 @@ class Rods(Section):
     motif: tuple[DrawnLine, ...] = Field((), max_length=100)
     curve_mm: Number = Field(0.005, ge=0.0005, le=1)
     join_mm: Number = Field(0.1, ge=0.001, le=2)
+    side: Side | None = None
     rounding: Rounding | None = None
 
     @model_validator(mode="after")

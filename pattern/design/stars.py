@@ -17,6 +17,8 @@ WIDTH_RANGE_MM = (0.1, 10.0)
 MIN_ARM_MM = 1.0
 MAX_SITE_NUMBER = 100_000
 Branch = Literal["up", "down", "free"]
+# face of the fabric on which the plastic is printed
+Side = Literal["above", "below"]
 
 
 SiteNumber = Annotated[Whole, Field(ge=-MAX_SITE_NUMBER, le=MAX_SITE_NUMBER)]
@@ -34,6 +36,7 @@ class Override(Section):
         `Lattice.vectors`. A site off the sheet is ignored, so that the entry survives changes of the outline.
     length_mm, thickness_mm, width_mm : sizes in place of those of the profiles.
     branch : the side to which the star starts.
+    side : the face of the fabric that carries its plastic.
     remove : no star stands there.
     """
 
@@ -44,14 +47,15 @@ class Override(Section):
     thickness_mm: Number | None = None
     width_mm: Number | None = None
     branch: Branch | None = None
+    side: Side | None = None
     remove: Flag = False
 
     @model_validator(mode="after")
     def _changes_one_star(self) -> Override:
         self._check_one_of("star", "at_mm", "site")
-        changes = [self.length_mm, self.thickness_mm, self.width_mm, self.branch]
+        changes = [self.length_mm, self.thickness_mm, self.width_mm, self.branch, self.side]
         if self.remove == any(change is not None for change in changes):
-            raise DesignError("", "must either change a size or remove the star, or set its branch")
+            raise DesignError("", "must either change a size or remove the star, or set its branch or side")
         return self
 
 
@@ -64,6 +68,7 @@ class Stars(Section):
     thickness_mm, width_mm : cross-section of the arms.
     vary_along_arms : evaluate thickness and width at the arm's tip too, not only at the star's centre.
     branch : the side to which the stars start. `up` is the side of the plastic, `free` starts them flat.
+    side : the face of the fabric that carries the plastic; above by default. Plastic below curls the other way.
     override : stars changed one by one.
     rounding : rounds thickness and width of every star, also of changed ones, to what a printer can make.
     """
@@ -74,6 +79,7 @@ class Stars(Section):
     width_mm: SizingField = 1.2
     vary_along_arms: Flag = False
     branch: Branch = "up"
+    side: Side | None = None
     override: tuple[Override, ...] = ()
     rounding: Rounding | None = None
 

@@ -175,6 +175,7 @@ def _of_stars(design: Design) -> Layout:
         lattice_vectors=lattice.vectors,
         lattice_origin=np.asarray(lattice.origin_mm),
         star_branch=sizes.branch[kept],
+        star_side=sizes.side[kept],
         star_number=kept,
         sheet_sites=cells.copy(),
         site_sizes_mm=sizes.at_centres,

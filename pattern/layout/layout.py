@@ -43,6 +43,7 @@ class Layout:
         `lattice_origin`. For a drawing that does not repeat, those of a square lattice of the mean distance of rods.
     lattice_origin : (2,) mm.
     star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
+    star_side : (S,) face of the fabric that carries each star: 1 above (the default), -1 below.
     star_number : (S,) increasing, the number of each star in the design and in results.
     sheet_sites : (P, 2) all lattice sites of the sheet in the order of the stars' numbers, those of removed stars too.
     site_sizes_mm : (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before
@@ -67,6 +68,7 @@ class Layout:
     arm_thickness: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
     arm_width: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
     star_branch: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    star_side: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     star_number: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     site_sizes_mm: Float[np.ndarray, "P 3"] = field(default_factory=lambda: np.empty((0, 3)))
@@ -78,8 +80,9 @@ class Layout:
     hole_rims: tuple[tuple[int, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        if len(self.star_branch) == 0:
-            object.__setattr__(self, "star_branch", np.ones(len(self.centres), dtype=np.int64))
+        for name in ("star_branch", "star_side"):
+            if len(getattr(self, name)) == 0:
+                object.__setattr__(self, name, np.ones(len(self.centres), dtype=np.int64))
         if len(self.star_number) == 0:
             object.__setattr__(self, "star_number", np.arange(len(self.centres)))
 
@@ -89,7 +92,7 @@ class Layout:
         if self.drawn is not None:
             return self.drawn
         sizes = self.arm_thickness, self.arm_width
-        return _star_graph(self.centres, self.arm_star, self.arm_tip, *sizes, self.meeting_mm)
+        return _star_graph(self.centres, self.star_side, self.arm_star, self.arm_tip, *sizes, self.meeting_mm)
 
     @cached_property
     def edges(self) -> SheetEdges:
@@ -152,6 +155,11 @@ class Layout:
     def star_of_rods(self) -> Ints:
         """(rods,) number of the star of each rod of the graph; -1 for drawn rods."""
         return np.concatenate([self.star_number[self.arm_star], np.full(len(self.drawn_rods), -1)])
+
+    @cached_property
+    def rod_side(self) -> Ints:
+        """(rods,) face of the fabric that carries each rod of the graph: 1 above, -1 below."""
+        return np.array([rod.side for rod in self.graph.rods], dtype=np.int64)
 
     @cached_property
     def points_on_rods(self) -> Floats:
@@ -236,13 +244,13 @@ class Layout:
 
 
 def _star_graph(
-    centres: Floats, arm_star: Ints, tips: Floats, thickness: Floats, width: Floats, meeting: float
+    centres: Floats, side: Ints, arm_star: Ints, tips: Floats, thickness: Floats, width: Floats, meeting: float
 ) -> RodGraph:
     """The arms as rods, in their order. Ends of arms of different stars that meet are one node.
 
     Parameters
     ----------
-    centres : (S, 2) mm.
+    centres, side : (S, 2) mm and (S,), of the stars.
     arm_star : (A,) star of each arm.
     tips : (A, 2) mm.
     thickness, width : (A, 2) mm, at the centre and at the tip.
@@ -253,9 +261,10 @@ def _star_graph(
     Two stars of one arm each, whose tips meet:
 
     >>> centres, sizes = np.array([[0.0, 0.0], [10.0, 0.0]]), np.full((2, 2), 0.3)
-    >>> _star_graph(centres, np.array([0, 1]), np.array([[5.0, 0.0], [5.0, 0.0]]), sizes, sizes, 1e-6).joints
+    >>> side, star = np.ones(2, dtype=int), np.array([0, 1])
+    >>> _star_graph(centres, side, star, np.array([[5.0, 0.0], [5.0, 0.0]]), sizes, sizes, 1e-6).joints
     ()
-    >>> _star_graph(centres, np.array([0, 1]), np.array([[5.0, 1.0], [5.0, 1.0]]), sizes, sizes, 1e-6).joints
+    >>> _star_graph(centres, side, star, np.array([[5.0, 1.0], [5.0, 1.0]]), sizes, sizes, 1e-6).joints
     (2,)
     """
     places = np.concatenate([centres, tips])
@@ -265,8 +274,12 @@ def _star_graph(
     stars = np.bincount(node[: len(centres)], minlength=len(nodes))
     paired = np.flatnonzero((stars == 1) & ~touched)
     points = np.stack([centres[arm_star], tips], axis=1)
-    of_arms = zip(points, start.tolist(), end.tolist(), thickness, width, arm_star.tolist(), strict=True)
-    rods = tuple(Rod(ends, first, last, thick, wide, group=star) for ends, first, last, thick, wide, star in of_arms)
+    sides = side[arm_star].tolist()
+    of_arms = zip(points, start.tolist(), end.tolist(), thickness, width, arm_star.tolist(), sides, strict=True)
+    rods = tuple(
+        Rod(ends, first, last, thick, wide, group=star, side=face)
+        for ends, first, last, thick, wide, star, face in of_arms
+    )
     return RodGraph(nodes, rods, paired)
 
 

@@ -144,6 +144,7 @@ class StarSizes:
     length : (S,) mm.
     thickness, width : (S, arms, 2) mm, at the centre and at the tip of each arm.
     branch : (S,) 1 for stars that start up, -1 for those that start down, 0 for those that start flat.
+    side : (S,) 1 for stars above the fabric, -1 for those below.
     ignored_sites : (k, 2) sites of overrides that are off the sheet.
     """
 
@@ -151,6 +152,7 @@ class StarSizes:
     thickness: Floats
     width: Floats
     branch: Ints
+    side: Ints
     ignored_sites: Ints
 
     @property
@@ -201,6 +203,7 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     values = {"thickness_mm": thickness, "width_mm": width}
     limits = {"thickness_mm": THICKNESS_RANGE_MM, "width_mm": WIDTH_RANGE_MM}
     branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
+    side = np.full(len(centres), -1 if stars.side == "below" else 1, dtype=np.int64)
     for change in changes:
         star, entry = change.star, change.entry
         for key in values:
@@ -209,6 +212,8 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
                 values[key][star] = size
         if entry.branch is not None:
             branch[star] = _SIGN[entry.branch]
+        if entry.side is not None:
+            side[star] = -1 if entry.side == "below" else 1
         if entry.remove:
             length[star] = 0.0
 
@@ -218,7 +223,7 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     for key in values:
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
     thickness, width = np.minimum(thickness, THICKNESS_RANGE_MM[1]), np.minimum(width, WIDTH_RANGE_MM[1])
-    return StarSizes(np.minimum(length, spacing), thickness, width, branch, ignored)
+    return StarSizes(np.minimum(length, spacing), thickness, width, branch, side, ignored)
 
 
 def _changes(stars: Stars, sites: Ints, centres: Floats, lattice: Lattice) -> tuple[list[_Change], Ints]:

@@ -89,7 +89,9 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     for turn in turns:
         shift = centre - turn @ centre
         star = _image(layout.centres @ turn.T + shift, stars, tolerance)
-        if star is None or not _keeps_directions(design, turn):
+        if star is None or not np.array_equal(layout.star_side[star], layout.star_side):
+            continue
+        if not _keeps_directions(design, turn):
             continue
         motion = Symmetry(turn, shift, star)
         shift_in_space = _support_shift(samples, motion, tolerance)

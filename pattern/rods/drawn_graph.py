@@ -214,7 +214,8 @@ def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: 
     widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn, rods)
     if (rounding := rods.rounding) is not None:
         thicknesses, widths = rounding.thickness(thicknesses), rounding.width(widths)
-    return Rod(points, start, end, thicknesses, widths, line.kappa_bar_per_mm, drawn.name, drawn.group)
+    side = -1 if rods.side == "below" else 1
+    return Rod(points, start, end, thicknesses, widths, line.kappa_bar_per_mm, drawn.name, drawn.group, side)
 
 
 def _sizes(

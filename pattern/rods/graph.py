@@ -26,6 +26,7 @@ class Rod:
     kappa_bar : 1/mm, residual curvature of its plastic; None for that of the design's plastic.
     name : the name in the drawing, for messages.
     group : number of the star or of the copy of a motif that it belongs to; -1 for none.
+    side : face of the fabric that carries it: 1 above, -1 below.
 
     Examples
     --------
@@ -43,6 +44,7 @@ class Rod:
     kappa_bar: float | None = None
     name: str = ""
     group: int = -1
+    side: int = 1
 
     @cached_property
     def arc_lengths(self) -> Floats:

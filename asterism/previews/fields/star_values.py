@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Bools, Floats
+from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_COLUMNS, MOMENT_COLUMNS, tube_of_largest_gain
 from asterism.homogenize.law.axes import law_coordinates
@@ -16,6 +16,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
+# quantities of the law that change their sign with the side of the plastic, beside c3
+MIRRORED = ("kappa", "offset_mm")
 # star sizes that differ by at most this part are equal
 EQUAL_SIZES = 0.01
 # if a larger share of the stars is not scale-separated, caps are among the initial guesses
@@ -31,6 +33,7 @@ class StarValues:
     value : each of the law's quantities, (S + 1,); the last entry is the bare fabric's. `c3` is bounded to
         `max_sixfold_share` of `bending/|kappa|`.
     corrugation : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature.
+    side : (S + 1,) face of the fabric that carries each star: 1 above, -1 below; 1 for bare fabric.
     sizes : (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated.
     outside : one line for each star beyond the law's range; the nearest star in the range replaces it.
     outside_stars : numbers of these stars.
@@ -46,6 +49,7 @@ class StarValues:
 
     value: dict[str, Floats]
     corrugation: Floats
+    side: Ints
     sizes: Floats
     outside: tuple[str, ...]
     outside_stars: tuple[int, ...]
@@ -61,8 +65,9 @@ class StarValues:
 
     @property
     def is_uniform(self) -> bool:
-        """Whether all stars have one size."""
-        return bool((np.ptp(self.sizes, axis=0) <= EQUAL_SIZES * self.sizes.max(axis=0)).all())
+        """Whether all stars have one size, on one side of the fabric."""
+        equal = (np.ptp(self.sizes, axis=0) <= EQUAL_SIZES * self.sizes.max(axis=0)).all()
+        return bool(equal and np.ptp(self.side[:-1]) == 0)
 
 
 def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
@@ -95,15 +100,21 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     tip_heights = _tip_heights(design, law, asked[:, 0], corrugation, model)
     c3, too_much = _bounded_sixfold(values.value, model.max_sixfold_share)
     strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
+    # a sheet with plastic below is the mirror image of one with plastic above: curvatures and heights change their sign
+    side = np.append(layout.star_side, 1)
+    flat = np.column_stack([side, np.ones_like(side)])  # heights of the flat cell, and their change per curvature
+    if differs.shape[1]:
+        anisotropy[:, MOMENT_COLUMNS] *= side[:, None]
     return StarValues(
-        values.value | {"c3": c3},
-        corrugation,
+        values.value | {"c3": side * c3} | {name: side * values.value[name] for name in MIRRORED},
+        flat[:, :, None] * corrugation,
+        side,
         sizes,
         outside,
         tuple(layout.star_number[~values.inside[:-1]].tolist()),
         not_scale_separated,
         strongly_anisotropic,
-        tip_heights,
+        flat * tip_heights,
         anisotropy,
     )
 

@@ -137,6 +137,9 @@ class MotifSheet(PrintSheet):
         at = values.at(self.table.points.reshape(-1, 2))
         stiffness, metric = at.stiffness.reshape(*shape, 6, 6), at.metric.reshape(*shape, 3)
         curvature = at.curvature.reshape(*shape, 3)
+        if self.design.required_rods.side == "below":  # the mirror image
+            mirror = np.repeat([1.0, -1.0], 3)
+            stiffness, curvature = stiffness * mirror * mirror[:, None], -curvature
         density = Density(stiffness)
         if self.bare.any():
             stiffness, curvature = _beside_bare(stiffness, curvature, self.bare, self.design.fabric)

@@ -168,7 +168,7 @@ def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
 
 
 def rod_curvatures(network: RodNetwork, positions: Array, directors: Array, printed: Array) -> Array:
-    """(S,) 1/mm, curvature of the rods about their width; positive where they bend away from their plastic side."""
+    """(S,) 1/mm, curvature of the rods about their width; positive where their ends bend down, seen in print."""
     t = edge_tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
     width = np.cross(directors[network.stencil_edges], t)
     binormal = 2.0 * np.cross(t[:, 0], t[:, 1]) / (1.0 + (t[:, 0] * t[:, 1]).sum(axis=1))[:, None]

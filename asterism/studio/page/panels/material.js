@@ -123,6 +123,16 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
     value: "up",
     onchange: (value) => send({ "stars.branch": value }),
   });
+  const side = choice({
+    label: "Plastic of the stars",
+    testid: "side",
+    options: [
+      { value: "above", text: "Above the fabric" },
+      { value: "below", text: "Below the fabric" },
+    ],
+    value: "above",
+    onchange: (value) => send({ "stars.side": value }),
+  });
   const stars = h(
     "div",
     {},
@@ -131,6 +141,7 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
     Object.values(places).map((one) => one.element),
     hint("The preview learns another lattice when it is first used, in a minute or so."),
     h("div", { class: "row" }, h("label", { class: "muted" }, "Rise"), h("span", { class: "grow" }), branch.element),
+    h("div", { class: "row" }, h("label", { class: "muted" }, "Plastic"), h("span", { class: "grow" }), side.element),
   );
   const facts = h("dl", { class: "figures" });
 
@@ -167,6 +178,7 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
     kappa.element.hidden = typeof bar !== "number";
     if (typeof bar === "number") kappa.set(bar);
     branch.set(now.stars?.branch ?? "up");
+    side.set(now.stars?.side ?? "above");
     const steps = now[patternOf(now)]?.rounding;
     rounding.set(Boolean(steps));
     roundingHint.textContent = steps
