@@ -14,7 +14,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.session import preview
+from asterism.previews.session import Preview, preview
 from asterism.shape.shape import Shape
 from asterism.studio.star_sizes import split
 from asterism.verification.verification import Verification
@@ -87,6 +87,12 @@ def test_a_sheet_with_both_sides_bends_both_ways_in_both_models() -> None:
     assert np.nanmean(curvature[x < -10.0]) > 0.005 and np.nanmean(curvature[x > 10.0]) < -0.005
     assert exact.summary.is_minimum and exact.summary.stars_up == 19
     assert quick.height_mm == pytest.approx(exact.height_mm, rel=0.08)
+
+
+def test_an_edit_of_the_side_shows_what_a_new_preview_shows() -> None:
+    design = half_below(STARS)
+    session = Preview(Design.from_dict(STARS))
+    np.testing.assert_allclose(session.update(design).positions, preview(design).positions, atol=1e-5)
 
 
 @pytest.mark.slow
