@@ -72,6 +72,7 @@ def test_forces_converge_with_the_mesh() -> None:
 
 
 def test_without_a_modulus_there_are_no_forces() -> None:
-    shape = exact_shape(Design.from_dict({"border": {"rings": 0}, "mesh": {"edge_mm": 3.0}}))
+    data = {"stars": {"length_mm": 10.0}, "border": {"rings": 0}, "mesh": {"edge_mm": 3.0}}
+    shape = exact_shape(Design.from_dict(data))
     assert shape.summary["peel_n_per_mm"] is None and "peel_n_per_mm" not in shape.rod_fields
     assert "fabric" not in shape.summary.table()
