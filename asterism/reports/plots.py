@@ -1,4 +1,4 @@
-"""Views and plots of a verification: both shapes, the distance over the sheet, and profiles through the middle."""
+"""Plots of an exact shape and of a verification: the bond; both shapes, their distance, profiles through the middle."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.tri import Triangulation
@@ -19,6 +20,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.shape.comparison import Comparison
+from asterism.shape.shape import Shape
 
 ORANGE = (0.93, 0.47, 0.16)
 # largest size of a view
@@ -110,6 +112,17 @@ def distance_map(comparison: Comparison) -> bytes:
     colours = DISTANCE_COLOURS(percent * comparison.star_distance_mm / most)
     x, y = layout.sample_points.T
     axes.scatter(x, y, s=20, c=colours, edgecolors="0.4", linewidths=0.6)
+    return png_of(figure)
+
+
+def bond_map(shape: Shape, layout: Layout) -> bytes:
+    """PNG of the force that pulls the fabric off the rods of an exact shape, over the print."""
+    peel = shape.rod_fields["peel_n_per_mm"]
+    most = max(float(np.abs(peel).max()), 1e-9)
+    figure, axes = print_figure(layout)
+    lines = shape.printed[shape.rod_edges]
+    rods = axes.add_collection(LineCollection(list(lines), array=peel, cmap="coolwarm", clim=(-most, most), lw=2.5))
+    figure.colorbar(rods, label="N/mm; red: pulls the fabric off, blue: presses it on", shrink=0.85)
     return png_of(figure)
 
 

@@ -1,4 +1,4 @@
-"""The files of a shape: summary.json, shape.vtu, rods.vtu, shape.obj, shape.png, and two for each further minimum."""
+"""The files of a shape: numbers, sheet, rods, pictures, and two files for each further minimum."""
 
 from __future__ import annotations
 
@@ -33,5 +33,9 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
             draw_shape(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
+        if "peel_n_per_mm" in shape.rod_fields and shape.layout is not None:
+            from asterism.reports.plots import bond_map  # charts take time to import
+
+            (folder / "bond.png").write_bytes(bond_map(shape, shape.layout))
         (folder / SUMMARY_FILE).write_text(shape.summary.json_text())
         return sorted(file.name for file in folder.iterdir())

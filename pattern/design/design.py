@@ -251,7 +251,7 @@ class Design(Section):
     def _modulus_with_gravity(self) -> Self:
         if self.gravity.on and not self.fabric.has_scale:
             raise DesignError(
-                "fabric.modulus_mpa", "must be given with gravity on: the default only sets the scale of a ratio"
+                "fabric.modulus_mpa", "must be given with gravity on: the default, and strips, only give a ratio"
             )
         return self
 

@@ -14,6 +14,7 @@ from asterism.pattern.design.section import MassDensity, Number, NumberOrPair, S
 
 CurvaturePerMm = Annotated[Number, Field(ge=-1, le=1)]
 HINGES_POISSON = -1.0 / 3.0  # Poisson's ratio of the paper's hinges as a plate
+_DEFAULT_MODULUS_MPA = 7.1875  # of the paper's fabric
 # exponents of the membrane energy of orthotropic fabric: from the first on it is polyconvex (Itskov and Aksel 2004),
 # and beyond the second it stiffens more than knits do
 MIN_EXPONENT, MAX_EXPONENT = 0.5, 6.0
@@ -133,7 +134,7 @@ class Fabric(Section):
 
     stretch: NumberOrPair = 1.35
     thickness_mm: Number = Field(0.8, ge=0.01, le=10)
-    modulus_mpa: NumberOrPair = 7.1875
+    modulus_mpa: NumberOrPair = _DEFAULT_MODULUS_MPA
     shear_modulus_mpa: Number | None = Field(None, ge=1e-4, le=1e5)
     poisson: Number = Field(0.3, ge=0, le=0.49)
     grain_deg: Number | None = Field(None, ge=-360, le=360)
@@ -178,7 +179,7 @@ class Fabric(Section):
             message = 'needs fabric.bending = "plate": other bending energies have no stiffness of their own'
             raise DesignError("bending_stiffness_n_mm", message, self.bending_stiffness_n_mm)
         if not self.has_scale:
-            message = "must be given with bending_stiffness_n_mm: the default only sets the scale of a ratio"
+            message = "must be given with bending_stiffness_n_mm: the default, and strips, only give a ratio"
             raise DesignError("modulus_mpa", message)
         return self
 
@@ -277,8 +278,15 @@ class Fabric(Section):
 
     @property
     def has_scale(self) -> bool:
-        """Whether its modulus was given, so that forces are known. The default only sets the scale of a ratio."""
-        return "modulus_mpa" in self.model_fields_set
+        """Whether its modulus was given, so that forces are known. The default only sets the scale of a ratio.
+
+        Two moduli in the scale of the default are those of strips, which measure their ratio only.
+
+        >>> Fabric().has_scale, Fabric(modulus_mpa=5.0).has_scale, Fabric(modulus_mpa=(14.375, 3.59375)).has_scale
+        (False, True, False)
+        """
+        only_ratio = isinstance(self.modulus_mpa, tuple) and abs(self.modulus / _DEFAULT_MODULUS_MPA - 1.0) < 1e-3
+        return "modulus_mpa" in self.model_fields_set and not only_ratio
 
     @property
     def modulus_text(self) -> str:

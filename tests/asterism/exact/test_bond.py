@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
@@ -12,14 +15,23 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.reports.write_results import write_results
 from asterism.results.records.exact import ExactRecord
+from asterism.shape.shape import Shape
+
+
+def star_shape(edge_mm: float, **fabric: float) -> Shape:
+    """A single star of the paper's sizes."""
+    data = {"border": {"rings": 0}, "stars": {"length_mm": 10.0, "thickness_mm": 0.3}, "mesh": {"edge_mm": edge_mm}}
+    shape = exact_shape(Design.from_dict({**data, "fabric": fabric}))
+    assert shape.summary["is_minimum"]
+    return shape
 
 
 def star(edge_mm: float, modulus: float = 2.0) -> ExactRecord:
-    """The summary of a single star of the paper's sizes."""
-    data = {"border": {"rings": 0}, "stars": {"length_mm": 10.0, "thickness_mm": 0.3}, "mesh": {"edge_mm": edge_mm}}
-    summary = exact_shape(Design.from_dict({**data, "fabric": {"modulus_mpa": modulus}})).summary
-    assert isinstance(summary, ExactRecord) and summary.is_minimum
+    """Its summary on fabric of this modulus."""
+    summary = star_shape(edge_mm, modulus_mpa=modulus).summary
+    assert isinstance(summary, ExactRecord)
     return summary
 
 
@@ -71,8 +83,11 @@ def test_forces_converge_with_the_mesh() -> None:
         assert coarse[name] == pytest.approx(fine[name], rel=0.05)
 
 
-def test_without_a_modulus_there_are_no_forces() -> None:
-    data = {"stars": {"length_mm": 10.0}, "border": {"rings": 0}, "mesh": {"edge_mm": 3.0}}
-    shape = exact_shape(Design.from_dict(data))
-    assert shape.summary["peel_n_per_mm"] is None and "peel_n_per_mm" not in shape.rod_fields
-    assert "fabric" not in shape.summary.table()
+def test_the_bond_is_drawn_where_its_forces_are_known(tmp_path: Path) -> None:
+    known, unknown = star_shape(3.0, modulus_mpa=2.0), star_shape(3.0)
+    assert "bond.png" in write_results(known, tmp_path / "known")
+    red, _, blue = np.moveaxis(np.asarray(Image.open(tmp_path / "known" / "bond.png").convert("RGB"), dtype=int), 2, 0)
+    assert np.count_nonzero(red > blue + 60) > 200
+    assert "bond.png" not in write_results(unknown, tmp_path / "unknown")
+    assert unknown.summary["peel_n_per_mm"] is None and "peel_n_per_mm" not in unknown.rod_fields
+    assert "fabric" not in unknown.summary.table()

@@ -24,7 +24,7 @@ ARGUMENTS = (
     *("--disable-accelerated-2d-canvas", "--disable-gpu-rasterization", "--disable-gpu-compositing"),
 )
 VIEWPORT = {"width": 1280, "height": 720}
-PATIENCE_S = 120.0
+PATIENCE_S = 300.0
 IS_MEASURED = "studio.targetDistance && studio.targetDistance.version === studio.target?.version"
 REST = (
     "studio.document && studio.engine === 'ready' && !studio.isWaiting && studio.shownRevision === studio.revision"
