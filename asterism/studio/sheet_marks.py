@@ -17,6 +17,8 @@ from asterism.studio.messages import ShownMesh
 STATIONS = 5  # along each ribbon
 # length of a ribbon along a drawn rod, so that curves look smooth; longer where there would be too many ribbons
 RIBBON_MM = 5.0
+# thickness of the fabric as the page draws it below the sheet's places: plastic below hangs at its lower face
+FABRIC_MM = 0.8
 NO_SITE = 2**32 - 1  # in place of the row of a star, for ribbons of drawn rods
 STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
 
@@ -51,6 +53,7 @@ class SheetMarks:
         shape = *ribbons.width.shape, 3
         middle = (self._stations @ positions).reshape(shape)
         normal = ribbons.side[:, None, None] * _unit((self._stations @ normals).reshape(shape))
+        middle += (ribbons.side < 0)[:, None, None] * FABRIC_MM * normal
         across = _unit(np.cross(normal, np.gradient(middle, axis=1)))
         top, half = middle + ribbons.thickness[..., None] * normal, 0.5 * ribbons.width[..., None] * across
         return np.stack([top + half, top - half, middle], axis=2), normal

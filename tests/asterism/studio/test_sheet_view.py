@@ -20,7 +20,7 @@ from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.sheet import StarLens
-from asterism.studio.sheet_marks import SheetMarks
+from asterism.studio.sheet_marks import FABRIC_MM, SheetMarks
 from asterism.studio.sheet_view import SheetView
 from tests.asterism.previews.laws import plain_law
 
@@ -56,6 +56,19 @@ def test_a_tube_holds_a_curve_and_needles_a_straight_edge(border: dict[str, obje
         assert np.allclose(np.linalg.norm(needles[:, :, :2], axis=2), 40.0, atol=1e-3)
     else:
         assert len(needles) == 2 * (5 + 3) and np.array_equal(needles[:, 0, :2], needles[:, 1, :2])
+
+
+def test_plastic_below_hangs_at_the_lower_face_of_the_fabric() -> None:
+    override = [{"star": 0, "side": "below"}]
+    sheet = layout(Design.from_dict({**DESIGN.to_dict(), "stars": {"length_mm": 8.0, "override": override}}))
+    mesh = mesh_layout(sheet, 4.0)
+    flat, up = np.pad(mesh.points, ((0, 0), (0, 1))), np.tile([0.0, 0.0, 1.0], (len(mesh.points), 1))
+    arms, normals = SheetMarks(mesh.points, mesh.triangles).ribbons(sheet, flat, up)
+    below = sheet.arm_star == 0
+    assert (normals[below, :, 2] == -1.0).all() and (normals[~below, :, 2] == 1.0).all()
+    outer, inner = arms[:, :, 0, 2], arms[:, :, 2, 2]
+    assert (outer[below] < inner[below]).all() and np.allclose(inner[below], -FABRIC_MM)
+    assert (outer[~below] > inner[~below]).all() and np.allclose(inner[~below], 0.0)
 
 
 @pytest.fixture(scope="module")
