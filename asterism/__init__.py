@@ -24,6 +24,7 @@ from asterism.process.version import __version__
 
 if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error
+    from asterism.exact.spread import spread
     from asterism.fitting.fit import Fit, fit
     from asterism.fitting.load_target import load_target
     from asterism.fitting.sensitivity import sensitivity
@@ -93,6 +94,7 @@ _HOMES = {
     "simulate": ("asterism.verification.both_starts", "simulate"),
     "solve_for": ("asterism.fitting.solve_for", "solve_for"),
     "solve_for_point": ("asterism.fitting.solve_needle", "solve_for_point"),
+    "spread": ("asterism.exact.spread", "spread"),
     "sweep": ("asterism.sweeps.run", "sweep_design"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
@@ -136,6 +138,7 @@ __all__ = [
     "simulate",
     "solve_for",
     "solve_for_point",
+    "spread",
     "sweep",
     "verify",
     "write_comparison",

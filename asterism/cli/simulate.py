@@ -42,6 +42,12 @@ def simulate(
             "result is the lowest minimum with all stars on the prescribed side.",
         ),
     ] = None,
+    spread: Annotated[
+        bool,
+        typer.Option(
+            "--spread", help="Also compute the range of shapes that prints may have, by the intervals of [spread]."
+        ),
+    ] = False,
     law: LawFile = None,
     contact: Contact = None,
     material: MaterialFile = None,
@@ -50,8 +56,8 @@ def simulate(
     """Compute the exact shape of a design, and certify that it is an equilibrium.
 
     The flat print is released, and the preview is a second start. Writes summary.json, shape.vtu, rods.vtu,
-    shape.obj and shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. The exit
-    status is 1 if no minimum was found.
+    shape.obj and shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. With
+    --spread also spread.png. The exit status is 1 if no minimum was found.
     """
     from asterism.laws.replace_material import read_design
 
@@ -60,7 +66,10 @@ def simulate(
     from asterism.discrete.energies.contact import ipc_toolkit
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
+    from asterism.exact.spread import MAX_SOLVES, check_spread
+    from asterism.exact.spread import spread as with_spread
     from asterism.laws.design_law import law_from_file
+    from asterism.pattern.layout.build import layout
     from asterism.reports.write_results import write_results
     from asterism.results.words import doubts
     from asterism.verification.both_starts import BOTH_STARTS
@@ -79,12 +88,18 @@ def simulate(
     check_backend(backend)
     if changed.solver.contact:
         ipc_toolkit()
+    if spread:
+        check_spread(changed, layout(changed))
     given_law = law_from_file(changed, law, design, material) if law is not None else None
     directory = results_folder(design, output, design.with_suffix(""))
     default_starts = BOTH_STARTS if changed.rods is None else 1
-    run.cost(exact_cost(changed, default_starts if starts is None else starts))
+    # from a shape nearby, an end of an interval costs about as much as a further start
+    all_starts = (default_starts if starts is None else starts) + spread * (MAX_SOLVES - 1)
+    run.cost(exact_cost(changed, all_starts))
     with run.computing(compile_ahead="fem" if starts is None and changed.rods is None else None):
         shape = compute(changed, backend, run.report, run.say, starts, law=given_law)
+        if spread and shape.summary["is_minimum"]:
+            shape = with_spread(shape, backend, run.report, run.say)
         files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)

@@ -93,13 +93,15 @@ def with_material(design: Design, path: Path | None, note: Note | None = None) -
     path = material_path(path, "--material")
     material = load_material(path, plan_is_used=False)
     kept = {"stretch"} if "stretch" in design.fabric.model_fields_set else set()
+    sections = {"fabric": material.fabric, "plastic": material.plastic, "spread": material.spread}
     given = {
-        name: getattr(material, name).model_dump(mode="json", include=getattr(material, name).model_fields_set)
-        for name in ("fabric", "plastic")
+        name: section.model_dump(mode="json", include=section.model_fields_set)
+        for name, section in sections.items()
+        if section is not None
     }
     if not any(given.values()):
         raise DesignError(
-            "", "has no value in [fabric] or [plastic], so that --material would change nothing", file=path
+            "", "has no value in [fabric], [plastic] or [spread], so that --material would change nothing", file=path
         )
     data = design.to_dict()
     data.pop("material", None)  # its law belongs to the material that is replaced
@@ -117,7 +119,7 @@ def with_material(design: Design, path: Path | None, note: Note | None = None) -
 
 def _unused(design: Design, new: Design, material: Material) -> Iterator[str]:
     """A line for each value of a material that a design does not take."""
-    if new.fabric == design.fabric and new.plastic == design.plastic:
+    if (new.fabric, new.plastic, new.spread) == (design.fabric, design.plastic, design.spread):
         yield "its fabric and plastic are those of the design: --material changes nothing"
     measured = material.fabric.stretch_xy
     if "stretch" in material.fabric.model_fields_set and measured != new.fabric.stretch_xy:

@@ -8,6 +8,7 @@ from asterism.draw.picture import draw_shape
 from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj
 from asterism.results.files import SUMMARY_FILE, staged_result
+from asterism.results.records.exact import ExactRecord
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 
@@ -37,5 +38,9 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
             from asterism.reports.plots import bond_map  # charts take time to import
 
             (folder / "bond.png").write_bytes(bond_map(shape, shape.layout))
+        if isinstance(shape.summary, ExactRecord) and "spread" in shape.summary:
+            from asterism.reports.spread_picture import draw_spread  # its charts take time to import
+
+            draw_spread(shape.summary.spread, shape.summary["design"]["name"], folder / "spread.png")
         (folder / SUMMARY_FILE).write_text(shape.summary.json_text())
         return sorted(file.name for file in folder.iterdir())

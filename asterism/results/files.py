@@ -23,7 +23,7 @@ MAX_SUMMARY_BYTES = 100_000_000
 # Names of files that belong to a summary. Those of an earlier result are removed.
 SUMMARY_COMPANIONS = "|".join(
     (
-        r"shape\.(vtu|png|obj)|rods\.vtu|minimum-\d+\.(vtu|png)|bond\.png",  # simulate, preview
+        r"shape\.(vtu|png|obj)|rods\.vtu|minimum-\d+\.(vtu|png)|(bond|spread)\.png",  # simulate, preview
         r"report\.html|(exact|preview)\.(vtu|obj)",  # verify
         r"compare\.png",  # compare
         r"law\.png",  # law show

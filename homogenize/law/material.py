@@ -21,6 +21,7 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.material_files import MeasurementNote
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.section import Line, Number, Section, Whole
+from asterism.pattern.design.spread import Spread
 from asterism.pattern.design.stars import MIN_ARM_MM
 
 # cells of one grid
@@ -104,7 +105,7 @@ def _check_within(values: AxisNodes, limits: tuple[float, float]) -> None:
 
 
 class Material(Section):
-    """A material file: fabric, plastic and lattice as in a design, and the plan of the unit cells.
+    """A material file: fabric, plastic, spread and lattice as in a design, and the plan of the unit cells.
 
     Examples
     --------
@@ -117,6 +118,7 @@ class Material(Section):
     measured: MeasurementNote | None = None
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
+    spread: Spread | None = None
     lattice: Lattice = Lattice()
     plan: CampaignPlan = CampaignPlan()
 

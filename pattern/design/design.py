@@ -21,6 +21,7 @@ from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
+from asterism.pattern.design.spread import Spread
 from asterism.pattern.design.stars import Site, Stars
 
 # on the ground
@@ -149,6 +150,7 @@ class Design(Section):
     mesh: MeshChoice = MeshChoice()
     solver: Solver = Solver()
     fit: FitWeights | None = None
+    spread: Spread | None = None
 
     @model_validator(mode="before")
     @classmethod

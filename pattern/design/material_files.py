@@ -13,11 +13,12 @@ from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.files import own_folders, read_table
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.section import Line, Section, Text
+from asterism.pattern.design.spread import Spread
 
 # folder of the materials within a folder of own files
 MATERIALS_FOLDER = "materials"
 _PACKAGE_FOLDER = Path(__file__).parents[1] / "measured"
-_SECTIONS: dict[str, type[Section]] = {"fabric": Fabric, "plastic": Plastic}
+_SECTIONS: dict[str, type[Section]] = {"fabric": Fabric, "plastic": Plastic, "spread": Spread}
 
 
 class MeasurementNote(Section):
@@ -38,8 +39,8 @@ class MaterialChoice(Section):
 
     Attributes
     ----------
-    file : name in the list of materials, or path of a material file; its values of `[fabric]` and `[plastic]` become
-        those of the design, which then has no such key itself.
+    file : name in the list of materials, or path of a material file; its values of `[fabric]`, `[plastic]` and
+        `[spread]` become those of the design, which then has no such key itself.
     law : path of the law of this material, for previews. The design of a file has it as an absolute path.
 
     Relative paths begin at the folder of the design file.
@@ -136,7 +137,7 @@ def with_material_file(data: Mapping[str, Any], folder: Path) -> Mapping[str, An
 
 
 def _values(path: Path, name: str) -> Iterator[tuple[tuple[str, str], Any]]:
-    """The keys and values of `[fabric]` and `[plastic]` in a material file."""
+    """The keys and values of `[fabric]`, `[plastic]` and `[spread]` in a material file."""
     table = read_table(path)
     found = False
     for section, kind in _SECTIONS.items():
@@ -150,4 +151,4 @@ def _values(path: Path, name: str) -> Iterator[tuple[tuple[str, str], Any]]:
             found = True
             yield (section, key), value
     if not found:
-        raise DesignError("material.file", "must have values in [fabric] or [plastic]", name)
+        raise DesignError("material.file", "must have values in [fabric], [plastic] or [spread]", name)

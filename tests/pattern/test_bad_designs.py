@@ -49,6 +49,10 @@ BAD = [
     ([("stars.length_mm", 10**400)], "stars.length_mm", "number"),
     ([("name", 101 * "a")], "name", "at most 100 characters"),
     ([("stars.length_mm", [10])], "stars.length_mm", "number"),
+    ([("spread.stretch_percent", -1)], "spread.stretch_percent", "at least 0"),
+    ([("spread.bending_factor", float("nan"))], "spread.bending_factor", "finite"),
+    ([("spread.modulus_ratio_factor", 0.9)], "spread.modulus_ratio_factor", "at least 1"),
+    ([("spread.thickness_mm", 0.1)], "spread.thickness_mm", "it belongs in [fabric] or in [stars]"),
     ([("stars.length_mm", None), ("stars.length_fraction", 1.5)], "stars.length_fraction", "from 0 to 1"),
     (
         [("stars.length_fraction", 0.5)],

@@ -36,6 +36,7 @@ from asterism.pattern.design.materials import (
     residual_curvature,
     rest_curvature,
 )
+from asterism.pattern.design.spread import MAX_FACTOR, MAX_KAPPA_BAR_ERROR_PER_MM, Spread
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, staged
 from asterism.results.record import ABSENT
@@ -91,6 +92,16 @@ class FittedMaterial:
     def fits(self) -> tuple[StripFit, ...]:
         """One fit, or those along and across the grain."""
         return (self.fit,) if self.across is None else (self.fit, self.across)
+
+    @property
+    def spread(self) -> Spread:
+        """The intervals as a design has them, without those that the strips leave open."""
+        value, low, high = self.fit.ratio[self.fit.formula]
+        found = {"modulus_ratio_factor": min(max(high / value, value / low), MAX_FACTOR)}
+        if self.fit.kappa_bar:
+            widest = max(0.5 * (each.high - each.low) for each in self.fit.kappa_bar.values())
+            found["kappa_bar_error_per_mm"] = min(widest, MAX_KAPPA_BAR_ERROR_PER_MM)
+        return Spread(**found)
 
     @cached_property
     def summary(self) -> StripFitRecord:
@@ -270,7 +281,7 @@ def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
 
 
 def _material_text(material: FittedMaterial, name: str, source: str) -> str:
-    """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
+    """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, kappa_bar, and intervals."""
     plastic = material.plastic
     kappa_bar = plastic.kappa_bar_per_mm
     if isinstance(kappa_bar, ResidualCurvature):
@@ -302,6 +313,9 @@ def _material_text(material: FittedMaterial, name: str, source: str) -> str:
         f"modulus_ratio = {plastic.modulus_ratio:.5g}",
         f'rest_curvature = "{plastic.rest_curvature}"',
         f"kappa_bar_per_mm = {kept}",
+        "",
+        "[spread]",
+        *(f"{key} = {value:.4g}" for key, value in material.spread.model_dump(exclude_unset=True).items()),
     ]
     return "\n".join(lines) + "\n"
 

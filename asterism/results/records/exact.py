@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ShapeRecord
+from asterism.results.records.spread import SpreadRecord
 
 MAX_NAMED_STARTS = 2  # more starts that end in one minimum are counted in its row of the table
 NO_MESH_ERROR = "not known, one mesh was solved"
@@ -130,6 +131,7 @@ class ExactRecord(ShapeRecord):
         "stars_up",
         "rods_total",
         "height_mm",
+        "spread",
         "above_needles_mm",
         "below_needles_mm",
         "extent_mm",
@@ -227,3 +229,9 @@ class ExactRecord(ShapeRecord):
         "The minima on the coarse mesh. Energies of two meshes cannot be compared.", default=ABSENT
     )
     path: list[PathStepRecord] = key("The way to the shape, step by step.")
+    spread: SpreadRecord = key(
+        "The range of shapes that prints may have, if it was computed.",
+        label="prints",
+        show=lambda record: record.spread.rows_in_words(),
+        default=ABSENT,
+    )

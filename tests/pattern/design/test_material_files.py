@@ -11,6 +11,7 @@ from asterism.pattern.design import files as user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.material_files import material_files, material_path, own_material_path
+from asterism.pattern.design.spread import Spread
 from asterism.pattern.layout.build import load_design
 
 MATERIAL = """
@@ -66,6 +67,14 @@ def test_a_design_takes_the_values_of_its_material(home: Path, file: str, ratio:
     assert Design.from_dict(design.to_dict(), "elsewhere") == design
     save_design(design, home / "whole.toml")
     assert load_design(home / "whole.toml") == design
+
+
+def test_a_design_takes_the_intervals_of_its_material(home: Path) -> None:
+    assert "spread" not in Design.from_dict(SHEET).to_dict()
+    (home / "near.toml").write_text(f"{MATERIAL}[spread]\nmodulus_ratio_factor = 1.05\n")
+    design = Design.from_dict(SHEET | {"material": {"file": "near.toml"}, "spread": {"stretch_percent": 3.0}}, home)
+    assert design.spread == Spread(modulus_ratio_factor=1.05, stretch_percent=3.0)
+    assert Design.from_dict(design.to_dict()) == design
 
 
 def test_a_law_lies_beside_the_design(home: Path) -> None:

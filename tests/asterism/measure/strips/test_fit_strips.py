@@ -17,6 +17,7 @@ from asterism.measure.strips.fit_strips import fit_strips, write_material
 from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.spread import Spread
 from tests.asterism.commands import command
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
@@ -53,6 +54,10 @@ def test_material_picture_and_numbers(strips: Path, capsys, monkeypatch) -> None
     found = numbers["modulus_ratio"]["paper"]
     assert found["low"] <= 3200 <= found["high"]
     assert material.plastic.modulus_ratio == pytest.approx(found["value"], rel=1e-4)
+    spread, bar = material.spread, numbers["kappa_bar"][0]
+    assert spread is not None and spread.model_fields_set == {"modulus_ratio_factor", "kappa_bar_error_per_mm"}
+    assert found["value"] * spread.modulus_ratio_factor == pytest.approx(found["high"], rel=1e-3)
+    assert spread.kappa_bar_error_per_mm == pytest.approx(bar["high_per_mm"] - bar["value_per_mm"], rel=1e-3)
     with Image.open(strips.with_name("material.png")) as picture:
         assert picture.size == (1350, 810)
 
@@ -232,8 +237,11 @@ def test_a_material_takes_the_place_of_the_designs_own(tmp_path: Path) -> None:
     found = with_material(design, file)
     assert (found.fabric.stretch, found.fabric.poisson, found.fabric.thickness_mm) == (1.5, 0.2, 0.7)
     assert (found.plastic.modulus_ratio, found.plastic.kappa_bar_per_mm) == (1500.0, 0.002)
-    assert found.stars == design.stars
+    assert found.stars == design.stars and found.spread is None
     assert with_material(design, None) is design
+    file.write_text("[spread]\nmodulus_ratio_factor = 1.05\n")
+    notes: list[str] = []
+    assert with_material(design, file, notes.append).spread == Spread(modulus_ratio_factor=1.05) and notes == []
     file.write_text("[plastic]\nmodulus_ratio = 0.5\n")
     with pytest.raises(DesignError, match=r"material\.toml: plastic\.modulus_ratio"):
         with_material(design, file)
@@ -258,7 +266,7 @@ def test_what_a_material_does_not_change_is_said(tmp_path: Path) -> None:
     design = Design.from_dict({"stars": {"length_mm": 8}, "border": {"rings": 1}})
     file = tmp_path / "m.toml"
     file.write_text('name = "empty"\n')
-    with pytest.raises(DesignError, match=r"m\.toml: has no value in \[fabric\] or \[plastic\]"):
+    with pytest.raises(DesignError, match=r"m\.toml: has no value in \[fabric\], \[plastic\] or \[spread\]"):
         with_material(design, file)
     # the plan of the paper's cells does not fit this lattice, but only calibrate needs a plan
     file.write_text("[plastic]\nmodulus_ratio = 3000.0\n[lattice]\nspacing_mm = 8.0\n")

@@ -1,0 +1,421 @@
+"""The range of shapes that prints of one design may have, by a few exact shapes about that of the design.
+
+A value is t half intervals away from that of the design, factors by their logarithm; t is normal, with 95 % from -1
+to 1. One value at a time goes to an end of its interval, on the mesh of the design's shape, so that errors of the mesh
+cancel. Height and positions follow each t linearly, or as a parabola where both ends are known.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.release.continuation import Report, prefixed_report, solve_on_mesh
+from asterism.discrete.release.equilibrium import Equilibrium
+from asterism.discrete.release.forms import ExactForm, distinct_forms
+from asterism.discrete.release.ladder import model_on
+from asterism.discrete.release.mesh_error import motions_left_free
+from asterism.discrete.release.prolongation import fit_to_surface
+from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, from_validation
+from asterism.pattern.design.materials import BendingStiffness, Fabric, Plastic, ResidualCurvature
+from asterism.pattern.design.spread import Spread
+from asterism.pattern.design.stars import THICKNESS_RANGE_MM
+from asterism.pattern.geometry.diameter import diameter
+from asterism.pattern.geometry.point_location import locate
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.symmetries import symmetries
+from asterism.process.listeners import Say, ignore_line
+from asterism.results.records.exact import ExactRecord
+from asterism.results.records.spread import VALUES, MeasurementRecord, SpreadEndRecord, SpreadRecord, SpreadShareRecord
+from asterism.shape.shape import Shape
+
+# what makers can measure, and the intervals that it leaves
+MEASUREMENTS = {
+    "strips of plastic": Spread(modulus_ratio_factor=1.1, kappa_bar_error_per_mm=0.0005),
+    "stretch after the release": Spread(stretch_percent=2.0),
+    "overhang of the fabric": Spread(bending_factor=1.2),
+    "thickness with a caliper": Spread(thickness_error_mm=0.01),
+    "direction of the grain": Spread(grain_error_deg=1.0),
+}
+HALF_INTERVAL_SIGMAS = 1.96  # 95 % of a normal distribution
+NINE_IN_TEN = (0.05, 0.5, 0.95)
+SAMPLES = 4000
+SEED = 0
+# with the shape of the design; one of them goes back from the furthest end
+MAX_SOLVES = 10
+# the line on the print: directions that are tried, its points, and the samples (1: part of all) whose mean it shows
+LINE_DIRECTIONS = 12
+LINE_POINTS = 201
+LINE_SAMPLES = 0.05
+
+
+class _ScaledFabric(Fabric):
+    """Fabric whose bending stiffness alone is another, which designs cannot say of every bending energy."""
+
+    bending_scale: float = 1.0
+
+    @property
+    def bending_tensor(self) -> BendingStiffness:
+        return BendingStiffness(*(self.bending_scale * each for each in super().bending_tensor))
+
+
+@one_blas_thread()
+def spread(shape: Shape, backend: str = "auto", report: Report | None = None, say: Say | None = None) -> Shape:
+    """Compute the range of shapes that prints of one design may have.
+
+    The intervals are those of the design's section `[spread]`, or its defaults. At most nine further exact shapes are
+    computed.
+
+    Parameters
+    ----------
+    shape : exact shape of the design, from `simulate` or `read_shape`.
+    backend, report, say : as in `simulate`.
+
+    Returns
+    -------
+    The same shape with the range: `shape.summary.spread`. Its warnings name what makes the range unreliable, such as
+    another form of the sheet within the intervals.
+
+    Raises
+    ------
+    DesignError
+        The shape is not an exact minimum, or an end of an interval cannot be printed.
+
+    Examples
+    --------
+    >>> import asterism
+    >>> star = asterism.spread(asterism.simulate(asterism.new("star"), starts=1))
+    >>> star.summary.spread.height_low_mm < star.height_mm < star.summary.spread.height_high_mm
+    True
+    """
+    check_type(shape, Shape, "simulate makes one")
+    if not isinstance(shape.summary, ExactRecord) or not shape.summary.get("is_minimum"):
+        raise DesignError("", "must be a stable exact shape, as asterism.simulate computes it, for its spread")
+    begin = time.perf_counter()
+    design = Design.from_dict(shape.summary["design"])
+    plan = layout(design)
+    names = check_spread(design, plan)
+    announce = say or ignore_line
+    model = model_on(design, plan, shape.summary.edge_mm)
+    search = _Search(shape, model, backend, report, announce)
+    uppers = [search.end(name, 1) for name in names]
+    # lower ends of the values that change the height most, and one way back
+    order = sorted(range(len(names)), key=lambda i: -abs(uppers[i].record.height_mm - search.base_height))
+    lowers = {i: search.end(names[i], -1) for i in order[: MAX_SOLVES - 1 - search.solves]}
+    search.check_furthest()
+    up = np.array([each.values for each in uppers]) - search.base_values
+    down = np.array([lowers[i].values - search.base_values if i in lowers else -up[i] for i in range(len(names))])
+    response = Response(search.base_values, 0.5 * (up - down), 0.5 * (up + down))
+    record = _record(design, names, response, search, time.perf_counter() - begin)
+    warnings = [*shape.summary["warnings"], *_warnings(record)]
+    return replace(shape, summary=shape.summary.changed(spread=record, warnings=warnings))
+
+
+def check_spread(design: Design, plan: Layout) -> list[str]:
+    """The keys of `[spread]` whose values the design has, and are not known.
+
+    Raises
+    ------
+    DesignError
+        An interval has an end that cannot be printed, or all values are known.
+    """
+    spread = design.spread or Spread()
+    known, off = varied_values(spread, {}), varied_values(spread, dict.fromkeys(VALUES, 1.0))
+    without = {"grain_error_deg": not design.fabric.is_orthotropic, "bending_factor": not design.fabric.has_bending}
+    names = [name for name in VALUES if off[name] != known[name] and not without.get(name, False)]
+    if not names:
+        raise DesignError("spread", "must have an interval of a value that the design has")
+    for name in names:
+        for end in (1.0, -1.0):
+            try:
+                varied_design(design, {name: end})
+                varied_layout(plan, varied_values(spread, {name: end}))
+            except DesignError as error:
+                raise DesignError(f"spread.{name}", f"is too wide: {error}", getattr(spread, name)) from None
+    return names
+
+
+def varied_values(spread: Spread, t: Mapping[str, float]) -> dict[str, float]:
+    """Factors and additions by the keys of `[spread]`, t half intervals away from the design."""
+    values = {}
+    for name in VALUES:
+        half, away = getattr(spread, name), t.get(name, 0.0)
+        values[name] = half**away if name.endswith("_factor") else half * away
+    return values
+
+
+def varied_design(design: Design, t: Mapping[str, float]) -> Design:
+    """A design with other values of fabric and plastic, t half intervals of its spread away.
+
+    Raises
+    ------
+    DesignError
+        They are not allowed.
+    """
+    fabric, plastic, off = design.fabric, design.plastic, varied_values(design.spread or Spread(), t)
+    strain = 1.0 + 0.01 * off["stretch_percent"]
+    stretch = tuple(1.0 + (each - 1.0) * strain for each in fabric.stretch_xy)
+    given: dict[str, Any] = fabric.model_dump(exclude_none=True) | {"bending_scale": off["bending_factor"]}
+    given["stretch"] = stretch[0] if stretch[0] == stretch[1] else stretch
+    if off["grain_error_deg"]:
+        given["grain_deg"] = ((fabric.grain_deg or 0.0) + off["grain_error_deg"]) % 180.0
+    kept, more = plastic.kappa_bar_per_mm, off["kappa_bar_error_per_mm"]
+    bar: Any = (
+        kept.model_dump() | {"per_mm": tuple(each + more for each in kept.per_mm)}
+        if isinstance(kept, ResidualCurvature)
+        else kept + more
+    )
+    ratio = plastic.modulus_ratio * off["modulus_ratio_factor"]
+    try:
+        new = {
+            "fabric": _ScaledFabric(**given),
+            "plastic": Plastic(**(plastic.model_dump() | {"modulus_ratio": ratio, "kappa_bar_per_mm": bar})),
+        }
+    except ValidationError as error:
+        raise from_validation(error) from None
+    return design.model_copy(update=new)
+
+
+def varied_layout(plan: Layout, off: Mapping[str, float]) -> Layout:
+    """A layout with all rods thicker, and lines with a residual curvature of their own with another one.
+
+    Raises
+    ------
+    DesignError
+        A rod is too thin or too thick.
+    """
+    thicker, more = off["thickness_error_mm"], off["kappa_bar_error_per_mm"]
+    low, high = THICKNESS_RANGE_MM
+    thickness = np.concatenate([rod.thickness for rod in plan.graph.rods]) + thicker
+    if thickness.min() < low or thickness.max() > high:
+        worst = thickness.min() if thickness.min() < low else thickness.max()
+        raise DesignError("", f"a thickness of {worst:.3g} mm must be from {low:g} to {high:g}")
+    drawn = plan.drawn and replace(
+        plan.drawn,
+        rods=tuple(
+            replace(
+                rod,
+                thickness=rod.thickness + thicker,
+                kappa_bar=None if rod.kappa_bar is None else rod.kappa_bar + more,
+            )
+            for rod in plan.drawn.rods
+        ),
+    )
+    return replace(plan, arm_thickness=plan.arm_thickness + thicker, drawn=drawn)
+
+
+def varied_model(model: DiscreteModel, t: Mapping[str, float]) -> DiscreteModel:
+    """The model of a print that is t half intervals of the spread away from its design, on the same mesh."""
+    off = varied_values(model.design.spread or Spread(), t)
+    return type(model)(varied_design(model.design, t), varied_layout(model.layout, off), model.mesh)
+
+
+@dataclass(frozen=True)
+class Response:
+    """Values (k,) that follow deviations t (p,): `base + t @ slope + t^2 @ curve` with slope and curve (p, k)."""
+
+    base: Floats
+    slope: Floats
+    curve: Floats
+
+    def at(self, t: Floats) -> Floats:
+        """(n, k) values at deviations (n, p)."""
+        return self.of_moments(t, t**2)
+
+    def of_moments(self, first: Floats, second: Floats) -> Floats:
+        """The mean of the values by the means of t and of t^2."""
+        return np.asarray(self.base + first @ self.slope + second @ self.curve)
+
+
+@dataclass(frozen=True)
+class _End:
+    """A computed end: its record, equilibrium, and the values that the response follows."""
+
+    record: SpreadEndRecord
+    equilibrium: Equilibrium
+    values: Floats
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A straight line on the print: corners (n, 3) and weights (n, 3) of its points; (2,) its way on the ground."""
+
+    corners: Ints
+    weights: Floats
+    along: Floats
+
+    @classmethod
+    def through_highest_point(cls, model: DiscreteModel, positions: Floats) -> _Line:
+        """The line of largest height from one edge of the sheet to the other."""
+        plan, mesh = model.layout, model.mesh
+        top, reach = mesh.points[positions[:, 2].argmax()], 2.0 * plan.diameter_mm
+        lines = []
+        for angle in np.pi / LINE_DIRECTIONS * np.arange(LINE_DIRECTIONS):
+            direction = np.array([np.cos(angle), np.sin(angle)])
+            away = np.linspace(-reach, reach, 8 * LINE_POINTS + 1)
+            off = np.flatnonzero(~plan.is_on_sheet(top + away[:, None] * direction))
+            # a point on the edge is on the sheet or beside it
+            middle = away[np.abs(away).argsort()[:3]]
+            before, after = away[off][away[off] < middle.min()], away[off][away[off] > middle.max()]
+            points = top + np.linspace(before.max(), after.min(), LINE_POINTS)[:, None] * direction
+            triangle, weights = locate(mesh.points, mesh.triangles, points, plan.spacing_mm)
+            corners = mesh.triangles[triangle]
+            at = np.einsum("nk,nki->ni", weights, positions[corners])
+            ground = at[:, :2] - at[:, :2].mean(axis=0)
+            lines.append((np.ptp(at[:, 2]), cls(corners, weights, np.linalg.svd(ground, full_matrices=False)[2][0])))
+        return max(lines, key=lambda line: float(line[0]))[1]
+
+    def seen(self, positions: Floats) -> Floats:
+        """(n, 2) mm, along the ground and up, on positions (V, 3)."""
+        at = np.einsum("nk,nki->ni", self.weights, positions[self.corners])
+        return np.column_stack([at[:, :2] @ self.along, at[:, 2]])
+
+
+class _Search:
+    """The exact shapes about that of the design. Values are height, length, width, and the line on the print."""
+
+    def __init__(self, shape: Shape, model: DiscreteModel, backend: str, report: Report | None, say: Say) -> None:
+        self.shape, self.model, self.backend, self.report, self.say = shape, model, backend, report, say
+        surface = shape.at(model.mesh.points, off_sheet_mm(model.layout, len(shape.printed)))
+        self.ends: list[_End] = []
+        self.solves = 0
+        self.base = self._solve(model, fit_to_surface(model, surface), "the shape of the design")
+        if not self.base.is_minimum:
+            raise DesignError("", "the shape does not become a minimum of its design again: compute it anew")
+        self.line = _Line.through_highest_point(model, self.base.state.positions)
+        self.base_values = self._values(self.base)
+        self.base_height = float(self.base_values[0])
+
+    def end(self, name: str, end: int) -> _End:
+        """The shape with one value at an end of its interval."""
+        called = f"{VALUES[name]} at its {'upper' if end > 0 else 'lower'} end"
+        found = self._solve(varied_model(self.model, {name: float(end)}), self.base.state, called)
+        values = self._values(found)
+        gaps = self._laid(found) - self.base.state.positions
+        record = SpreadEndRecord(
+            value=name,
+            end=end,
+            height_mm=float(values[0]),
+            distance_percent=float(100.0 * np.sqrt((gaps**2).sum(axis=1).mean()) / diameter(self.base.state.positions)),
+            is_minimum=found.is_minimum,
+            stars_turned=int((found.sides != self.base.sides).sum()),
+            comes_back=None,
+        )
+        self.ends.append(_End(record, found, values))
+        return self.ends[-1]
+
+    def check_furthest(self) -> None:
+        """Take back the values of the furthest ends, as many as there are solves left: is it the same form?"""
+        design_symmetries = symmetries(self.model.design, self.model.layout)
+        start = ExactForm(self.base, self.model, ("design",), True)
+        order = sorted(range(len(self.ends)), key=lambda i: -self.ends[i].record.distance_percent)
+        for i in order[: MAX_SOLVES - self.solves]:
+            end = self.ends[i]
+            back = self._solve(self.model, end.equilibrium.state, f"back from {VALUES[end.record.value]}")
+            forms = distinct_forms([start, ExactForm(back, self.model, ("back",), False)], design_symmetries)
+            self.ends[i] = replace(end, record=end.record.changed(comes_back=len(forms) == 1))
+
+    def _solve(self, model: DiscreteModel, state: Any, name: str) -> Equilibrium:
+        self.solves += 1
+        self.say(f"spread: {name}")
+        return solve_on_mesh(model, state, self.backend, prefixed_report(self.report, f"spread, {name}"))
+
+    def _laid(self, found: Equilibrium) -> Floats:
+        """(V, 3) mm, positions laid on those of the design by the motions that the supports leave free."""
+        positions = found.state.positions
+        rotation, shift = motions_left_free(self.model, positions).fit(positions, self.base.state.positions)
+        return np.asarray(positions @ rotation.T + shift)
+
+    def _values(self, found: Equilibrium) -> Floats:
+        """(3 + 2 n,) mm, height, length and width, and along the ground and up of the points of the line."""
+        mesh = self.model.mesh
+        shape = replace(self.shape, printed=mesh.points, positions=found.state.positions, triangles=mesh.triangles)
+        shape = shape if shape.held else shape.aligned()
+        sizes = np.array([shape.height_mm, *shape.extent_mm[:2]])
+        return np.concatenate([sizes, self.line.seen(self._laid(found)).ravel()])
+
+
+def _record(design: Design, names: list[str], response: Response, search: _Search, wall: float) -> SpreadRecord:
+    spread = design.spread or Spread()
+    t = np.random.default_rng(SEED).standard_normal((SAMPLES, len(names))) / HALF_INTERVAL_SIGMAS
+    heights = _heights(response, t)
+    low, median, high = np.quantile(heights, NINE_IN_TEN)
+    sizes = np.quantile(response.at(t)[:, 1:3], NINE_IN_TEN, axis=0)
+    parts = (t * response.slope[:, 0] + t**2 * response.curve[:, 0]).var(axis=0)
+    shares = [
+        SpreadShareRecord(
+            value=name,
+            variance_percent=float(100.0 * part / max(parts.sum(), 1e-300)),
+            heights_mm=[float(_heights(response, end * np.eye(len(names))[i : i + 1])[0]) for end in (-1.0, 1.0)],
+        )
+        for i, (name, part) in enumerate(zip(names, parts, strict=True))
+    ]
+    measurements = []
+    for name, measured in MEASUREMENTS.items():
+        left = np.array([_left(spread, measured, each) for each in names])
+        if left.min() < 1.0:
+            after = np.quantile(_heights(response, left * t), NINE_IN_TEN)
+            measurements.append(MeasurementRecord(name=name, low_mm=float(after[0]), high_mm=float(after[2])))
+    order = np.argsort(heights)
+    lines = []
+    for part in NINE_IN_TEN:
+        first = int((part - 0.5 * LINE_SAMPLES) * SAMPLES)
+        near = t[order[max(first, 0) : first + int(LINE_SAMPLES * SAMPLES)]]
+        mean = response.of_moments(near.mean(axis=0), (near**2).mean(axis=0))
+        lines.append(mean[3:].reshape(-1, 2).tolist())
+    return SpreadRecord(
+        intervals=spread.model_dump(),
+        height_low_mm=float(low),
+        height_median_mm=float(median),
+        height_high_mm=float(high),
+        size_low_mm=sizes[0].tolist(),
+        size_high_mm=sizes[2].tolist(),
+        shares=sorted(shares, key=lambda share: -share.variance_percent),
+        measurements=sorted(measurements, key=lambda each: each.high_mm - each.low_mm),
+        ends=[end.record for end in search.ends],
+        line_low_mm=lines[0],
+        line_median_mm=lines[1],
+        line_high_mm=lines[2],
+        solves=search.solves,
+        wall_s=wall,
+    )
+
+
+def _heights(response: Response, t: Floats) -> Floats:
+    """(n,) mm."""
+    return np.maximum(response.at(t)[:, 0], 0.0)
+
+
+def _left(spread: Spread, measured: Spread, name: str) -> float:
+    """What a measurement leaves of an interval, 1 for all of it."""
+    if name not in measured.model_fields_set:
+        return 1.0
+    before, after = getattr(spread, name), getattr(measured, name)
+    left = np.log(after) / np.log(before) if name.endswith("_factor") else after / before
+    return float(min(left, 1.0))
+
+
+def _warnings(record: SpreadRecord) -> list[str]:
+    """What makes the range unreliable: each line names the end of an interval."""
+    lines = []
+    for end in record.ends:
+        where = f"with {VALUES[end.value]} at its {'upper' if end.end > 0 else 'lower'} end"
+        if not end.is_minimum:
+            lines.append(f"{where} no minimum was found: the range of shapes is not reliable")
+        elif end.comes_back is False:
+            lines.append(f"{where} the sheet goes to another form, and does not come back: prints may have both")
+        elif end.stars_turned:
+            turned = f"{end.stars_turned} star{'s' if end.stars_turned > 1 else ''}"
+            lines.append(f"{where} {turned} bump to another side: prints may have another form")
+    return lines
