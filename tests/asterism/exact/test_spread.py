@@ -13,7 +13,15 @@ import asterism
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.ladder import model_on
 from asterism.discrete.release.prolongation import fit_to_surface
-from asterism.exact.spread import MAX_SOLVES, check_spread, spread, varied_design, varied_layout, varied_values
+from asterism.exact.spread import (
+    MAX_SOLVES,
+    RESPONSE_ERROR,
+    check_spread,
+    spread,
+    varied_design,
+    varied_layout,
+    varied_values,
+)
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -86,9 +94,11 @@ def test_one_value_has_the_quantiles_of_its_normal_distribution() -> None:
     assert [share.value for share in record.shares] == ["modulus_ratio_factor"]
     assert record.shares[0].variance_percent == pytest.approx(100.0)
     low, high = sorted(record.shares[0].heights_mm)
-    # 5 % of a normal distribution are beyond 1.645 standard deviations, the end of the interval is 1.96 away
+    # 5 % of a normal distribution are beyond 1.645 standard deviations, the end of the interval is 1.96 away, and the
+    # error of the response counts as independent
     assert record.height_median_mm == pytest.approx(shape.height_mm, abs=0.05 * (high - low))
-    assert record.height_high_mm - record.height_low_mm == pytest.approx(1.645 / 1.96 * (high - low), rel=0.05)
+    wide = 1.645 / 1.96 * np.sqrt(1.0 + RESPONSE_ERROR**2)
+    assert record.height_high_mm - record.height_low_mm == pytest.approx(wide * (high - low), rel=0.05)
     line = np.array(record.line_median_mm)
     assert np.ptp(line[:, 1]) == pytest.approx(shape.height_mm, rel=0.05)
 
