@@ -52,8 +52,8 @@ HALF_INTERVAL_SIGMAS = 1.96  # 95 % of a normal distribution
 NINE_IN_TEN = (0.05, 0.5, 0.95)
 SAMPLES = 4000
 SEED = 0
-# 1: distance of exact heights from the response over their standard deviation; 0.17 to 0.38 for three sheets of 19 to 64
-# stars and 40 random materials each. It counts as independent of the values
+# 1: rms distance of exact heights from the response over their standard deviation, 0.17 to 0.38 for 40 random materials
+# of three sheets; it counts as independent of the values
 RESPONSE_ERROR = 0.35
 # with the shape of the design; one of them goes back from the furthest end
 MAX_SOLVES = 10
