@@ -48,6 +48,15 @@ MEASUREMENTS = {
     "thickness with a caliper": Spread(thickness_error_mm=0.01),
     "direction of the grain": Spread(grain_error_deg=1.0),
 }
+# the ends at which the sheet curls or buckles more, where its height is the least linear
+FIRST_ENDS = {
+    "modulus_ratio_factor": -1,
+    "kappa_bar_error_per_mm": 1,
+    "stretch_percent": 1,
+    "bending_factor": -1,
+    "thickness_error_mm": -1,
+    "grain_error_deg": 1,
+}
 HALF_INTERVAL_SIGMAS = 1.96  # 95 % of a normal distribution
 NINE_IN_TEN = (0.05, 0.5, 0.95)
 SAMPLES = 4000
@@ -112,14 +121,14 @@ def spread(shape: Shape, backend: str = "auto", report: Report | None = None, sa
     announce = say or ignore_line
     model = model_on(design, plan, shape.summary.edge_mm)
     search = _Search(shape, model, backend, report, announce)
-    uppers = [search.end(name, 1) for name in names]
-    # lower ends of the values that change the height most, and one way back
-    order = sorted(range(len(names)), key=lambda i: -abs(uppers[i].record.height_mm - search.base_height))
-    lowers = {i: search.end(names[i], -1) for i in order[: MAX_SOLVES - 1 - search.solves]}
+    for name in names:
+        search.end(name, FIRST_ENDS[name])
+    # the other ends of the values that change the height most, and one way back
+    largest = sorted(search.ends, key=lambda end: -abs(end.record.height_mm - search.base_height))
+    for end in largest[: MAX_SOLVES - 1 - search.solves]:
+        search.end(end.record.value, -end.record.end)
     search.check_furthest()
-    up = np.array([each.values for each in uppers]) - search.base_values
-    down = np.array([lowers[i].values - search.base_values if i in lowers else -up[i] for i in range(len(names))])
-    response = Response(search.base_values, 0.5 * (up - down), 0.5 * (up + down))
+    response = search.response(names)
     record = _record(design, names, response, search, time.perf_counter() - begin)
     warnings = [*shape.summary["warnings"], *_warnings(record)]
     return replace(shape, summary=shape.summary.changed(spread=record, warnings=warnings))
@@ -300,7 +309,7 @@ class _Search:
         self.base_values = self._values(self.base)
         self.base_height = float(self.base_values[0])
 
-    def end(self, name: str, end: int) -> _End:
+    def end(self, name: str, end: int) -> None:
         """The shape with one value at an end of its interval."""
         called = f"{VALUES[name]} at its {'upper' if end > 0 else 'lower'} end"
         found = self._solve(varied_model(self.model, {name: float(end)}), self.base.state, called)
@@ -316,7 +325,6 @@ class _Search:
             comes_back=None,
         )
         self.ends.append(_End(record, found, values))
-        return self.ends[-1]
 
     def check_furthest(self) -> None:
         """Take back the values of the furthest ends, as many as there are solves left: is it the same form?"""
@@ -328,6 +336,15 @@ class _Search:
             back = self._solve(self.model, end.equilibrium.state, f"back from {VALUES[end.record.value]}")
             forms = distinct_forms([start, ExactForm(back, self.model, ("back",), False)], design_symmetries)
             self.ends[i] = replace(end, record=end.record.changed(comes_back=len(forms) == 1))
+
+    def response(self, names: list[str]) -> Response:
+        """What the ends say; without an end, the value is linear."""
+        known = {(end.record.value, end.record.end): end.values - self.base_values for end in self.ends}
+        up, down = (
+            np.array([known[name, end] if (name, end) in known else -known[name, -end] for name in names])
+            for end in (1, -1)
+        )
+        return Response(self.base_values, 0.5 * (up - down), 0.5 * (up + down))
 
     def _solve(self, model: DiscreteModel, state: Any, name: str) -> Equilibrium:
         self.solves += 1

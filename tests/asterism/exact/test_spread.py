@@ -191,7 +191,7 @@ def test_the_command_writes_the_range_and_its_picture(tmp_path: Path, capsys, mo
     done = command([*words, "--spread"], capsys, monkeypatch)
     assert done.status == 0, done.err
     assert "in nine of ten prints" in done.out and "range comes from" in done.out and "spread.png" in done.out
-    assert "spread: thickness at its upper end" in done.err
+    assert "spread: thickness at its lower end" in done.err
     summary = json.loads((tmp_path / "d" / "summary.json").read_text())
     assert summary["spread"]["height_low_mm"] < summary["height_mm"] < summary["spread"]["height_high_mm"]
     assert summary["spread"]["intervals"] == Spread().model_dump()
