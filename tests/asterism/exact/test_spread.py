@@ -68,6 +68,8 @@ def narrow() -> tuple[asterism.Shape, SpreadRecord]:
 def test_the_response_is_that_of_exact_shapes_of_changed_designs(narrow: tuple[asterism.Shape, SpreadRecord]) -> None:
     shape, record = narrow
     up = {share.value: share.heights_mm[1] - shape.height_mm for share in record.shares}
+    computed = {end.value for end in record.ends if end.end == 1}
+    assert {"kappa_bar_error_per_mm", "stretch_percent"} <= computed < set(up)  # the others are linear
     for name, change in {
         "modulus_ratio_factor": {"plastic": {"modulus_ratio": 3200.0 * 1.01}},
         "stretch_percent": {"fabric": {"stretch": 1.0 + 0.35 * 1.005}},
@@ -77,7 +79,7 @@ def test_the_response_is_that_of_exact_shapes_of_changed_designs(narrow: tuple[a
         "thickness_error_mm": {"stars": {"thickness_mm": shape.summary["design"]["stars"]["thickness_mm"] + 0.001}},
     }.items():
         off = asterism.simulate(star(NARROW, **change), starts=1).height_mm - shape.height_mm
-        assert up[name] == pytest.approx(off, rel=1e-5, abs=1e-7), name
+        assert up[name] == pytest.approx(off, rel=1e-5 if name in computed else 0.01, abs=1e-7), name
     # all at once: the sum, up to second order
     design = Design.from_dict(shape.summary["design"])
     t = dict.fromkeys(up, 1.0)
