@@ -123,8 +123,8 @@ def spread(shape: Shape, backend: str = "auto", report: Report | None = None, sa
     search = _Search(shape, model, backend, report, announce)
     for name in names:
         search.end(name, FIRST_ENDS[name])
-    # the other ends of the values that change the height most, and one way back
-    largest = sorted(search.ends, key=lambda end: -abs(end.record.height_mm - search.base_height))
+    # the other ends of the values that move the sheet most, and one way back: the height may be at its largest
+    largest = sorted(search.ends, key=lambda end: -end.record.distance_percent)
     for end in largest[: MAX_SOLVES - 1 - search.solves]:
         search.end(end.record.value, -end.record.end)
     search.check_furthest()
@@ -307,7 +307,6 @@ class _Search:
             raise DesignError("", "the shape does not become a minimum of its design again: compute it anew")
         self.line = _Line.through_highest_point(model, self.base.state.positions)
         self.base_values = self._values(self.base)
-        self.base_height = float(self.base_values[0])
 
     def end(self, name: str, end: int) -> None:
         """The shape with one value at an end of its interval."""
