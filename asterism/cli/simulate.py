@@ -104,6 +104,8 @@ def simulate(
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     run.warn(*shape.summary["warnings"])
+    if spread and not shape.summary["is_minimum"]:
+        run.warn("--spread: no range of shapes was computed, because this one is not stable")
     if given_law is not None and changed.rods is not None:
         run.warn("--law is not used: drawn rods start from the flat print alone; asterism verify takes the law")
     return DONE if shape.summary["is_minimum"] else NO_ANSWER
