@@ -102,7 +102,7 @@ def main() -> None:
     if not names:
         judged = [counts[name] for name in known if name not in CHOSEN_ON]
         percent = 100.0 * sum(judged) / (MATERIALS * len(judged))
-        text = f"Of the designs on which the method was not chosen ({', '.join(CHOSEN_ON)}): {percent:.0f} % in it."
+        text = f"The method was chosen on {', '.join(CHOSEN_ON)}; of the heights of the others {percent:.0f} % are in it."
         write_report("spread", f"{markdown(HEADER, rows)}\n\n{text}")
 
 

@@ -96,8 +96,9 @@ class FittedMaterial:
     @property
     def spread(self) -> Spread:
         """The intervals as a design has them, without those that the strips leave open."""
-        value, low, high = self.fit.ratio[self.fit.formula]
-        found = {"modulus_ratio_factor": min(max(high / value, value / low), MAX_FACTOR)}
+        ratios = [fit.ratio[fit.formula] for fit in self.fits]
+        factor = max(max(high / value, value / low) for value, low, high in ratios)
+        found = {"modulus_ratio_factor": min(factor, MAX_FACTOR)}
         if self.fit.kappa_bar:
             widest = max(0.5 * (each.high - each.low) for each in self.fit.kappa_bar.values())
             found["kappa_bar_error_per_mm"] = min(widest, MAX_KAPPA_BAR_ERROR_PER_MM)
