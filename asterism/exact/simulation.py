@@ -194,7 +194,7 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
     }
     if (model.edge_side < 0).any():
         fields["side"] = model.edge_side
-    if model.design.fabric.has_scale and len(net.edges):
+    if model.design.fabric.has_forces and len(net.edges):
         forces = line_forces(model, equilibrium.state)
         fields |= {"peel_n_per_mm": forces.peel, "shear_n_per_mm": forces.shear}
     return fields

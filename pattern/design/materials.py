@@ -278,15 +278,24 @@ class Fabric(Section):
 
     @property
     def has_scale(self) -> bool:
-        """Whether its modulus was given, so that forces are known. The default only sets the scale of a ratio.
+        """Whether its modulus was given. The default only sets the scale of a ratio.
 
         Two moduli in the scale of the default are those of strips, which measure their ratio only.
 
         >>> Fabric().has_scale, Fabric(modulus_mpa=5.0).has_scale, Fabric(modulus_mpa=(14.375, 3.59375)).has_scale
         (False, True, False)
         """
-        only_ratio = isinstance(self.modulus_mpa, tuple) and abs(self.modulus / _DEFAULT_MODULUS_MPA - 1.0) < 1e-3
-        return "modulus_mpa" in self.model_fields_set and not only_ratio
+        is_ratio = isinstance(self.modulus_mpa, tuple) and self._has_default_scale
+        return "modulus_mpa" in self.model_fields_set and not is_ratio
+
+    @property
+    def has_forces(self) -> bool:
+        """Whether forces are known: its modulus is not the default, which files of results give too."""
+        return self.has_scale and not self._has_default_scale
+
+    @property
+    def _has_default_scale(self) -> bool:
+        return abs(self.modulus / _DEFAULT_MODULUS_MPA - 1.0) < 1e-3
 
     @property
     def modulus_text(self) -> str:
