@@ -102,7 +102,8 @@ def main() -> None:
     if not names:
         judged = [counts[name] for name in known if name not in CHOSEN_ON]
         percent = 100.0 * sum(judged) / (MATERIALS * len(judged))
-        text = f"The method was chosen on {', '.join(CHOSEN_ON)}; of the heights of the others {percent:.0f} % are in it."
+        chosen_on = ", ".join(CHOSEN_ON)
+        text = f"The method was chosen on {chosen_on}; of the heights of the others {percent:.0f} % are in it."
         write_report("spread", f"{markdown(HEADER, rows)}\n\n{text}")
 
 

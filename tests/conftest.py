@@ -31,7 +31,7 @@ for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 # cells are kept with the tests' other files, for all workers and runs
 os.environ.setdefault("ASTERISM_CELLS", str(ROOT / ".pytest_cache" / "cells"))
 # a machine that is busy with other things makes no example wrong
-hypothesis.settings.register_profile("untimed")
+hypothesis.settings.register_profile("untimed", deadline=None)
 hypothesis.settings.load_profile("untimed")
 # pictures are made without a display, also where a test draws on its own
 os.environ.setdefault("MPLBACKEND", "Agg")

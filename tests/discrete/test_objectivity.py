@@ -185,7 +185,13 @@ def test_reversed_rod(rod):
     """A rod from its tip to its centre. The arms are not joined, since a junction is at the start of its rods."""
     apart, ones = np.repeat(UNEVEN.centres, 3, axis=0), np.ones(3, dtype=np.int64)
     loose = replace(
-        UNEVEN, centres=apart, arm_star=np.arange(3), meeting_mm=0.0, star_branch=ones, star_number=np.arange(3)
+        UNEVEN,
+        centres=apart,
+        arm_star=np.arange(3),
+        meeting_mm=0.0,
+        star_branch=ones,
+        star_side=ones,
+        star_number=np.arange(3),
     )
     one = DiscreteModel(DESIGN, loose, MESH)
     rods = list(MESH.rods)

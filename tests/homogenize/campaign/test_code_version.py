@@ -20,7 +20,7 @@ ASIDE = (
         "design.section",
         "design.stars",
     ),
-    "design.material_files",
+    *("design.material_files", "design.spread"),
     # sizes that vary, outlines, pins and drawings: a cell has none
     *(
         "design.border",
