@@ -1,4 +1,4 @@
-"""The jobs of the studio: verification, fit, export, report and animated picture, each in a process of its own.
+"""The jobs of the studio, such as verification, fit and export, each in a process of its own.
 
 To cancel a job, the server ends its process. A function imports what its job needs: the solvers take most of a second.
 """
@@ -205,6 +205,27 @@ def run_animation(connection: Connection, job: int, out: str, exact: bytes) -> N
         return Written(job, {}, str(path.parent), (path.name,))
 
     _write(connection, job, "drawing the release", work)
+
+
+def run_spread(connection: Connection, job: int, out: str, exact: bytes) -> None:
+    """Compute the range of shapes of prints about an exact shape, pickled, and draw it as the PNG `out`."""
+
+    def work(say: Callable[[str], None]) -> Written:
+        from asterism.exact.spread import spread
+        from asterism.reports.spread_picture import draw_spread
+        from asterism.results.files import staged
+        from asterism.results.records.exact import ExactRecord
+
+        shape, path = pickle.loads(exact), Path(out)
+        known = set(shape.summary["warnings"])
+        summary = spread(shape, say=say).summary
+        assert isinstance(summary, ExactRecord)
+        with staged(path.parent) as folder:
+            draw_spread(summary.spread, summary["design"]["name"], folder / path.name)
+        warnings = tuple(line for line in summary["warnings"] if line not in known)
+        return Written(job, {"rows": summary.spread.rows_in_words()}, str(path.parent), (path.name,), warnings)
+
+    _write(connection, job, "range of prints", work)
 
 
 def _write(connection: Connection, job: int, stage: str, work: Callable[[Callable[[str], None]], Written]) -> None:

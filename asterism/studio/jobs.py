@@ -27,6 +27,7 @@ PROCESSES = {
     "export": "asterism.studio.job_processes:run_export",
     "report": "asterism.studio.job_processes:run_report",
     "animate": "asterism.studio.job_processes:run_animation",
+    "spread": "asterism.studio.job_processes:run_spread",
 }
 # arguments of `asterism.print.export.export` that a page may give
 _EXPORT_OPTIONS = {
@@ -51,7 +52,7 @@ class RunningJob:
 
     Attributes
     ----------
-    kind : `verify`, `fit`, `export`, `report` or `animate`.
+    kind : key of `PROCESSES`.
     document, revision : the state that it is about.
     target : when the job began.
     folders : that the job may make.
@@ -119,10 +120,11 @@ class JobRequests:
                 printer = self._studio.printer
                 out = str(folder / f"{stem}.pdf")
                 kind, arguments = "report", (table, str(folder), out, printer, exact)
-            case ask.Simple(type="animate"):
+            case ask.Simple(type="animate" | "spread" as kind):
                 if exact is None:
-                    raise RequestError("the exact shape is drawn: wait until it is there")
-                kind, arguments = "animate", (str(folder / f"{stem}-release.gif"), exact)
+                    raise RequestError("this is about the exact shape: wait until it is there")
+                file = f"{stem}-release.gif" if kind == "animate" else f"{stem}-spread.png"
+                arguments = str(folder / file), exact
             case _:
                 raise RequestError("the server does not do that")
         if self._running is not None:

@@ -178,6 +178,7 @@ class Simple(Request):
         "verify",
         "report",
         "animate",  # draw the release of the sheet to the exact shape that is shown
+        "spread",  # compute how much prints differ from the exact shape that is shown
         "cancel",  # break off the job
         "stop",  # break off what the engine computes; the shown shape stays
     ]

@@ -6,6 +6,7 @@ import { capital, fixed, mm, percent, seconds, size } from "../format.js";
 import { icon } from "../icons.js";
 import { fitPart } from "./fit.js";
 import { stripPart } from "./strip.js";
+import { spreadPart } from "./spread.js";
 import { targetPart } from "./target.js";
 
 export function shapePanel(studio, page) {
@@ -146,6 +147,7 @@ export function shapePanel(studio, page) {
     stripPart(studio, page),
     warnings,
     verified,
+    spreadPart(studio, page),
     targetPart(studio, page),
     fitPart(studio, page),
   ];

@@ -81,6 +81,7 @@ const JOBS = {
   export: "Writing files",
   report: "Writing the report",
   animate: "Drawing the release",
+  spread: "Computing the range of prints",
 };
 
 function jobText(jobs) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -140,6 +141,20 @@ def test_the_release_is_drawn_as_a_gif(shared: StudioPage, folder: Path) -> None
     shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('animated picture is written')")
     picture = Image.open(folder / f"{shared.get('studio.document.name')}-release.gif")
     assert picture.size == (1200, 900) and picture.n_frames == 24  # type: ignore[attr-defined]
+
+
+def test_how_much_prints_differ_is_computed_for_the_exact_shape(shared: StudioPage, folder: Path) -> None:
+    shared.open("gallery-star")
+    shared.item("tab-shape").click()
+    shared.wait("studio.badge.kind === 'exact'")
+    shared.item("spread-go").click()
+    shared.wait("document.querySelector('[data-testid=spread-found]')")
+    words = shared.item("spread-found").inner_text()
+    low, high = map(float, re.findall(r"([\d.]+) to ([\d.]+) in nine of ten prints", words)[0])
+    assert low < shared.get("studio.height") < high and "Range comes from" in words
+    assert Image.open(folder / f"{shared.get('studio.document.name')}-spread.png").size == (1500, 630)
+    shared.changed(lambda: shared.drag((0, 0), (3, 3)))
+    shared.wait("document.querySelector('[data-testid=spread]').textContent.includes('has changed since')")
 
 
 def test_the_report_is_written_and_offered(shared: StudioPage, folder: Path) -> None:
