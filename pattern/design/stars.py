@@ -19,6 +19,8 @@ MAX_SITE_NUMBER = 100_000
 Branch = Literal["up", "down", "free"]
 # face of the fabric on which the plastic is printed
 Side = Literal["above", "below"]
+# the sign of each in layouts; above by default
+FACES: dict[Side | None, int] = {None: 1, "above": 1, "below": -1}
 
 
 SiteNumber = Annotated[Whole, Field(ge=-MAX_SITE_NUMBER, le=MAX_SITE_NUMBER)]

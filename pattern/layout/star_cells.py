@@ -14,7 +14,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnCircle
 from asterism.pattern.design.sizing.profiles import sample
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
+from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
 
 # A star is meant by `at_mm` within this part of the spacing: too close to be mistaken for a neighbour.
 MAX_STAR_MISS_SPACINGS = 0.1
@@ -203,7 +203,7 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     values = {"thickness_mm": thickness, "width_mm": width}
     limits = {"thickness_mm": THICKNESS_RANGE_MM, "width_mm": WIDTH_RANGE_MM}
     branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
-    side = np.full(len(centres), -1 if stars.side == "below" else 1, dtype=np.int64)
+    side = np.full(len(centres), FACES[stars.side], dtype=np.int64)
     for change in changes:
         star, entry = change.star, change.entry
         for key in values:
@@ -213,7 +213,7 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
         if entry.branch is not None:
             branch[star] = _SIGN[entry.branch]
         if entry.side is not None:
-            side[star] = -1 if entry.side == "below" else 1
+            side[star] = FACES[entry.side]
         if entry.remove:
             length[star] = 0.0
 

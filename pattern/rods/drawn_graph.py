@@ -14,7 +14,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.rods.curves import check_holes, hole_rings, polyline, shown_place
 from asterism.pattern.rods.graph import Rod, RodGraph
@@ -214,8 +214,8 @@ def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: 
     widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn, rods)
     if (rounding := rods.rounding) is not None:
         thicknesses, widths = rounding.thickness(thicknesses), rounding.width(widths)
-    side = -1 if rods.side == "below" else 1
-    return Rod(points, start, end, thicknesses, widths, line.kappa_bar_per_mm, drawn.name, drawn.group, side)
+    kappa_bar, side = line.kappa_bar_per_mm, FACES[rods.side]
+    return Rod(points, start, end, thicknesses, widths, kappa_bar, drawn.name, drawn.group, side)
 
 
 def _sizes(

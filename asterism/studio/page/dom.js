@@ -123,6 +123,13 @@ export function section(title, ...extra) {
   return h("h2", { class: "section" }, h("span", {}, title), extra);
 }
 
+/** A list of warnings; null if there are none. */
+export function warningList(texts) {
+  if (!texts.length) return null;
+  const item = (text) => h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, text));
+  return h("ul", { class: "list" }, texts.map(item));
+}
+
 export function hint(text) {
   return h("p", { class: "hint" }, text);
 }

@@ -1,7 +1,7 @@
 // Panel of the shape: its state and numbers, warnings, other forms and designs, verification, target, fit.
 
 import { MEANINGS } from "../badge.js";
-import { button, h, hint, refresh, replace, section } from "../dom.js";
+import { button, h, hint, refresh, replace, section, warningList } from "../dom.js";
 import { capital, fixed, mm, percent, seconds, size } from "../format.js";
 import { icon } from "../icons.js";
 import { fitPart } from "./fit.js";
@@ -124,15 +124,7 @@ export function shapePanel(studio, page) {
           : null,
         button({ icon: "verify", text: "Verify again", onclick: actions.verify }),
       ),
-      others.length
-        ? h(
-            "ul",
-            { class: "list" },
-            others.map((text) =>
-              h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, capital(text))),
-            ),
-          )
-        : null,
+      warningList(others.map(capital)),
     ];
   }
 

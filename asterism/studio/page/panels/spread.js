@@ -1,6 +1,6 @@
 // Part of the shape's panel: how much prints of the design differ from its exact shape.
 
-import { button, h, hint, refresh, section } from "../dom.js";
+import { button, h, hint, refresh, section, warningList } from "../dom.js";
 import { capital } from "../format.js";
 import { icon } from "../icons.js";
 
@@ -49,15 +49,7 @@ export function spreadPart({ store, connection }, { on }) {
           ),
         start,
       ),
-      result.warnings.length
-        ? h(
-            "ul",
-            { class: "list" },
-            result.warnings.map((text) =>
-              h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, capital(text))),
-            ),
-          )
-        : null,
+      warningList(result.warnings.map(capital)),
     ];
   }
 
