@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from asterism.homogenize.law.law_file import load_law
     from asterism.homogenize.law.material import load_material
     from asterism.laws.calibrate import calibrate
-    from asterism.laws.show_law import show_law as show_law
+    from asterism.laws.law_text import show_law as show_law
     from asterism.measure.compare.compare import compare, write_comparison
     from asterism.measure.strips.fit_strips import fit_strips, write_material
     from asterism.measure.strips.new_strips import new_strips
@@ -90,7 +90,7 @@ _HOMES = {
     "save_design": ("asterism.pattern.design.design", "save_design"),
     "sensitivity": ("asterism.fitting.sensitivity", "sensitivity"),
     "show": ("asterism.notebook.show", "show"),
-    "show_law": ("asterism.laws.show_law", "show_law"),
+    "show_law": ("asterism.laws.law_text", "show_law"),
     "simulate": ("asterism.verification.both_starts", "simulate"),
     "solve_for": ("asterism.fitting.solve_for", "solve_for"),
     "solve_for_point": ("asterism.fitting.solve_needle", "solve_for_point"),

@@ -31,7 +31,7 @@ def show(
     output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
     """Print a law and its errors as tables, and draw it in law.png."""
-    from asterism.laws.show_law import law_doubts, show_law
+    from asterism.laws.law_text import law_doubts, show_law
 
     lines = show_law(path, output)
     run.table({}, doubts=law_doubts(path))

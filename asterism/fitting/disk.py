@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.fitting.errors import TargetError, place_text
-from asterism.pattern.geometry.clusters import clusters
 from asterism.pattern.geometry.normals import triangle_normals
+from asterism.pattern.geometry.planar import clusters
 
 # vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself
 WELD_SHARE = 1e-6

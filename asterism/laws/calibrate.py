@@ -68,12 +68,7 @@ def calibrate(
 
 
 def _origin(command: str, start: float, records: Sequence[SampleRecord]) -> dict[str, Any]:
-    """What made a law, for its file.
-
-    Parameters
-    ----------
-    start : time of `time.perf_counter` when the campaign began.
-    """
+    """What made a law, for its file."""
     return {
         "command": command,
         "code": code_version(),

@@ -29,13 +29,8 @@ def law_output_path(file: Path | None, output: Path | None, other: Path | None =
     """
     if output is not None or file is None:
         return output or Path("paper.npz")
-    return design_law_path(file, other) if is_design(file) else file.with_suffix(".npz")
-
-
-def design_law_path(design: Path, other: Path | None = None) -> Path:
-    """Path for the law of a design's own stars. With another material the path has its name too."""
     of = "" if other is None else f"-{other.stem}"
-    return design.with_name(f"{design.stem}-law{of}.npz")
+    return file.with_name(f"{file.stem}-law{of}.npz") if is_design(file) else file.with_suffix(".npz")
 
 
 def is_design(file: Path | None) -> bool:

@@ -18,7 +18,7 @@ from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import Size, stretch_text
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
-from asterism.laws.directional_values import stretch_axes, values_along
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 
 STAR_CHARTS = {
     "lam": "length over printed length, flat",
@@ -41,6 +41,8 @@ CURVES = 6
 SAME_SIZE = 1e-6
 INCHES_A_CHART, INCHES_A_ROW = 4.2, 3.7
 INCHES_ABOVE = 1.2
+# of two squares of principal stretches that count as one
+EVEN_SQUARES = 1e-4
 
 
 def draw_law(law: StarLaw | MotifLaw, path_or_file: str | Path | IO[bytes]) -> None:
@@ -95,8 +97,8 @@ def _charts(law: StarLaw | MotifLaw, title: str, rows: int, columns: int, note: 
 
 
 def _star_curves(axes: Axes, table: StarTable, name: str) -> None:
-    lengths, thicknesses = table.axis_nodes[:2]
-    middle = tuple(len(nodes) // 2 for nodes in table.axis_nodes[2:])
+    lengths, thicknesses = table.plan.axis_nodes[:2]
+    middle = tuple(len(nodes) // 2 for nodes in table.plan.axis_nodes[2:])
     column = QUANTITY_NAMES.index(name)
     many = np.linspace(lengths[0], lengths[-1], 300)
     for j, thickness in enumerate(thicknesses):
@@ -121,7 +123,7 @@ def _star_curves(axes: Axes, table: StarTable, name: str) -> None:
 
 def _middle_sizes(table: StarTable) -> tuple[float, ...]:
     """The middle node of each axis after the first two, which the charts vary."""
-    return tuple(float(nodes[len(nodes) // 2]) for nodes in table.axis_nodes[2:])
+    return tuple(float(nodes[len(nodes) // 2]) for nodes in table.plan.axis_nodes[2:])
 
 
 def _star_errors(axes: Axes, table: StarTable, held_out: dict[str, Any]) -> None:
@@ -233,3 +235,48 @@ def _some(nodes: tuple[float, ...]) -> tuple[float, ...]:
 
 def _colour(number: int, count: int) -> Colour:
     return colormaps["viridis"](0.9 * number / max(count - 1, 1))
+
+
+def values_along(tensors: SheetTensors, axes: Floats) -> dict[str, Floats]:
+    """Values (n, m) of n sheets along unit vectors (n, m, 2), or (m, 2) for all sheets.
+
+    - `stretch`: length of the flat sheet over its printed length;
+    - `membrane`, `bending`: N/mm and N mm, stiffness against a strain or curvature along the direction alone;
+    - `rolled`: 1/mm, curvature of a sheet that rolls into a tube along the direction; positive where edges bend down.
+
+    A tube of the curvature k along the direction with Voigt form f has the bending energy (k f - K) D (k f - K) / 2,
+    which is least at k = f D K / f D f.
+
+    >>> isotropic = np.diag([2.0, 2.0, 1.0, 3.0, 3.0, 1.5])[None]
+    >>> sheet = SheetTensors(np.array([[0.81, 1.0, 0.0]]), isotropic, np.array([[-0.02, -0.01, 0.0]]))
+    >>> values = values_along(sheet, np.eye(2))
+    >>> values["stretch"].round(3).tolist(), values["bending"].tolist(), values["rolled"].tolist()
+    ([[0.9, 1.0]], [[3.0, 3.0]], [[0.02, 0.01]])
+    """
+    x, y = np.moveaxis(axes, -1, 0)
+    forms = np.stack([x * x, y * y, 2.0 * x * y], -1)
+    forms = np.broadcast_to(forms, (len(tensors.metric), *forms.shape[-2:]))
+    membrane, bending = tensors.stiffness[:, :3, :3], tensors.stiffness[:, 3:, 3:]
+
+    def twice(stiffness: Floats) -> Floats:
+        return np.einsum("nma,nab,nmb->nm", forms, stiffness, forms)
+
+    def along(components: Floats) -> Floats:
+        return np.einsum("nma,na->nm", forms, components)
+
+    moments = np.einsum("nab,nb->na", bending, tensors.curvature * TO_VOIGT)
+    return {
+        "stretch": np.sqrt(along(tensors.metric)),
+        "membrane": twice(membrane),
+        "bending": twice(bending),
+        "rolled": -along(moments) / twice(bending),
+    }
+
+
+def stretch_axes(metric: Floats) -> Floats:
+    """(n, 2, 2) unit vectors along the smaller stretch of metrics (n, 3), and across it; x and y if both are equal."""
+    xx, yy, xy = metric.T
+    squares, columns = np.linalg.eigh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))
+    axes = np.swapaxes(columns, -1, -2)
+    axes[np.ptp(squares, axis=-1) < EVEN_SQUARES] = np.eye(2)
+    return axes

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,11 +12,12 @@ import numpy as np
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, differs_by_direction
 from asterism.homogenize.law.anisotropy import predicted_curvatures
 from asterism.homogenize.law.law import Law, LawTable
-from asterism.homogenize.law.law_file import law_digest
+from asterism.homogenize.law.law_file import PAPER_LAW, law_digest, load_law
 from asterism.homogenize.law.plan import stretch_text
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.process.progress_line import without_numbers
+from asterism.results.files import check_writable, staged_result
 from asterism.results.records.law import LawRecord
 from asterism.results.words import table_lines
 
@@ -26,14 +29,7 @@ LABEL_COLUMN = 11
 
 
 def law_record(law: Law[Any]) -> LawRecord:
-    """The summary of a law.
-
-    Examples
-    --------
-    >>> from asterism.homogenize.law.law_file import load_law
-    >>> law_record(load_law()).table()["stretches"]
-    '1.35, 1.75'
-    """
+    """The summary of a law."""
     plan = law.plan.to_dict()
     return LawRecord.from_json(
         {
@@ -121,3 +117,36 @@ def _problems(law: Law[Any]) -> list[str]:
     reasons = Counter(without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
     lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
     return ["", "  cells without a law", *lines] if lines else []
+
+
+def show_law(path: Path | None, output: Path | None) -> list[str]:
+    """Write law.png and summary.json; the lines to print.
+
+    Parameters
+    ----------
+    path : of the law; None for the paper's.
+    output : the folder; by default beside the law.
+
+    Raises
+    ------
+    LawError
+        The file is not a law, or has another format.
+    """
+    from asterism.laws.law_picture import draw_law  # imports matplotlib, which takes long
+
+    law = load_law(path or PAPER_LAW)
+    # the folder of a design's results has the design's name
+    own = "paper-law" if path is None else path.stem if path.stem.endswith("law") else f"{path.stem}-law"
+    directory = output or (path or Path("paper.npz")).with_name(own)
+    check_writable(directory)
+    with staged_result(directory) as folder:
+        draw_law(law, folder / "law.png")
+        text = json.dumps(law_record(law).to_json(), indent=1, allow_nan=False) + "\n"
+        (folder / "summary.json").write_text(text, encoding="utf-8")
+    return [*law_lines(law), f"{directory}: law.png, summary.json"]
+
+
+def law_doubts(path: str | Path | None = None) -> list[str]:
+    """The reasons for which a law is not reliable: it misses its held-out cells."""
+    law = load_law(path or PAPER_LAW)
+    return [line for line in (held_out_warning(law),) if line]

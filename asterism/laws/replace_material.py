@@ -15,42 +15,18 @@ from asterism.pattern.layout.free_motions import check_weight_is_supported
 
 
 def material_in_words(path: Path) -> str:
-    """One line on a material file: the plastic, the fabric, where the values come from and when they were measured.
-
-    Raises
-    ------
-    DesignError
-        The file is not a material.
-
-    Examples
-    --------
-    >>> from asterism.pattern.design.material_files import material_files
-    >>> material_in_words(material_files()["paper"]).split("; ")[0]
-    'E1/E2 3200 (paper), kappa_bar 0 /mm'
-    """
+    """One line on a material file: the plastic, the fabric, where the values come from and when they were measured."""
     material = load_material(path, plan_is_used=False)
-    return "; ".join([_plastic(material), _fabric(material), _measured(material)])
-
-
-def _plastic(material: Material) -> str:
-    plastic = material.plastic
+    plastic, fabric, measured = material.plastic, material.fabric, material.measured
     kept = plastic.kappa_bar_per_mm
     bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:.4g} /mm"
-    return f"E1/E2 {plastic.modulus_ratio:.4g} ({plastic.rest_curvature}), kappa_bar {bar}"
-
-
-def _fabric(material: Material) -> str:
-    fabric = material.fabric
     at = f", at stretch {fabric.stretch_xy[0]:g}" if "stretch" in fabric.model_fields_set else ""
     modulus = f", E {fabric.modulus_text}" if fabric.has_scale else ""
-    return f"fabric {fabric.thickness_mm:g} mm{at}{modulus}"
-
-
-def _measured(material: Material) -> str:
-    if material.measured is None:
-        return "source not given"
-    date = "" if material.measured.date is None else f", {material.measured.date}"
-    return f"{material.measured.source}{date}"
+    source = ", ".join(filter(None, (measured.source, measured.date))) if measured else "source not given"
+    return (
+        f"E1/E2 {plastic.modulus_ratio:.4g} ({plastic.rest_curvature}), kappa_bar {bar}; "
+        f"fabric {fabric.thickness_mm:g} mm{at}{modulus}; {source}"
+    )
 
 
 Note = Callable[[str], None]

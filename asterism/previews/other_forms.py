@@ -14,7 +14,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.evidence import Trial
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
-from asterism.pattern.layout.symmetries import distances_of_images, symmetric_distances
+from asterism.pattern.layout.symmetries import distances_of_images
 from asterism.previews.state import PreviewState
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
@@ -66,8 +66,6 @@ def _distance(state: PreviewState, first: Floats, second: Floats, free: FreeMoti
     """mm, rms distance of two minima (N, 3) by their dofs, after the nearest symmetry and free motion."""
     points, space = state.layout.sample_points, state.sheet.space
     at = space.locate(points).value
-    if state.layout.has_stars:
-        return float(symmetric_distances(at @ first, at @ second, state.symmetries, free).min())
 
     def second_at(places: Floats) -> Floats:
         return np.asarray(space.locate(places).value @ second)

@@ -16,7 +16,7 @@ from asterism.pattern.design.materials import Plastic
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import free_motions
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
-from asterism.pattern.layout.symmetries import distances_of_images, symmetric_distances, symmetries
+from asterism.pattern.layout.symmetries import distances_of_images, symmetries
 from asterism.print.bed_placement import frame_warning
 from asterism.print.formats.registry import demanded_formats, formats_left_out
 from asterism.print.job import Job, prepare
@@ -242,14 +242,10 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     supports = plan.support_samples
     off_sheet = off_sheet_mm(plan, min(len(drawn.printed), len(printed.printed)))
     free = free_motions(supports, drawn.at(supports.printed, off_sheet), design.gravity.pull)
-    same = symmetries(design, plan)
-    if plan.drawn is None:
-        before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
-        distance = float(symmetric_distances(before, after, same, free).min()) if len(before) > 2 else 0.0
-    else:
-        at = plan.points_on_rods
+    at, distance = plan.compared_points, 0.0
+    if len(at) > 2:
         before, after_at = drawn.at(at, off_sheet), partial(printed.at, off_sheet_mm=off_sheet)
-        distance = float(distances_of_images(at, before, after_at, same, free).min())
+        distance = float(distances_of_images(at, before, after_at, symmetries(design, plan), free).min())
     change = ShapeChangeRecord(
         model=model,
         height_mm=[drawn.height_mm, printed.height_mm],

@@ -18,16 +18,12 @@ class Elements:
     inputs : (E, m) indices into the packed configuration (positions, then directors) that an element reads.
     dofs : (E, n) indices of the dofs (positions, then twists) by which the energy is differentiated.
     params : (E, p) parameters of each element.
-
-    Attributes
-    ----------
-    formulas : energy (q, p), gradient (q, p, g) and Hessian (q, p, blend, h) of one element; the last two write to
-        their last argument.
-    sweep : compiled loop over the elements, from `discrete.energies.kernel.sweep`.
     """
 
+    # energy (q, p), gradient (q, p, g) and Hessian (q, p, blend, h) of one element; the last two write to their last
+    # argument.
     formulas: tuple[Callable[..., Any], Callable[..., Any], Callable[..., Any]]
-    sweep: Callable[..., None]
+    sweep: Callable[..., None]  # compiled loop over the elements, from `discrete.energies.kernel.sweep`
 
     def __init__(self, inputs: Array, dofs: Array, params: Array) -> None:
         self.inputs = np.ascontiguousarray(inputs, dtype=np.int32)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Protocol
 
 import numpy as np
 
@@ -54,13 +53,7 @@ class ContactModel(DiscreteModel):
         self._free_index[self.free] = np.arange(len(self.free))
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A factorisation that is analysed anew when the pattern changes.
-
-        Raises
-        ------
-        BackendError
-            The backend is multigrid, which needs a constant pattern.
-        """
+        """A factorisation that is analysed anew when the pattern changes."""
         return ReanalysingFactor(self, backend)
 
     def energies(self, state: State) -> dict[str, float]:
@@ -89,9 +82,9 @@ class ContactModel(DiscreteModel):
     def _extend_pattern(self, state: State, keys: Array) -> None:
         """Add these entries to the pattern, and those of pairs nearby, since a new pattern costs a new analysis."""
         nearby, _ = self._keys(*self.contact.hessian_pattern_nearby(state.positions))
-        needed = sorted_union(keys, nearby)
+        needed = np.union1d(keys, nearby)
         if len(self._contact_keys) < MAX_STALE_ENTRIES_RATIO * len(needed):
-            needed = sorted_union(needed, self._contact_keys)
+            needed = np.union1d(needed, self._contact_keys)
         self._contact_keys = needed
         self.pattern = ExtendedPattern(self._base_pattern, self._contact_keys)
 
@@ -177,7 +170,7 @@ class ExtendedPattern(SparsePattern):
         self.free, self.size = base.free, base.size
         column = np.repeat(np.arange(base.size, dtype=np.int64), np.diff(base.indptr))
         fixed = column * base.size + base.indices
-        self._keys = sorted_union(fixed, extra)
+        self._keys = np.union1d(fixed, extra)
         self._places = np.searchsorted(self._keys, fixed)
         self.indices = (self._keys % self.size).astype(np.int32)
         self.indptr = np.searchsorted(self._keys, np.arange(self.size + 1) * self.size).astype(np.int32)
@@ -199,44 +192,15 @@ class ExtendedPattern(SparsePattern):
         data[np.searchsorted(self._keys, keys)] += values
 
 
-def sorted_union(first: Ints, second: Ints) -> Ints:
-    """Numbers (K,) in either of two arrays, sorted and unique; faster than `np.union1d`, which hashes.
-
-    >>> sorted_union(np.array([5, 1]), np.array([1, 3])).tolist()
-    [1, 3, 5]
-    """
-    both = np.sort(np.concatenate([first, second]), kind="stable")
-    return np.asarray(both[np.diff(both, prepend=both[:1] - 1) > 0])
-
-
 def _entry_keys(rows: Ints, columns: Ints, size: int) -> Ints:
     """One number (K,) for each matrix entry, in column-major order (CSC)."""
     return columns.astype(np.int64) * size + rows
 
 
-class HasPattern(Protocol):
-    """A problem that replaces its `pattern` by another object whenever the entries change."""
-
-    @property
-    def pattern(self) -> SparsePattern:
-        """Sparsity pattern of the present Hessian."""
-
-
 class ReanalysingFactor:
-    """A `Factor` that analyses the problem's sparsity pattern again after each change, and only then.
+    """A `Factor` that analyses the model's sparsity pattern again when another object takes its place."""
 
-    Parameters
-    ----------
-    problem : its `pattern` is that of the next matrix.
-    backend : a factorisation, see `equilibrium.linear.backends`.
-
-    Raises
-    ------
-    BackendError
-        The backend is multigrid: its coarse level cannot follow a changing pattern.
-    """
-
-    def __init__(self, problem: HasPattern, backend: str = "auto") -> None:
+    def __init__(self, problem: ContactModel, backend: str) -> None:
         if backend == "amg":
             raise BackendError("backend: 'amg' does not work with contact; use auto, pardiso, cholmod or superlu")
         self._problem, self._backend = problem, backend

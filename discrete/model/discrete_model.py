@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, cast
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.elements import Elements
@@ -35,6 +36,7 @@ from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, residual_curvature, rest_curvature, rest_twist
+from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
@@ -42,22 +44,17 @@ from asterism.pattern.rods.graph import RodGraph
 
 # parts that have a rest shape in the plane
 MEMBRANES = {"membrane", "membrane_sides"}
+BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
 
 
 @dataclass(frozen=True)
 class Constraints:
-    """Held components of vertices and their prescribed motion.
+    """Held components of vertices and their prescribed motion."""
 
-    Attributes
-    ----------
-    held : (V, 3) bool.
-    printed : (V, 3) mm, positions before the release; for pins that act after it, positions at which they take hold.
-    target : (V, 3) mm, positions of the held components at the end.
-    """
-
-    held: Array
+    held: Array  # (V, 3) bool
+    # (V, 3) mm, positions before the release; for pins that act after it, positions at which they take hold.
     printed: Array
-    target: Array
+    target: Array  # (V, 3) mm, positions of the held components at the end
 
     def positions_at(self, progress: float) -> Array:
         """(V, 3) mm, positions of held components at a progress from 0 (printed) to 1 (target), on a straight line."""
@@ -101,22 +98,6 @@ class DiscreteModel(System):
         rod_twist, and rod_joints if there are joints.
     release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
     pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
-
-    Examples
-    --------
-    One star, as printed and not yet released: the fabric holds all the energy.
-
-    >>> from asterism.pattern import gallery
-    >>> from asterism.pattern.layout.build import layout
-    >>> from asterism.pattern.mesh.meshing import mesh_layout
-    >>> design = gallery.load("star")
-    >>> plan = layout(design)
-    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
-    >>> sorted(model.parts)
-    ['folds', 'membrane', 'membrane_sides', 'plate', 'rod_bending', 'rod_stretch', 'rod_twist']
-    >>> energies = model.energies(model.printed_state())
-    >>> energies["membrane"] > 10 * energies["rod_bending"] > 0 and abs(energies["rod_stretch"]) < 1e-12
-    True
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, bending_mesh: BendingMesh | None = None) -> None:
@@ -268,7 +249,7 @@ class DiscreteModel(System):
 
         Triangles and rod edges rotate along it, which straight steps would stretch to second order.
         """
-        return self.reconstruction.path(state, *self.displacements_and_twists(direction), self.spins(direction))
+        return self.reconstruction.path(state, *self.motions(direction))
 
 
 def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
@@ -296,10 +277,9 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
 def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:
     """The rods of a graph on a mesh, and their joints."""
     starts = np.array([rod.start for rod in graph.rods], dtype=np.int64)
-    links = [((first.rod, first.end), (second.rod, second.end)) for first, second in graph.links]
-    bonded = [[(each.rod, each.end) for each in graph.ends_at[node]] for node in graph.joints]
-    network = rod_network(mesh.rods, np.where(np.isin(starts, graph.paired), starts, -1), mesh.points, links)
-    return network, joint_network(mesh.rods, bonded)
+    junction = np.where(np.isin(starts, graph.paired), starts, -1)
+    network = rod_network(mesh.rods, junction, mesh.points, graph.links)
+    return network, joint_network(mesh.rods, [graph.ends_at[node] for node in graph.joints])
 
 
 def _at_midpoints(network: RodNetwork, graph: RodGraph, name: Literal["thickness", "width"]) -> Array:
@@ -310,3 +290,43 @@ def _at_midpoints(network: RodNetwork, graph: RodGraph, name: Literal["thickness
         for rod, begin, end in zip(graph.rods, first, first[1:], strict=False)
     ]
     return np.concatenate([np.empty(0), *pieces])
+
+
+def bump_heights(model: DiscreteModel, state: State) -> Array:
+    """(S,) mm, height of each star's centre above the mean of its tips, to its plastic's side; 0 without arms."""
+    mesh, stars = model.mesh, model.layout.arm_star
+    n_stars = len(model.layout.centres)
+    tips = np.zeros((n_stars, 3))
+    np.add.at(tips, stars, state.positions[[rod[-1] for rod in mesh.rods[: len(stars)]]])
+    arms = np.bincount(stars, minlength=n_stars)[:, None]
+    centre = state.positions[mesh.star_vertices]
+    above_tips = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
+    return np.asarray(model.layout.star_side * (above_tips * star_normals(model, state)).sum(axis=1))
+
+
+def star_normals(model: DiscreteModel, state: State) -> Array:
+    """(S, 3) unit vectors along the mean normal of each star's arms, up in print; zero without arms."""
+    normal = np.zeros((len(model.layout.centres), 3))
+    arms = model.network.rod < len(model.layout.arm_star)  # all rods, but those of a drawing
+    np.add.at(normal, model.layout.arm_star[model.network.rod[arms]], state.directors[arms])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    return normal / np.where(length > 0.0, length, 1.0)
+
+
+def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
+    """The state with a Gaussian bump added at every star.
+
+    Parameters
+    ----------
+    heights : (S,) mm, to the side of each star's plastic; a star of height 0 does not change. Held components do not
+        move.
+    """
+    bumped = np.flatnonzero(heights)
+    if len(bumped) == 0:
+        return state
+    up = (model.layout.star_side * heights)[bumped]
+    distance, nearest = cKDTree(model.layout.centres[bumped]).query(model.mesh.points)
+    lift = up[nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
+    positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
+    positions = np.where(model.constraints.held, state.positions, positions)
+    return model.moved_to(state, positions)

@@ -11,17 +11,11 @@ from asterism.equilibrium.arrays import Array
 
 @dataclass(frozen=True)
 class State:
-    """Positions, directors and frames. The energy depends on these alone, so states can be saved and restarted.
+    """Positions, directors and frames. The energy depends on these alone, so states can be saved and restarted."""
 
-    Attributes
-    ----------
-    positions : (V, 3) mm.
-    directors : (R, 3) unit normal on the plastic side of every rod edge, orthogonal to the edge.
-    frames : (J, 3, 3) rotation of every joint; its rows are the images of the printed x, y and z axes.
-    """
-
-    positions: Array
-    directors: Array
+    positions: Array  # (V, 3) mm
+    directors: Array  # (R, 3) unit normal on the plastic side of every rod edge, orthogonal to the edge
+    # (J, 3, 3) rotation of every joint; its rows are the images of the printed x, y and z axes.
     frames: Array = field(default_factory=lambda: np.empty((0, 3, 3)))
 
     @property
@@ -49,22 +43,10 @@ def moved_state(state: State, edges: Array, positions: Array, turn: Array, spin:
 
     Parameters
     ----------
-    state : the state to move.
     edges : (R, 2) vertices of the rod edges.
     positions : (V, 3) mm.
     turn : (R,) rad, rotation of each director about its edge.
     spin : (J, 3) rad, rotation vector of each joint; by default they do not rotate.
-
-    Examples
-    --------
-    An edge along x is laid along z; its director follows, then rotates by 90 degrees:
-
-    >>> edges, flat = np.array([[0, 1]]), State(np.array([[0, 0, 0], [1, 0, 0.0]]), np.array([[0, 0, 1.0]]))
-    >>> upright = np.array([[0, 0, 0], [0, 0, 1.0]])
-    >>> moved_state(flat, edges, upright, np.array([0.0])).directors.round(6) + 0.0
-    array([[-1.,  0.,  0.]])
-    >>> moved_state(flat, edges, upright, np.array([np.pi / 2])).directors.round(6) + 0.0
-    array([[ 0., -1.,  0.]])
     """
     t1 = edge_tangents(positions, edges)
     d = parallel_transport(state.directors, edge_tangents(state.positions, edges), t1)

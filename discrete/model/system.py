@@ -11,8 +11,7 @@ from asterism.discrete.model.state import State, edge_tangents, moved_state
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_solver
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.linear.rigid_support import independent_dofs
-from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
 
 # 1: product of Hessian and rigid motion over the largest entry of the Hessian, by rounding alone
 HESSIAN_ROUNDING = 1e-13
@@ -37,20 +36,6 @@ class System:
     load_datum : (3,) mm, position at which the potential of the dead load is zero; the origin by default.
     free : indices of the dofs that move.
     pattern : sparsity pattern of the Hessian over the free dofs.
-
-    Examples
-    --------
-    A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
-
-    >>> from asterism.discrete.energies.rods.stretch import RodStretch
-    >>> from asterism.equilibrium.newton.minimise import minimise
-    >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]))
-    >>> edges, held = np.array([[0, 1]]), np.array([True, True, True, False, True, True, True])
-    >>> system = System({"spring": spring}, 2, edges, held, load=np.array([0, 0, 0, 1.0, 0, 0]))
-    >>> start = State(np.array([[0, 0, 0], [10, 0, 0.0]]), np.array([[0, 0, 1.0]]))
-    >>> result = minimise(system, start, system.factor("superlu"), tolerance=1e-9)
-    >>> round(float(result.state.positions[1, 0]), 6)
-    10.1
     """
 
     def __init__(
@@ -105,22 +90,16 @@ class System:
             for start in range(0, len(part), ELEMENTS_PER_BATCH)
         )
 
-    def displacements_and_twists(self, direction: Array) -> tuple[Array, Array]:
-        """Displacements (V, 3) and twists (R,) of a vector over the free dofs; zero at held dofs."""
+    def motions(self, direction: Array) -> tuple[Array, Array, Array]:
+        """Displacements (V, 3), twists (R,) and spins (J, 3) of a vector over the free dofs; zero at held dofs."""
         full = np.zeros(self.n_dofs)
         full[self.free] = direction
-        move, turn, _ = np.split(full, [3 * self.n_vertices, 3 * self.n_vertices + len(self.edges)])
-        return move.reshape(-1, 3), turn
-
-    def spins(self, direction: Array) -> Array:
-        """Rotation vectors (J, 3) of the joints in a vector over the free dofs; zero at held dofs."""
-        full = np.zeros(self.n_dofs)
-        full[self.free] = direction
-        return full[3 * self.n_vertices + len(self.edges) :].reshape(-1, 3)
+        move, turn, spin = np.split(full, [3 * self.n_vertices, 3 * self.n_vertices + len(self.edges)])
+        return move.reshape(-1, 3), turn, spin.reshape(-1, 3)
 
     def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states that leaves `state` in `direction` (free,), and the largest step along it. Here: straight."""
-        (move, turn), spin = self.displacements_and_twists(direction), self.spins(direction)
+        move, turn, spin = self.motions(direction)
         return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn, a * spin)), 1.0
 
     def rigid_modes(self, state: State) -> Array:
@@ -130,7 +109,7 @@ class System:
         support forces give it a stiffness, possibly a negative one, and it stays in the spectrum. The same holds for a
         motion that gets a stiffness from the weight, as a pendulum does.
         """
-        modes = rigid_modes(state, self.edges, self.held, self.free)
+        modes = np.linalg.qr(rigid_motions(state, self.edges, self.held, self.free))[0]
         if modes.shape[1] == 0 or not self.held.any():
             return modes
         data = self.hessian(state, 0.0)
@@ -205,8 +184,3 @@ def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array
         values, vectors = np.linalg.eigh(blocked @ blocked.T)
         modes = vectors[:, values < 1e-12 * blocked.shape[1]].T @ modes
     return modes[:, free].T
-
-
-def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
-    """(free, k) orthonormal basis of `rigid_motions`."""
-    return np.linalg.qr(rigid_motions(state, edges, held, free))[0]

@@ -15,16 +15,14 @@ from dataclasses import replace
 import numpy as np
 
 from asterism.discrete.model.contact_model import is_intersection_free
-from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.model.star_bumps import bump_heights
+from asterism.discrete.model.discrete_model import DiscreteModel, bump_heights
 from asterism.discrete.model.state import State
 from asterism.discrete.release.equilibrium import Equilibrium, PathStep
 from asterism.discrete.release.release_start import ReleaseStart, spacing_ratio, start_of_design
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
-from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
+from asterism.equilibrium.newton.certificate import Eigenpair, leave_saddle, smallest_eigenvalue
 from asterism.equilibrium.newton.minimise import Iteration, Minimum, minimise
-from asterism.equilibrium.newton.saddle import leave_saddle
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 Report = Callable[[str, Iteration], None]
@@ -92,28 +90,10 @@ def solve_on_mesh(
     report : called after every iteration with the name of the stage.
     coarse : a finer mesh follows. The result is only as accurate as it needs, and usually has no certificate.
 
-    Returns
-    -------
-    The equilibrium; `is_minimum` is its certificate.
-
     Raises
     ------
     ValueError
         A given state intersects itself, and the model has contact.
-
-    Examples
-    --------
-    A single star without rest curvature of its arms, as coarse as it can be meshed:
-
-    >>> from asterism.pattern import gallery
-    >>> from asterism.pattern.layout.build import layout
-    >>> from asterism.pattern.mesh.meshing import mesh_layout
-    >>> design = gallery.load("star")
-    >>> plan = layout(design)
-    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
-    >>> equilibrium = solve_on_mesh(model, ReleaseStart(releases=(0.3, 1.0)), backend="superlu")
-    >>> equilibrium.is_minimum, equilibrium.stars_up, [step.release for step in equilibrium.path]
-    (True, 1, [0.3, 1.0, 1.0])
     """
     continuation = _Continuation(backend, report, coarse)
     if isinstance(start, Equilibrium):
@@ -144,29 +124,25 @@ class _Continuation:
 
     def follow(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
         """Release the fabric from a start, then attach the later pins step by step, and certify the result."""
-        *earlier, last = model.layout.pin_steps
         model.set_release(1.0)
-        before: tuple[State, bool] | None = None
-        for step in earlier:
+        state: State | None = None
+        was_free = False
+        for step in model.layout.pin_steps:
             present = model_with_pins_until(model, step)
             with self._factor(present) as factor:
-                before = self._advance(present, start, before, step, factor), not present.held.any()
-        present = model_with_pins_until(model, last)
-        with self._factor(present) as factor:
-            return self._certify(present, self._advance(present, start, before, last, factor), factor)
+                if state is None:
+                    state = self._release_fabric(present, start, factor)
+                else:
+                    state = self._move_pins(present, _attach_pins(present, state, was_free), step, factor)
+                if step == model.layout.pin_steps[-1]:
+                    return self._certify(present, state, factor)
+            was_free = not present.held.any()
+        raise AssertionError("the release is a step")
 
     def minimise_from(self, model: DiscreteModel, state: State, blend: float) -> Equilibrium:
         """Minimise from a state at the present release of the model, and certify the result."""
         with self._factor(model) as factor:
             return self._certify(model, state, factor, blend)
-
-    def _advance(
-        self, model: DiscreteModel, start: ReleaseStart, before: tuple[State, bool] | None, step: int, factor: Factor
-    ) -> State:
-        """State at the end of a pin step; `before` is the end of the step before, and whether the sheet was free."""
-        if before is None:
-            return self._release_fabric(model, start, factor)
-        return self._move_pins(model, _attach_pins(model, *before), step, factor)
 
     def _release_fabric(self, model: DiscreteModel, start: ReleaseStart, factor: Factor) -> State:
         model.set_release(start.releases[0])
@@ -249,16 +225,15 @@ class _Continuation:
             return closing(model.factor(self.backend))
 
     def _lowest_mode(self, model: DiscreteModel, state: State, factor: Factor, stage: str) -> Eigenpair:
+        """Smallest eigenvalue of the exact Hessian and its mode, without the rigid motions."""
         with self.clock(stage):
-            pair = _smallest_eigenvalue(model, state, factor)
+            data = model.hessian(state, 0.0)
+            if isinstance(factor, IterativeFactor):
+                factor.set_near_nullspace(*model.near_nullspace(state))
+            modes, seed = model.rigid_modes(state), model.design.solver.seed
+            pair = smallest_eigenvalue(model.pattern, data, factor, modes, seed)
         self.factorisations += pair.factorisations
         return pair
-
-    def _small_decrease(self, model: DiscreteModel, state: State, stage: str) -> float:
-        """N mm, decrease of the energy by a Newton step that ends a step of the path or the search on a coarse mesh."""
-        fraction = PATH_DECREASE if stage == "release" else COARSE_DECREASE if self.coarse else 0.0
-        energies = model.energies(state)
-        return fraction * (sum(energies.values()) - energies.get("gravity", 0.0))
 
     def _minimise(
         self,
@@ -271,7 +246,9 @@ class _Continuation:
         blend: float = 0.0,
     ) -> Minimum:
         """Newton's method to a gradient norm of `tolerance` N, timed as `stage` and reported as `name`."""
-        report = self.report
+        report, energies = self.report, model.energies(state)
+        # of the elastic energy: such a decrease ends a step of the path, or the search on a coarse mesh
+        fraction = PATH_DECREASE if stage == "release" else COARSE_DECREASE if self.coarse else 0.0
         # without iterations, a minimisation returns its state, and the certificate says that it is no equilibrium
         left = max(MAX_RELEASE_ITERATIONS - self.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
@@ -285,7 +262,7 @@ class _Continuation:
                 report=stage_report,
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides
-                small_decrease=self._small_decrease(model, state, stage),
+                small_decrease=fraction * (sum(energies.values()) - energies.get("gravity", 0.0)),
             )
         self.iterations += result.iterations
         self.factorisations += result.factorisations
@@ -328,14 +305,6 @@ def _fitted_to_pins(model: DiscreteModel, state: State) -> State:
     weight = np.where(fitted, 1.0 / fitted.sum(), FREE_VERTEX_WEIGHT / model.n_vertices)
     rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
     return state.rotated(rotation, shift)
-
-
-def _smallest_eigenvalue(model: DiscreteModel, state: State, factor: Factor) -> Eigenpair:
-    """Smallest eigenvalue of the exact Hessian and its mode, without the rigid motions."""
-    data, seed = model.hessian(state, 0.0), model.design.solver.seed
-    if isinstance(factor, IterativeFactor):
-        factor.set_near_nullspace(*model.near_nullspace(state))
-    return smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(state), seed=seed)
 
 
 def _leave_saddle_of_model(model: DiscreteModel, state: State, pair: Eigenpair) -> State:

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.model.star_bumps import star_normals
+from asterism.discrete.model.discrete_model import DiscreteModel, star_normals
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array, Ints
 from asterism.pattern.geometry.normals import vertex_normals
@@ -19,61 +18,34 @@ MIN_SIDE_BUMP_MM = 1e-6  # mm, smallest height of a bump that counts as up or do
 
 @dataclass(frozen=True)
 class PathStep:
-    """One step of the continuation; a summary has an entry with these names for each step.
+    """One step of the continuation; a summary has an entry with these names for each step."""
 
-    Attributes
-    ----------
-    step : 0 during the release of the fabric; later the `step` of the pins that take hold.
-    release : released part of the stretch, 0 to 1.
-    moved : part of their way that the pins have moved, 0 to 1.
-    vertices : number of vertices of the mesh.
-    energy_n_mm : energy at the end of the step.
-    iterations : number of Newton iterations, those after kicks included.
-    kicks : number of times that the state had become unstable and was moved along its negative mode.
-    """
-
-    step: int
-    release: float
-    moved: float
-    vertices: int
-    energy_n_mm: float
-    iterations: int
-    kicks: int
+    step: int  # 0 during the release of the fabric; later the `step` of the pins that take hold
+    release: float  # released part of the stretch, 0 to 1
+    moved: float  # part of their way that the pins have moved, 0 to 1
+    vertices: int  # number of vertices of the mesh
+    energy_n_mm: float  # energy at the end of the step
+    iterations: int  # number of Newton iterations, those after kicks included
+    kicks: int  # number of times that the state had become unstable and was moved along its negative mode
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A state of the exact model with its certificate.
+    """A state of the exact model with its certificate."""
 
-    Attributes
-    ----------
-    state : positions and directors.
-    energies : N mm, by part.
-    gradient_norm : N, 2-norm of the gradient by the free dofs.
-    tolerance : N, limit of the gradient norm.
-    smallest_eigenvalue : N/mm, of the Hessian in (mm, rad) coordinates without rigid motions.
-    eigenvalue_error : N/mm, norm of its residual.
-    bumps : (S,) mm, heights of the stars; positive to the plastic side.
-    iterations, factorisations : their total numbers.
-    saddles_left : number of saddles left in the final minimisation; kicks before it are in `path`.
-    backend : name of the linear solver.
-    seconds : wall time by stage.
-    path : the steps that led here; the last one is the final minimisation.
-    """
-
-    state: State
-    energies: dict[str, float]
-    gradient_norm: float
-    tolerance: float
-    smallest_eigenvalue: float
-    eigenvalue_error: float
-    bumps: Array
-    iterations: int
-    factorisations: int
-    saddles_left: int
-    backend: str
-    seconds: dict[str, float] = field(default_factory=dict)
-    path: tuple[PathStep, ...] = ()
+    state: State  # positions and directors
+    energies: dict[str, float]  # N mm, by part
+    gradient_norm: float  # N, 2-norm of the gradient by the free dofs
+    tolerance: float  # N, limit of the gradient norm
+    smallest_eigenvalue: float  # N/mm, of the Hessian in (mm, rad) coordinates without rigid motions
+    eigenvalue_error: float  # N/mm, norm of its residual
+    bumps: Array  # (S,) mm, heights of the stars; positive to the plastic side
+    iterations: int  # total number
+    factorisations: int  # total number
+    saddles_left: int  # number of saddles left in the final minimisation; kicks before it are in `path`
+    backend: str  # name of the linear solver
+    seconds: dict[str, float] = field(default_factory=dict)  # wall time by stage
+    path: tuple[PathStep, ...] = ()  # the steps that led here; the last one is the final minimisation
 
     @property
     def energy(self) -> float:

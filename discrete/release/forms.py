@@ -16,7 +16,7 @@ from asterism.discrete.release.release_start import release_starts, start_of_des
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.free_motions import FreeMotions
-from asterism.pattern.layout.symmetries import Symmetry, distances_of_images, symmetric_distances, symmetries
+from asterism.pattern.layout.symmetries import Symmetry, distances_of_images, symmetries
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
 MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start
@@ -24,27 +24,13 @@ MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides 
 
 @dataclass(frozen=True)
 class ExactForm:
-    """One of the minima of a design, and the starts that led to it.
+    """One of the minima of a design, and the starts that led to it."""
 
-    Attributes
-    ----------
-    equilibrium : the minimum, on the mesh of `model`.
-    model : the model.
-    starts : names of the starts that ended in this form, in their order.
-    default : the default start is one of them.
-    levels : the effort on the finer meshes; empty before they are solved.
-    """
-
-    equilibrium: Equilibrium
-    model: DiscreteModel
-    starts: tuple[str, ...]
-    default: bool
-    levels: tuple[MeshLevel, ...] = ()
-
-    @property
-    def star_places(self) -> Array:
-        """(S, 3) mm, places of the star centres."""
-        return self.equilibrium.state.positions[self.model.mesh.star_vertices]
+    equilibrium: Equilibrium  # the minimum, on the mesh of `model`
+    model: DiscreteModel  # the model
+    starts: tuple[str, ...]  # names of the starts that ended in this form, in their order
+    default: bool  # the default start is one of them
+    levels: tuple[MeshLevel, ...] = ()  # the effort on the finer meshes; empty before they are solved
 
     def places(self, printed: Array) -> Array:
         """(n, 3) mm, places of printed points (n, 2), linear in each triangle."""
@@ -68,23 +54,15 @@ class ExactForm:
 
 @dataclass(frozen=True)
 class Minima:
-    """The forms that many starts have reached.
+    """The forms that many starts have reached."""
 
-    Attributes
-    ----------
-    fine : forms on the fine mesh: first those with all stars on the side of their branch, then by energy. The first
-        form is the result.
-    coarse : forms on the coarse mesh, in the same order.
-    refined : for each coarse form, whether it was solved on the fine mesh.
-    lost_starts : number of starts that ended in no minimum.
-    symmetries : symmetries of the design.
-    """
-
+    # forms on the fine mesh: first those with all stars on the side of their branch, then by energy. The first form is
+    # the result.
     fine: list[ExactForm]
-    coarse: list[ExactForm]
-    refined: list[bool]
-    lost_starts: int
-    symmetries: list[Symmetry]
+    coarse: list[ExactForm]  # forms on the coarse mesh, in the same order
+    refined: list[bool]  # for each coarse form, whether it was solved on the fine mesh
+    lost_starts: int  # number of starts that ended in no minimum
+    symmetries: list[Symmetry]  # symmetries of the design
 
     def distance_percent(self, first: ExactForm, second: ExactForm) -> float:
         """Rms distance of the places in % of the diameter, up to free motions and symmetries of the design."""
@@ -162,11 +140,8 @@ def distinct_forms(forms: list[ExactForm], design_symmetries: list[Symmetry]) ->
 def _form_distance(first: ExactForm, second: ExactForm, design_symmetries: list[Symmetry]) -> tuple[float, bool]:
     """Distance in % of the diameter, and whether it is to a symmetric image with the same stars up."""
     diameter = first.model.layout.diameter_mm
-    if first.model.layout.drawn is not None:
-        at = first.model.layout.points_on_rods
-        distances = distances_of_images(at, first.places(at), second.places, design_symmetries, first.free_motions)
-    else:
-        distances = symmetric_distances(first.star_places, second.star_places, design_symmetries, first.free_motions)
+    at = first.model.layout.compared_points
+    distances = distances_of_images(at, first.places(at), second.places, design_symmetries, first.free_motions)
     percent = 100.0 * distances / diameter
     first_sides, second_sides = first.equilibrium.sides, second.equilibrium.sides
     same_sides = np.array([np.array_equal(first_sides, second_sides[image.star]) for image in design_symmetries])

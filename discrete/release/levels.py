@@ -35,19 +35,14 @@ SAME_STATE_DISTANCE = 1e-4
 
 @dataclass(frozen=True)
 class MeshLevel:
-    """The shape on one mesh, and its effort.
+    """The shape on one mesh, and its effort."""
 
-    Attributes
-    ----------
-    vertices, iterations, factorisations : their numbers.
-    seconds : wall time by stage.
-    change_percent : rms distance to the shape on the level before, in % of the diameter; None for the first level.
-    """
-
+    # vertices, iterations, factorisations: their numbers.
     vertices: int
     iterations: int
     factorisations: int
-    seconds: dict[str, float]
+    seconds: dict[str, float]  # wall time by stage
+    # rms distance to the shape on the level before, in % of the diameter; None for the first level.
     change_percent: float | None = None
 
 
@@ -57,18 +52,12 @@ class SharedSearch:
 
     Two searches that reach one state on a mesh would repeat each other on all finer meshes. A second search with the
     same object therefore ends there, and its result is that of the first, if the first has found a minimum.
-
-    Attributes
-    ----------
-    ladder : the models.
-    ends : the equilibria of the first search; empty before its end.
-    levels : their efforts.
-    joined_at : number of vertices of the mesh on which the second search reached a state of the first; None before.
     """
 
-    ladder: Ladder
-    ends: list[Equilibrium] = field(default_factory=list)
-    levels: list[MeshLevel] = field(default_factory=list)
+    ladder: Ladder  # the models
+    ends: list[Equilibrium] = field(default_factory=list)  # the equilibria of the first search; empty before its end
+    levels: list[MeshLevel] = field(default_factory=list)  # their efforts
+    # number of vertices of the mesh on which the second search reached a state of the first; None before.
     joined_at: int | None = None
 
     def reaches(self, number: int, end: Equilibrium) -> bool:

@@ -25,19 +25,13 @@ MAX_CHANGE_PERCENT = 8.0
 
 @dataclass(frozen=True)
 class MeshErrorEstimate:
-    """What the meshes of a search say about the error of its last shape.
+    """What the meshes of a search say about the error of its last shape."""
 
-    Attributes
-    ----------
-    percent : estimated rms distance to the shape on an infinitely fine mesh, in % of the diameter; None if one mesh was
-        solved, or if the last two have different forms.
-    change_percent : rms distance to the shape on the mesh before; None if one mesh was solved.
-    forms_differ : the shapes on the last two meshes have different forms.
-    """
-
+    # estimated rms distance to the shape on an infinitely fine mesh, in % of the diameter; None if one mesh was solved,
+    # or if the last two have different forms.
     percent: float | None = None
-    change_percent: float | None = None
-    forms_differ: bool = False
+    change_percent: float | None = None  # rms distance to the shape on the mesh before; None if one mesh was solved
+    forms_differ: bool = False  # the shapes on the last two meshes have different forms
 
 
 def mesh_error(vertices: Sequence[int], changes: Sequence[float | None]) -> MeshErrorEstimate:
@@ -51,13 +45,6 @@ def mesh_error(vertices: Sequence[int], changes: Sequence[float | None]) -> Mesh
     ----------
     vertices : of all meshes, the finest last.
     changes : rms distance to the shape before, in % of the diameter; None for the first mesh.
-
-    Examples
-    --------
-    >>> round(mesh_error([500, 1000, 2000], [None, 2.0, 1.0]).percent, 2)
-    1.74
-    >>> mesh_error([500, 1000], [None, 12.0]).forms_differ
-    True
     """
     if len(vertices) < 2 or changes[-1] is None:
         return MeshErrorEstimate()

@@ -26,12 +26,7 @@ def prolong(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
 
 
 def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
-    """The state closest to points (V, 3) mm of a smooth surface, with held components in place and arms at full length.
-
-    Parameters
-    ----------
-    surface : (V, 3) mm, point of the surface for every vertex.
-    """
+    """The state closest to points (V, 3) mm of a surface, with held components in place and arms at full length."""
     held = model.constraints.held
     smooth = np.where(held, model.constraints.positions_at(model.pin_progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
@@ -62,29 +57,19 @@ def plastic_normals(model: DiscreteModel, positions: Array) -> Array:
 def interpolate_surface(printed: Array, triangles: Ints, positions: Array, points: Array, smooth: bool) -> Array:
     """Position of printed points on a sheet that is given at the vertices of its mesh.
 
+    It returns (n, 3) mm. Beyond the border the nearest vertex or triangle continues.
+
     Parameters
     ----------
-    printed : (V, 2) mm, printed coordinates of the vertices.
+    printed, positions : (V, 2) and (V, 3) mm, of the vertices.
     triangles : (T, 3) vertices.
-    positions : (V, 3) mm, positions of the vertices.
     points : (n, 2) mm, printed points.
     smooth : C1 cubics (Clough and Tocher) with gradients of least bending; otherwise linear on triangles.
-
-    Returns
-    -------
-    (n, 3) mm. Beyond the border the nearest vertex or triangle continues.
 
     Notes
     -----
     The interpolators of scipy triangulate the points anew and would interpolate across a notch. Sheets that are not
     convex use those of matplotlib, on the triangles of the sheet.
-
-    Examples
-    --------
-    >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
-    >>> tilted = np.column_stack([square, square[:, 0]])
-    >>> interpolate_surface(square, np.array([[0, 1, 2], [0, 2, 3]]), tilted, np.array([[0.5, 0.2]]), False).round(6)
-    array([[0.5, 0.2, 0.5]])
     """
     area = np.abs(triangle_areas(printed, triangles)).sum()
     if area > (1.0 - MAX_MISSING_HULL_FRACTION) * ConvexHull(printed).volume:
@@ -129,10 +114,6 @@ def extrapolate(model: DiscreteModel, before: State, state: State, share: float)
     Sheets with the paper's hinges change from mesh to mesh, mostly in the same direction. Every triangle and rod edge
     rotates on about the axis of its rotation between the two states, without stretch, as in a sheet that rolls up to a
     tube. Positions follow by least squares.
-
-    Parameters
-    ----------
-    share : rotation beyond `state` over the rotation from `before` to `state`.
     """
     rotation, shift = rigid_fit(before.positions, state.positions)
     old = before.rotated(rotation, shift)
@@ -147,14 +128,7 @@ def extrapolate(model: DiscreteModel, before: State, state: State, share: float)
 
 
 def rotation_vectors(before: Array, after: Array) -> Array:
-    """(E, 3) rad, vectors of the rotations in the polar decompositions of `after before^-1`, matrices (E, 3, 3).
-
-    Examples
-    --------
-    >>> quarter = np.array([[[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]])
-    >>> (rotation_vectors(np.eye(3)[None], quarter) / np.pi).round(6) + 0.0
-    array([[0. , 0. , 0.5]])
-    """
+    """(E, 3) rad, vectors of the rotations in the polar decompositions of `after before^-1`, matrices (E, 3, 3)."""
     u, _, vt = np.linalg.svd(after @ np.linalg.inv(before))
     q = u @ vt
     skew = np.stack([q[:, 2, 1] - q[:, 1, 2], q[:, 0, 2] - q[:, 2, 0], q[:, 1, 0] - q[:, 0, 1]], axis=1)

@@ -5,7 +5,6 @@ A new backend needs a file with its class (see `equilibrium.linear.factor.Factor
 
 from __future__ import annotations
 
-import functools
 import importlib.util
 import os
 from collections.abc import Callable
@@ -108,12 +107,8 @@ class SuperLUFactor:
 class Backend:
     """A sparse solver.
 
-    Attributes
-    ----------
-    name : as users write it.
-    package : Python package that it needs.
-    make : makes the solver for a sparsity pattern.
-    iterative : iterates with a preconditioner; `auto` never takes it for a factorisation.
+    It has the name that users write, and needs a Python package. `auto` never takes an iterative one for a
+    factorisation.
     """
 
     name: str
@@ -124,12 +119,7 @@ class Backend:
     @property
     def installed(self) -> bool:
         """The package can be imported."""
-        return _is_installed(self.package)
-
-
-@functools.cache
-def _is_installed(package: str) -> bool:
-    return importlib.util.find_spec(package) is not None
+        return importlib.util.find_spec(self.package) is not None
 
 
 def _make_multigrid(pattern: SparsePattern) -> Factor:
@@ -169,21 +159,6 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
     ------
     BackendError
         The backend is unknown or not installed.
-
-    Examples
-    --------
-    A chain of two springs between three unknowns, on a soft foundation:
-
-    >>> import numpy as np
-    >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
-    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
-    >>> data[pattern.diagonal] += 1.0
-    >>> factor = make_factor(pattern, "superlu")
-    >>> factor.factorise(data)
-    True
-    >>> factor.solve(np.array([1.0, 0.0, 0.0])).round(3).tolist()
-    [0.625, 0.25, 0.125]
     """
     check_backend(backend)
     if backend != "auto":
@@ -223,12 +198,6 @@ def physical_memory_mb() -> float:
 
 
 def check_backend(backend: str) -> None:
-    """Check the name of a backend.
-
-    Raises
-    ------
-    BackendError
-        The backend is unknown or not installed.
-    """
+    """Refuse a backend that is unknown or not installed."""
     if backend != "auto" and backend not in available():
         raise BackendError(f"backend: {backend!r} is not available; use auto or {' or '.join(available())}")

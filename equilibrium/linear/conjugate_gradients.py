@@ -48,13 +48,7 @@ class ConjugateGradients:
         self.step_length = 0.0
 
     def step(self) -> None:
-        """One iteration.
-
-        Raises
-        ------
-        NotPositiveDefiniteError
-            The curvature along the next direction is not positive.
-        """
+        """One iteration."""
         p = self._direction
         image = self._product(p)
         curvature = float(p @ image)

@@ -13,14 +13,9 @@ from asterism.equilibrium.arrays import Floats, Ints
 
 
 class Factor(Protocol):
-    """A factorisation of matrices that share one sparsity pattern.
+    """A factorisation of matrices that share one sparsity pattern."""
 
-    Attributes
-    ----------
-    name : name of the backend, as users write it.
-    """
-
-    name: str
+    name: str  # name of the backend, as users write it
 
     def factorise(self, data: Floats) -> bool:
         """Factorise the matrix with the lower-triangle entries `data` (nnz,); False if it is not positive definite."""

@@ -1,4 +1,4 @@
-"""The sparsity pattern of a sum of element matrices, computed once."""
+"""The sparsity pattern of a sum of element matrices, computed once, and isostatic supports of its unknowns."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
 
 ENTRIES_PER_BATCH = 1 << 22  # while a pattern is built; tens of MB
+SUPPORT_STIFFNESS_FACTOR = 1e3  # stiffness of a support over the largest diagonal entry
 
 
 class SparsePattern:
@@ -52,8 +53,11 @@ class SparsePattern:
         self.indices, self.indptr = structure.indices.astype(np.int32), structure.indptr.astype(np.int32)
         self.diagonal = self.indptr[:-1]
         # entries with a held dof share one slot at the end, dropped after summing
-        slots = [self._slots_at(low, high) for low, high in _pairs(element_dofs, reduced)]
-        self._slots = np.concatenate([*slots, np.empty(0, dtype=np.int32)])
+        slots = [np.empty(0, dtype=np.int32)]
+        for low, high in _pairs(element_dofs, reduced):
+            slots.append(np.empty(len(low), dtype=np.int32))
+            _search_slots(low, high, self.indptr, self.indices, slots[-1])
+        self._slots = np.concatenate(slots)
 
     @classmethod
     def from_lower(cls, low: sp.csc_matrix) -> SparsePattern:
@@ -63,12 +67,6 @@ class SparsePattern:
         pattern.indices, pattern.indptr = low.indices, low.indptr
         pattern.diagonal = pattern.indptr[:-1]
         return pattern
-
-    def _slots_at(self, low: Ints, high: Ints) -> Ints:
-        """Slots of the entries in columns `low` and rows `high`; the last slot where `low` is -1 (a held dof)."""
-        slots = np.empty(len(low), dtype=np.int32)
-        _search_slots(low, high, self.indptr, self.indices, slots)
-        return slots
 
     @property
     def nnz(self) -> int:
@@ -137,3 +135,28 @@ def _search_slots(low, high, indptr, indices, slots):  # type: ignore[no-untyped
 def _scatter(values, slots, data):  # type: ignore[no-untyped-def]
     for i in range(values.size):
         data[slots[i]] += values[i]
+
+
+def independent_dofs(motions: Floats) -> Ints:
+    """Rows (k,) of the motions (size, k) in which these differ most; holding these unknowns stops all k motions.
+
+    For the six rigid motions of a body this is a 3-2-1 support. Gram-Schmidt on the rows, the longest row first.
+
+    >>> independent_dofs(np.array([[1.0, 0.0], [1.0, 3.0], [1.0, -1.0]])).tolist()
+    [1, 2]
+    """
+    remainder = np.array(motions.T, order="C")  # short rows of a large array are slow
+    chosen = np.empty(len(remainder), dtype=np.int64)
+    for k in range(len(chosen)):
+        chosen[k] = np.argmax(np.einsum("km,km->m", remainder, remainder))
+        direction = remainder[:, chosen[k]] / np.linalg.norm(remainder[:, chosen[k]])
+        along = direction @ remainder
+        for row, part in zip(remainder, direction, strict=True):
+            row -= part * along
+    return chosen
+
+
+def stiffen(pattern: SparsePattern, data: Floats, support: Ints) -> None:
+    """Add the stiffness of a support at the unknowns `support` (k,) to the entries `data` (nnz,), in place."""
+    diagonal = pattern.diagonal
+    data[diagonal[support]] += SUPPORT_STIFFNESS_FACTOR * data[diagonal].max()

@@ -1,4 +1,4 @@
-"""The certificate of a minimum: the smallest eigenvalue of the Hessian without its rigid motions."""
+"""The certificate of a minimum, which is the smallest eigenvalue without rigid motions, and how to leave a saddle."""
 
 from __future__ import annotations
 
@@ -11,69 +11,40 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobp
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.newton.problem import AnyState, Problem
 
 MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
 LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues
 LANCZOS_VECTORS = 8  # of a positive definite matrix, whose smallest eigenvalue is wanted and not its mode
 LANCZOS_TOLERANCE = 1e-6  # of such a matrix: the eigenvalue has a relative error of about its square
 MODE_TOLERANCE = 1e-9  # of a matrix that is not positive definite, whose mode is wanted as well
+FIRST_SHIFT = 1e-9  # added to the diagonal
 SHIFT_GROWTH = 10.0  # after a shift for which the matrix is not positive definite
+MAX_HALVINGS = 12  # of the first step off a saddle
+EQUAL_DECREASE_FRACTION = 0.01  # of the decrease in energy; sides of a saddle that differ by less count as equal
 
 
 @dataclass(frozen=True)
 class Eigenpair:
-    """Smallest eigenvalue, with its error bound.
+    """Smallest eigenvalue, with its error bound."""
 
-    Attributes
-    ----------
-    value : Rayleigh quotient of `vector`.
-    vector : (size,) unit vector, orthogonal to the deflated modes.
-    error : norm of the residual; at least one eigenvalue lies in `value` +- `error`.
-    factorisations : their number.
-    """
-
-    value: float
-    vector: Floats
-    error: float
-    factorisations: int
+    value: float  # Rayleigh quotient of `vector`
+    vector: Floats  # (size,) unit vector, orthogonal to the deflated modes
+    error: float  # norm of the residual; at least one eigenvalue lies in `value` +- `error`
+    factorisations: int  # their number
 
 
 def smallest_eigenvalue(
-    pattern: SparsePattern, data: Floats, factor: Factor, modes: Floats, shift: float = 1e-9, seed: int = 0
+    pattern: SparsePattern, data: Floats, factor: Factor, modes: Floats, seed: int = 0
 ) -> Eigenpair:
-    """Smallest eigenvalue of a symmetric matrix H on the orthogonal complement of `modes`.
+    """Smallest eigenvalue of a symmetric matrix H on the orthogonal complement of orthonormal `modes` (size, k).
 
     Lanczos iteration with the inverse of `H + shift I`. The shift grows until this matrix is positive definite, so that
     no eigenvalue is missed below. If H does not exactly map the modes to zero, the value is that of the projected H.
-
-    Parameters
-    ----------
-    pattern, data : sparsity pattern and entries (nnz,) of H.
-    factor : solver for matrices with this pattern.
-    modes : (size, k) orthonormal modes to leave out.
-    shift : first shift.
-    seed : of the first Lanczos vector.
-
-    Raises
-    ------
-    FloatingPointError
-        The matrix is not finite.
-
-    Examples
-    --------
-    The softest mode of a free chain of two unit springs, without its translation:
-
-    >>> from asterism.equilibrium.linear.backends import make_factor
-    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
-    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
-    >>> translation = np.full((3, 1), 3.0**-0.5)
-    >>> pair = smallest_eigenvalue(pattern, data, make_factor(pattern, "superlu"), translation)
-    >>> round(pair.value, 6)
-    1.0
     """
     if not np.isfinite(data).all():
         raise FloatingPointError("the Hessian is not finite")
-    factorisations = 0
+    factorisations, shift = 0, FIRST_SHIFT
     while True:
         shifted = data.copy()
         shifted[pattern.diagonal] += shift
@@ -148,3 +119,32 @@ def _dense(pattern: SparsePattern, data: Floats, modes: Floats) -> Floats:
     keep = np.eye(pattern.size) - modes @ modes.T
     # deflated modes get an eigenvalue above all others
     return np.asarray(keep @ full @ keep + (1.0 + np.abs(full).max() * pattern.size) * (np.eye(pattern.size) - keep))
+
+
+def leave_saddle(problem: Problem, state: AnyState, mode: Floats, max_change: float) -> AnyState:
+    """State moved along a mode (size,) of negative curvature, to the lower side, as far as the energy decreases.
+
+    No free unknown changes by more than `max_change`.
+    At a symmetric saddle both sides are equal, and rounding errors would choose between them. A fixed pseudo-random
+    vector chooses instead.
+    """
+    reference = np.random.default_rng(0).standard_normal(len(mode))
+    vector = mode if reference @ mode >= 0.0 else -mode
+    energy = problem.energy(state)
+    (first, e1), (second, e2) = (_lowest_along(problem, state, energy, side, max_change) for side in (vector, -vector))
+    return second if e2 < e1 - EQUAL_DECREASE_FRACTION * abs(energy - e1) else first
+
+
+def _lowest_along(
+    problem: Problem, state: AnyState, energy: float, vector: Floats, max_change: float
+) -> tuple[AnyState, float]:
+    lowest_state, lowest = state, energy
+    path, longest = problem.path(state, vector)
+    step = min(longest, max_change / float(np.abs(vector).max()))
+    for _ in range(MAX_HALVINGS):
+        trial = path(step)
+        trial_energy = problem.energy(trial)
+        if trial_energy < lowest:
+            lowest_state, lowest = trial, trial_energy
+        step *= 0.5
+    return lowest_state, lowest

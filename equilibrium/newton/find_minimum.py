@@ -14,11 +14,10 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
-from asterism.equilibrium.linear.rigid_support import stiffen
-from asterism.equilibrium.newton.certificate import smallest_eigenvalue
+from asterism.equilibrium.linear.sparse_pattern import stiffen
+from asterism.equilibrium.newton.certificate import leave_saddle, smallest_eigenvalue
 from asterism.equilibrium.newton.minimise import Minimum, minimise
 from asterism.equilibrium.newton.problem import AnyState, Problem
-from asterism.equilibrium.newton.saddle import leave_saddle
 
 
 class HasRigidModes(Problem, Protocol):
@@ -29,6 +28,7 @@ class HasRigidModes(Problem, Protocol):
 
 
 Iterate = Callable[[AnyState], Minimum]
+MAX_SADDLES = 6  # that are left; then the result is a saddle point
 
 
 def find_minimum(
@@ -38,26 +38,16 @@ def find_minimum(
     tolerance: float,
     iterate: Iterate,
     max_change: float,
-    max_saddles: int = 6,
     max_iterations: int = 200,
 ) -> Minimum:
     """Follow an initial guess to a minimum and certify it.
 
     Parameters
     ----------
-    problem : the energy.
-    start : initial guess.
-    factor : solver for the Hessians.
-    tolerance : of the gradient's 2-norm.
+    problem, start, factor, tolerance : as of `minimise`.
     iterate : takes a state to a stationary point, or fails; after a failure `minimise` continues.
     max_change : largest change of an unknown when a saddle point is left.
-    max_saddles : number of saddle points to leave; after these the result is a saddle point (`is_minimum` is False).
     max_iterations : of `minimise`; 0 ends the search after a failure of `iterate`.
-
-    Raises
-    ------
-    FloatingPointError
-        The Hessian is not finite.
     """
     clock = Clock()
     point = Minimum(start, np.inf, np.inf, tolerance, seconds=clock.seconds)
@@ -88,7 +78,7 @@ def find_minimum(
         with clock("eigenvalue"):
             point.lowest = smallest_eigenvalue(problem.pattern, data, factor, modes)
         point.factorisations += point.lowest.factorisations
-        if point.lowest.value >= -point.lowest.error or point.saddles_left == max_saddles:
+        if point.lowest.value >= -point.lowest.error or point.saddles_left == MAX_SADDLES:
             break
         saddle_energy = point.energy
         perturbed = leave_saddle(problem, point.state, point.lowest.vector, max_change)

@@ -30,60 +30,43 @@ ROUNDING_MARGIN = 1e3  # rounding errors below which a decrease is not significa
 
 @dataclass(frozen=True)
 class Iteration:
-    """Report of one iteration.
+    """Report of one iteration."""
 
-    Attributes
-    ----------
-    number : from 0, the initial state.
-    energy, gradient_norm : at the present state.
-    blend : regularisation, b.
-    step : length of the step that led here.
-    """
-
-    number: int
+    number: int  # from 0, the initial state
+    # energy, gradient_norm: at the present state.
     energy: float
     gradient_norm: float
-    blend: float
-    step: float
+    blend: float  # regularisation, b
+    step: float  # length of the step that led here
 
 
 @dataclass
 class Minimum:
-    """Where a search for a minimum has ended, with the evidence whether this state is one.
+    """Where a search for a minimum has ended, with the evidence whether this state is one."""
 
-    Attributes
-    ----------
-    state, energy, gradient_norm : at the end.
-    tolerance : limit of the gradient norm.
-    definite : the exact Hessian (plus a shift) at the end, on an isostatic support, is positive definite; False as well
-        if it was not checked.
-    iterations, factorisations : their total numbers.
-    lowest : smallest eigenvalue and its mode; None where the Hessian is definite, or if it was not computed.
-    fallbacks : how often `minimise` continued after another iteration had failed.
-    saddles_left : number of saddle points left on the way.
-    seconds : wall time by part.
-    history : of `minimise`, one entry for each iteration, the initial state first.
-    stagnated : not converged, but rounding errors allow no further progress.
-    settled : the last step was a full one with the exact Hessian, which was positive definite there, and its model
-        lowered the energy by at most `small_decrease`.
-    blend : regularisation with which the minimisation of a similar problem may begin.
-    """
-
+    # state, energy, gradient_norm: at the end.
     state: AnyState
     energy: float
     gradient_norm: float
-    tolerance: float
+    tolerance: float  # limit of the gradient norm
+    # the exact Hessian (plus a shift) at the end, on an isostatic support, is positive definite; False as well if it
+    # was not checked.
     definite: bool = False
+    # iterations, factorisations: their total numbers.
     iterations: int = 0
     factorisations: int = 0
+    # smallest eigenvalue and its mode; None where the Hessian is definite, or if it was not computed.
     lowest: Eigenpair | None = None
-    fallbacks: int = 0
-    saddles_left: int = 0
-    seconds: dict[str, float] = field(default_factory=dict)
+    fallbacks: int = 0  # how often `minimise` continued after another iteration had failed
+    saddles_left: int = 0  # number of saddle points left on the way
+    seconds: dict[str, float] = field(default_factory=dict)  # wall time by part
+    # of `minimise`, one entry for each iteration, the initial state first.
     history: list[Iteration] = field(default_factory=list)
-    stagnated: bool = False
+    stagnated: bool = False  # not converged, but rounding errors allow no further progress
+    # the last step was a full one with the exact Hessian, which was positive definite there, and its model lowered the
+    # energy by at most `small_decrease`.
     settled: bool = False
-    blend: float = 0.0
+    blend: float = 0.0  # regularisation with which the minimisation of a similar problem may begin
 
     @property
     def converged(self) -> bool:
@@ -202,17 +185,8 @@ def _line_search(
 
     Where the predicted decrease is below the rounding error of the energy, a smaller gradient decides.
 
-    Parameters
-    ----------
-    problem : gives energy and gradient.
-    path : step length to state; step 0 is the present state.
-    energy, slope, gradient_norm : at step 0; the slope is the derivative along the path and negative.
-    first_energy : of the whole minimisation, for its rounding error.
-    longest : first step.
-
-    Returns
-    -------
-    State, energy and step.
+    It returns state, energy and step. Energy, gradient norm and slope (negative) are those at step 0 of the path;
+    `first_energy` is that of the whole minimisation, for its rounding error.
     """
     step = longest
     rounding = _rounding_error(energy, first_energy)

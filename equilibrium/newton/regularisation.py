@@ -8,7 +8,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
-from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.linear.sparse_pattern import stiffen
 from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
 
 # Factor on the regularisation after a refused matrix. A refused matrix costs as much as an accepted one, so the blend,
@@ -51,13 +51,7 @@ class Regularisation:
         self._support: Ints = np.empty(0, dtype=np.int64)
 
     def direction(self, state: AnyState, gradient: Floats) -> Floats:
-        """Descent direction (size,) from a positive definite matrix close to the Hessian.
-
-        Raises
-        ------
-        FloatingPointError
-            The Hessian is not finite.
-        """
+        """Descent direction (size,) from a positive definite matrix close to the Hessian."""
         if self._iterative and isinstance(self._problem, HasNearNullspace):
             self._iterative.set_near_nullspace(*self._problem.near_nullspace(state))
         with self._clock("support"):

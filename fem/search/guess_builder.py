@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.linear.sparse_pattern import stiffen
 from asterism.fem.elements.tabulation import Evaluation
 from asterism.fem.search.simple_shapes import Plane, SimpleShape, similar
 from asterism.fem.shell.shell import Shell

@@ -36,7 +36,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.linear.rigid_support import stiffen
+from asterism.equilibrium.linear.sparse_pattern import stiffen
 from asterism.fem.shell.shell import Shell, tensile_part
 
 # the next step uses the same matrix if all three limits hold

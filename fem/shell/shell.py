@@ -30,8 +30,7 @@ from asterism.equilibrium.compiled import loop
 from asterism.equilibrium.errors import BackendError
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.linear.rigid_support import independent_dofs
-from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
 from asterism.fem.elements.space import Space, constant, flat_positions
 from asterism.fem.shell.assembly import Assembly
 from asterism.fem.shell.density import Density

@@ -36,24 +36,14 @@ SolveCell = Callable[[Design, float], CellAnswer]
 
 @dataclass(frozen=True)
 class SampleRecord:
-    """The result of one unit cell.
+    """The result of one unit cell."""
 
-    Attributes
-    ----------
-    task : the cell.
-    label : the cell, for messages.
-    sample : the responses as plain data; None for a cell without an answer.
-    failed : why the cell has no answer, or does not stand for a sheet, in one line.
-    crashed : the reason is an unforeseen exception. The next run tries such a cell again.
-    seconds : wall time of the cell.
-    """
-
-    task: CellTask
-    label: str
-    sample: dict[str, Any] | None
-    failed: str | None
-    crashed: bool
-    seconds: float
+    task: CellTask  # the cell
+    label: str  # the cell, for messages
+    sample: dict[str, Any] | None  # the responses as plain data; None for a cell without an answer
+    failed: str | None  # why the cell has no answer, or does not stand for a sheet, in one line
+    crashed: bool  # the reason is an unforeseen exception. The next run tries such a cell again.
+    seconds: float  # wall time of the cell
 
 
 def run_campaign(
@@ -76,10 +66,6 @@ def run_campaign(
     respond : solves a cell, in place of `solve_cell` or `motif_responses`. Other processes must be able to import it.
         Each function has samples of its own.
     tasks : those of the plan's cells that are needed; all by default.
-
-    Returns
-    -------
-    One record for each task, in their order.
 
     Raises
     ------

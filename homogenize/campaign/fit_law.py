@@ -11,8 +11,8 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.campaign.campaign import SampleRecord
+from asterism.homogenize.cell.motif_responses import completed_by_rods
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, averaged_directions
-from asterism.homogenize.cell.rod_bending import completed_by_rods
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.anisotropy import (
     VOIGT_ENTRIES,
@@ -34,10 +34,6 @@ def held_out_errors(table: LawTable, tests: Sequence[tuple[CellTask, Floats | No
     """Errors at held-out cells as plain data, in percent, over the stated range of the law.
 
     Cells that are not scale-separated are counted under "tight", with errors of their own.
-
-    Parameters
-    ----------
-    tests : the tasks with the stored forms (K,) of their cells; None for a cell without an answer.
     """
     known = [(task, row) for task, row in tests if row is not None]
     plan, without = table.plan, len(tests) - len(known)
@@ -155,10 +151,6 @@ def fill_failed_rows(coordinates: Sequence[Floats], stored: Floats) -> Floats:
     Between answers on a line along the first axis they come from these; beyond the last ones, and on lines without
     answers, they go on in a straight line, along one axis after the other. These nodes lie outside the range of the
     law.
-
-    Parameters
-    ----------
-    coordinates : (n1,), ..., (nA,) of the nodes.
     """
     whole = stored.copy()
     for axis, places in enumerate(coordinates):
@@ -185,16 +177,11 @@ def _along(places: Floats, rows: Floats, asked: Floats) -> Floats:
 
 
 def sample_quantities(sample: dict[str, Any], stretch: Stretch) -> Floats:
-    """(Q,) the quantities `star_law.QUANTITY_NAMES` of one sample.
+    """(Q,) the quantities `star_law.QUANTITY_NAMES` of one sample, plain data of `Sample`.
 
     With threefold symmetry, means over directions are those of 0 and 30 degrees, where a sixfold function has its
     extremes. Otherwise they are those of all six directions. The membrane constants are those of the isotropic tensor
     nearest to the mean of the natural tubes.
-
-    Parameters
-    ----------
-    sample : plain data of `homogenize.cell.sample.Sample`.
-    stretch : of the fabric.
     """
     chosen = averaged_directions(sample["natural_curvature"])
     ends = {
@@ -258,12 +245,7 @@ def _motif_cell(plan: LawPlan, record: SampleRecord) -> _Cell:
 
 
 def motif_tensors(sample: dict[str, Any]) -> SheetTensors:
-    """The tensors (n = 1) of a sheet: metric and membrane of the flat cell, and the bending of its natural tubes.
-
-    Parameters
-    ----------
-    sample : plain data of `homogenize.cell.motif_responses.MotifResponses`.
-    """
+    """The tensors (n = 1) of plain data of `MotifResponses`: of the flat cell, and the bending of its natural tubes."""
     stiffness = np.zeros((6, 6))
     deformation = np.array(sample["deformation"])
     stiffness[:3, :3] = sample["membrane"]
@@ -277,7 +259,7 @@ def motif_tensors(sample: dict[str, Any]) -> SheetTensors:
 def _bending_of_tubes(sample: dict[str, Any]) -> tuple[Floats, Floats]:
     """Q (3, 3) N mm and m (3,) N, in curvatures K of the print: the energy `K . Q K/2 - m . K` nearest to the tubes.
 
-    Tubes leave Q12 open up to Q33 (`homogenize.cell.rod_bending`): the mean of Q12 over all axes is that of the rods.
+    Tubes leave Q12 open up to Q33 (`rod_bending`): the mean of Q12 over all axes is that of the rods.
     """
     angle, hoop, curvature, bending = (
         np.array([tube[name] for tube in sample["directions"]])

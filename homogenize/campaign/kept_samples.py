@@ -106,35 +106,22 @@ SAMPLE_FORMAT = 1
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of one computation.
+    """The result of one computation."""
 
-    Attributes
-    ----------
-    sample : plain data; None without an answer.
-    failed : why there is no answer, in one line.
-    crashed : the inputs are not the reason: an unforeseen exception, or a file that this worker cannot read. Such a
-        sample is not kept, and the next run tries it again.
-    seconds : wall time.
-    """
-
-    sample: dict[str, Any] | None
-    failed: str | None
+    sample: dict[str, Any] | None  # plain data; None without an answer
+    failed: str | None  # why there is no answer, in one line
+    # the inputs are not the reason: an unforeseen exception, or a file that this worker cannot read. Such a sample is
+    # not kept, and the next run tries it again.
     crashed: bool
-    seconds: float
+    seconds: float  # wall time
 
 
 @dataclass(frozen=True)
 class KeptSamples:
-    """A folder of finished samples.
+    """A folder of finished samples."""
 
-    Attributes
-    ----------
-    folder : is made when the first sample is written.
-    code : name of the code that computes the samples.
-    """
-
-    folder: Path
-    code: str
+    folder: Path  # is made when the first sample is written
+    code: str  # name of the code that computes the samples
 
     def name(self, inputs: Mapping[str, Any]) -> str:
         """Name of a sample's file without its ending."""

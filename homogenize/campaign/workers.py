@@ -58,20 +58,14 @@ class Finished(Protocol):
 
 @dataclass(frozen=True)
 class CampaignProgress:
-    """State of a running campaign of cells, or of designs.
+    """State of a running campaign of cells, or of designs."""
 
-    Attributes
-    ----------
-    done, total, failed : numbers of them.
-    seconds_left : estimate; None before the first one is solved.
-    last : the last one; None at the beginning.
-    """
-
+    # done, total, failed: numbers of them.
     done: int
     total: int
     failed: int
-    seconds_left: float | None
-    last: Finished | None
+    seconds_left: float | None  # estimate; None before the first one is solved
+    last: Finished | None  # the last one; None at the beginning
 
 
 def default_jobs() -> int:

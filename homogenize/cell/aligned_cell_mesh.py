@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.homogenize.cell.periodic_delaunay import PeriodicTriangles
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, Tiles
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, PeriodicTriangles, Tiles
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.mesh.graded_mesh import MIN_SPRING_WEIGHT, Grading, half_cotangents
@@ -46,11 +45,6 @@ def aligned_cell_mesh(
     edge_mm : of the grid, about.
     surrounded : with the triangles around, whose points are then unfolded too.
     graded : as many triangles, but finer ones at arms and tips, as in graded sheets (`pattern.mesh.graded_mesh`).
-
-    Raises
-    ------
-    MeshError
-        Arms from both ends of a link overlap.
     """
     k = edges_per_spacing(lattice_vectors, directions, lengths, edge_mm)
     if not len(directions):  # bare fabric repeats from triangle to triangle, so a few of them are the whole cell
@@ -91,17 +85,11 @@ def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats
 
 @dataclass(frozen=True)
 class LinkStations:
-    """Grid points on the links from a star to its six neighbours.
+    """Grid points on the links from a star to its six neighbours."""
 
-    Attributes
-    ----------
-    segments : (6,) edges of the arm in each direction; 0 without an arm.
-    fractions : (6, k + 1) places of the points, over the distance to the neighbour.
-    known : (6, k + 1) whether a point stays at its place; the others lie evenly between those around.
-    """
-
-    segments: Ints
-    fractions: Floats
+    segments: Ints  # (6,) edges of the arm in each direction; 0 without an arm
+    fractions: Floats  # (6, k + 1) places of the points, over the distance to the neighbour
+    # (6, k + 1) whether a point stays at its place; the others lie evenly between those around.
     known: NDArray[np.bool_]
 
 
@@ -119,18 +107,7 @@ def _tips_meet(reach: Floats) -> NDArray[np.bool_]:
 
 
 def _link_stations(directions: Ints, reach: Floats, k: int, least: int) -> LinkStations:
-    """Stations of an even mesh with k edges between stars.
-
-    Parameters
-    ----------
-    reach : (6,), from `_link_reach`.
-    least : edges of short arms, if there is room.
-
-    Raises
-    ------
-    MeshError
-        Arms from both ends of a link overlap.
-    """
+    """Stations of an even mesh with k edges between stars."""
     segments = np.zeros(6, dtype=np.int64)
     for direction in directions:
         # tips that do not meet are different points, whether there are arms from both ends or from one
@@ -164,12 +141,7 @@ def _cell_grading(lattice_vectors: Floats, directions: Ints, lengths: Floats) ->
 def _graded_stations(
     links: LinkStations, along: Floats, directions: Ints, lengths: Floats, grading: Grading
 ) -> LinkStations:
-    """The same numbers of edges; the vertices of an arm crowd at its tip, and those behind it are free.
-
-    Parameters
-    ----------
-    along : (N, 2) mm, from the star to the neighbour that each arm points to.
-    """
+    """The same numbers of edges; the vertices of an arm crowd at its tip, and those behind it are free."""
     fractions, known = links.fractions.copy(), np.zeros_like(links.known)
     known[:, [0, -1]] = True
     for direction, length, link in zip(directions, lengths, np.linalg.norm(along, axis=1), strict=True):
@@ -190,11 +162,7 @@ def _grid_displacement(
 ) -> Floats:
     """(k^2, 2) mm: points on links follow the arms, and every other point is the mean of its neighbours.
 
-    All neighbours count alike, or with a grading as in `pattern.mesh.graded_mesh`.
-
-    Parameters
-    ----------
-    even : (k^2, 2) mm, displacements of the even mesh; with a grading.
+    All neighbours count alike, or with a grading as in `pattern.mesh.graded_mesh`, from those of the even mesh.
     """
     size, number = k * k, np.arange(k * k).reshape(k, k)
     i, j = (index.ravel() for index in np.indices((k, k)))

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
-from asterism.homogenize.cell.periodic_delaunay import CELLS_AROUND, PeriodicTriangles, periodic_delaunay
+from asterism.homogenize.cell.periodic_mesh import CELLS_AROUND, PeriodicTriangles, periodic_delaunay
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
 
@@ -48,26 +48,18 @@ _GENERIC = np.array([0.2137, 0.0911])
 
 @dataclass(frozen=True)
 class MeshConstraints:
-    """Points and segments that a mesh contains.
+    """Points and segments that a mesh contains."""
 
-    Attributes
-    ----------
-    vectors : (2, 2) mm, lattice vectors as rows.
-    points : (F, 2) mm, in the cell.
-    size : (F,) mm, target length of the edges at the points.
-    a, b, step : (E,), (E,), (E, 2) segments from point a to the image `step` of point b, at most one cell long.
-    group : (G, 2, 2) rotations and reflections about the origin that keep points, segments and lattice; the identity
-        first.
-    wall_a, wall_b : (W, 2) mm, pieces of the mirror lines. Free points keep a distance from them.
-    """
-
-    vectors: Floats
-    points: Floats
-    size: Floats
+    vectors: Floats  # (2, 2) mm, lattice vectors as rows
+    points: Floats  # (F, 2) mm, in the cell
+    size: Floats  # (F,) mm, target length of the edges at the points
+    # a, b, step: (E,), (E,), (E, 2) segments from point a to the image `step` of point b, at most one cell long.
     a: Ints
     b: Ints
     step: Ints
+    # (G, 2, 2) rotations and reflections about the origin that keep points, segments and lattice; the identity first.
     group: Floats
+    # wall_a, wall_b: (W, 2) mm, pieces of the mirror lines. Free points keep a distance from them.
     wall_a: Floats
     wall_b: Floats
 
@@ -236,20 +228,12 @@ def nearest_image(offsets: Floats, vectors: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Orbits:
-    """Points of a cell, orbit by orbit.
+    """Points of a cell, orbit by orbit."""
 
-    Attributes
-    ----------
-    seeds : (n, 2) mm, one point of each orbit.
-    points : (N, 2) mm, in the cell.
-    orbit : (N,) number of the orbit of each point.
-    element : (N,) element of the group that takes the seed to the point.
-    """
-
-    seeds: Floats
-    points: Floats
-    orbit: Ints
-    element: Ints
+    seeds: Floats  # (n, 2) mm, one point of each orbit
+    points: Floats  # (N, 2) mm, in the cell
+    orbit: Ints  # (N,) number of the orbit of each point
+    element: Ints  # (N,) element of the group that takes the seed to the point
 
     @classmethod
     def of(cls, seeds: Floats, group: Floats, vectors: Floats, edge_mm: float) -> Orbits:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asterism.discrete.model.star_bumps import bump_heights
+from asterism.discrete.model.discrete_model import bump_heights
 from asterism.discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.newton.minimise import Minimum, minimise
@@ -31,25 +31,17 @@ EXACT_GRADIENT_RATIO = 1e-10
 
 @dataclass(frozen=True)
 class FlatCell:
-    """A flat cell in equilibrium, turned so that its deformation has no rotation.
+    """A flat cell in equilibrium, turned so that its deformation has no rotation."""
 
-    Attributes
-    ----------
-    state : the centre of the first star, or the first node of a motif, is at the origin. The images of the cell vectors
-        are in the plane z = 0.
-    energy : N mm per mm^2 of print.
-    deformation : (2, 2) symmetric F, with the images `a_m = F A_m` of the cell vectors.
-    bump : (S,) mm, height of each star's centre over its tips; positive on the plastic side. None for a motif: (0,).
-    gradient_norm : N.
-    iterations : of Newton's method.
-    """
-
+    # the centre of the first star, or the first node of a motif, is at the origin. The images of the cell vectors are
+    # in the plane z = 0.
     state: State
-    energy: float
-    deformation: Array
+    energy: float  # N mm per mm^2 of print
+    deformation: Array  # (2, 2) symmetric F, with the images `a_m = F A_m` of the cell vectors
+    # (S,) mm, height of each star's centre over its tips; positive on the plastic side. None for a motif: (0,).
     bump: Array
-    gradient_norm: float
-    iterations: int
+    gradient_norm: float  # N
+    iterations: int  # of Newton's method
 
     @property
     def stretch(self) -> float:
@@ -58,12 +50,7 @@ class FlatCell:
 
 
 def cell_gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) -> float:
-    """Gradient norm of a converged cell, N.
-
-    Parameters
-    ----------
-    part : of the force scale modulus x thickness x spacing; rounding is a hundredth of the default.
-    """
+    """Gradient norm of a converged cell, N: a part of the force scale; rounding is a hundredth of the default."""
     fabric = cell.design.fabric
     small = min(1.0, cell.area / abs(float(np.linalg.det(cell.design.lattice.vectors))))  # a cell of bare fabric
     return part * small * fabric.modulus * fabric.thickness_mm * cell.spacing
@@ -74,32 +61,17 @@ def relax_flat_cell(cell: UnitCell) -> FlatCell:
 
     A star that is only slightly buckled has a single equilibrium, on either side. Its branch with the star up begins at
     a finite curvature.
-
-    Raises
-    ------
-    ArithmeticError
-        A step did not converge.
     """
-    flat = _released(cell)
-    return (_other_side(cell, flat) or flat) if flat.bump.any() and flat.bump[0] < 0.0 else flat
-
-
-def _released(cell: UnitCell) -> FlatCell:
     cell.set_flat()
     state = cell.printed_state()
     if len(cell.mesh.star_vertices):
         state = with_bumps(cell, state, BUMP_HEIGHT_RATIO * cell.spacing)
-    return released_from(cell, state)
+    flat = released_from(cell, state)
+    return (_other_side(cell, flat) or flat) if flat.bump.any() and flat.bump[0] < 0.0 else flat
 
 
 def released_from(cell: UnitCell, state: State) -> FlatCell:
-    """The flat cell that a state of the print becomes while the fabric is released.
-
-    Raises
-    ------
-    ArithmeticError
-        A step did not converge.
-    """
+    """The flat cell that a state of the print becomes while the fabric is released."""
     iterations, known = 0, list[tuple[float, State]]()
     for release in RELEASE_STEPS:
         cell.set_release(release)

@@ -30,12 +30,7 @@ NEUTRAL_SHIFT = 1e-12
 
 
 def flat_membrane_stiffness(cell: UnitCell, flat: FlatCell) -> Array:
-    """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area.
-
-    Parameters
-    ----------
-    flat : an equilibrium of this cell, which takes on its images.
-    """
+    """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area."""
     cell.set_flat()
     n, inverse = cell.mesh.n_base, np.linalg.inv(cell.cell_vectors)
     slope = inverse @ flat.state.positions[n:]  # (2, 3) F^T, of E = (F^T F - 1)/2
@@ -47,12 +42,7 @@ def flat_membrane_stiffness(cell: UnitCell, flat: FlatCell) -> Array:
 
 
 def tube_membrane_stiffness(cell: UnitCell, tube: Tube) -> Array:
-    """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area.
-
-    Parameters
-    ----------
-    tube : an equilibrium of this cell, which takes on its images.
-    """
+    """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area."""
     cell.set_tube(tube.curvature, tube.angle)
     along = _stiffness(cell, tube.state, _strain_rates(cell, tube))
     turn = voigt_turn(cell.turn)

@@ -13,16 +13,18 @@ from typing import Any, cast
 
 import numpy as np
 
+from asterism.discrete.energies.rods.network import torsion_constant
 from asterism.discrete.model.state import State, moved_state
-from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.arrays import Array, Floats
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell, released_from
 from asterism.homogenize.cell.linear_response import flat_membrane_stiffness
 from asterism.homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
 from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
-from asterism.homogenize.cell.rod_bending import rod_bending
 from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.homogenize.law.anisotropy import mean_q12
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import plain
+from asterism.pattern.rods.motif_graph import motif_graph
 
 # of the energy of one cell, by which four cells may be lower: meshes and starts differ by less
 MAX_ENERGY_EXCESS = 0.01
@@ -35,16 +37,12 @@ LARGER_CELL = (2, 2)
 
 @dataclass(frozen=True)
 class CellComparison:
-    """One cell and four, both flat and relaxed.
+    """One cell and four, both flat and relaxed."""
 
-    Attributes
-    ----------
-    energy, larger_energy : N mm per mm^2 of print, of one cell, and the lowest of the starts of the larger one.
-    stretches, larger_stretches : (2,) principal stretches of the contracted sheet, the smaller one first.
-    """
-
+    # energy, larger_energy: N mm per mm^2 of print, of one cell, and the lowest of the starts of the larger one.
     energy: float
     larger_energy: float
+    # stretches, larger_stretches: (2,) principal stretches of the contracted sheet, the smaller one first.
     stretches: Array
     larger_stretches: Array
 
@@ -67,13 +65,6 @@ def compare_with_larger_cell(design: Design, edge_mm: float, flat: FlatCell) -> 
     """One flat cell and 2 x 2 cells of a design's motif, with the same mesh.
 
     The larger cell is released from the flat print with a slight noise in height, once for each of `NOISE_SEEDS`.
-
-    Raises
-    ------
-    ValueError, DesignError, MeshError
-        See `UnitCell`.
-    ArithmeticError
-        A cell has no equilibrium.
     """
     larger = UnitCell(design, edge_mm, LARGER_CELL)
     try:
@@ -101,45 +92,27 @@ def _principal(flat: FlatCell) -> Array:
 
 @dataclass(frozen=True)
 class RolledDirection:
-    """The natural tube of one direction.
+    """The natural tube of one direction."""
 
-    Attributes
-    ----------
-    direction_rad : of the printed direction around the tube, from x.
-    curvature : 1/mm, one over the mean radius; positive with the plastic outside.
-    hoop, axial : stretches around and along the tube. If the sheet hardly curls, those of a tube of small curvature.
-    bending : N mm, secant stiffness from the flat cell to the tube, in curvatures of the contracted sheet.
-    """
-
-    direction_rad: float
-    curvature: float
+    direction_rad: float  # of the printed direction around the tube, from x
+    curvature: float  # 1/mm, one over the mean radius; positive with the plastic outside
+    # hoop, axial: stretches around and along the tube. If the sheet hardly curls, those of a tube of small curvature.
     hoop: float
     axial: float
-    bending: float
+    bending: float  # N mm, secant stiffness from the flat cell to the tube, in curvatures of the contracted sheet
 
 
 @dataclass(frozen=True)
 class MotifResponses:
-    """One cell of an endless sheet.
+    """One cell of an endless sheet."""
 
-    Attributes
-    ----------
-    deformation : (2, 2) F, symmetric, of the flat relaxed cell; the rest metric is F F.
-    membrane : (3, 3) N/mm, stiffness of the flat cell.
-    rods : (3, 3) N mm, bending stiffness of the rods alone.
-    directions : natural tubes.
-    failed_directions : rad from x, those without an equilibrium, and why.
-    comparison : with 2 x 2 cells.
-    spacing_mm : length of the shorter lattice vector.
-    """
-
-    deformation: Array
-    membrane: Array
-    rods: Array
-    directions: tuple[RolledDirection, ...]
-    failed_directions: tuple[tuple[float, str], ...]
-    comparison: CellComparison
-    spacing_mm: float
+    deformation: Array  # (2, 2) F, symmetric, of the flat relaxed cell; the rest metric is F F
+    membrane: Array  # (3, 3) N/mm, stiffness of the flat cell
+    rods: Array  # (3, 3) N mm, bending stiffness of the rods alone
+    directions: tuple[RolledDirection, ...]  # natural tubes
+    failed_directions: tuple[tuple[float, str], ...]  # rad from x, those without an equilibrium, and why
+    comparison: CellComparison  # with 2 x 2 cells
+    spacing_mm: float  # length of the shorter lattice vector
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON, with the `doubts`."""
@@ -197,3 +170,43 @@ def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = 
     ordered = tuple(sorted(directions, key=lambda tube: tube.direction_rad))
     rods = rod_bending(design, flat.deformation)
     return MotifResponses(flat.deformation, membrane, rods, ordered, tuple(failed), comparison, cell.spacing)
+
+
+# second derivative of det K
+GAUSSIAN: Floats = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -0.5]])
+
+
+def completed_by_rods(stiffness: Floats, rods: Floats) -> Floats:
+    """(3, 3) N mm, a stiffness known up to a multiple of det K, with the mean of Q12 over all axes of the rods."""
+    return np.asarray(stiffness + (mean_q12(rods) - mean_q12(stiffness)) * GAUSSIAN)
+
+
+def rod_bending(design: Design, deformation: Floats) -> Floats:
+    """(3, 3) N mm, bending stiffness of a motif's rods per printed area, for curvatures 11, 22 and 2 x 12 of the print.
+
+    It tells what tubes of the cell cannot. Their energy has no term of the Gaussian curvature det K, so they give the
+    stiffness up to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet of rods on a surface of
+    the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods bonded at points, in fabric
+    too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each, which has all entries.
+    With F, the (2, 2) deformation of the flat sheet, the print's curvature K is `F^T b F`.
+    """
+    rods = design.rods
+    assert rods is not None, "a motif has rods"
+    motif = motif_graph(rods, design.lattice)
+    modulus = design.fabric.modulus * design.plastic.modulus_ratio
+    shear_modulus = modulus / (2.0 * (1.0 + design.plastic.poisson))
+    inverse = np.linalg.inv(deformation)
+    stiffness = np.zeros((3, 3))
+    for rod in motif.rods:
+        width, height = (0.5 * (sizes[1:] + sizes[:-1]) for sizes in (rod.width, rod.thickness))
+        bending = modulus * width * height**3 / 12.0
+        torsion = shear_modulus * torsion_constant(width, height)
+        edges = np.diff(rod.points, axis=0)
+        along = edges @ deformation.T
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        (ux, uy), (vx, vy) = (along @ inverse.T).T, (np.stack([-along[:, 1], along[:, 0]], axis=1) @ inverse.T).T
+        bend = np.stack([ux * ux, uy * uy, ux * uy])
+        twist = np.stack([ux * vx, uy * vy, 0.5 * (ux * vy + uy * vx)])
+        lengths = np.linalg.norm(edges, axis=1)
+        stiffness += (bending * bend * lengths) @ bend.T + (torsion * twist * lengths) @ twist.T
+    return stiffness / abs(float(np.linalg.det(motif.vectors)))

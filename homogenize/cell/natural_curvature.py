@@ -60,19 +60,14 @@ CurvatureMoment = tuple[float, float]
 
 @dataclass(frozen=True)
 class TubeBranch:
-    """Tubes in one direction.
+    """Tubes in one direction."""
 
-    Attributes
-    ----------
-    tubes : by growing curvature.
-    natural : the tube with zero moment; None if its curvature is below `MIN_NATURAL_CURL`. Then `tubes` holds one tube,
-        which gives the stiffness.
-    slight, stiffness : 1/mm and N mm, both of the print: natural curvature and stiffness of the parabola through the
-        energies of the flat cell and of that tube. They are for branches without `natural`.
-    """
-
-    tubes: list[Tube]
+    tubes: list[Tube]  # by growing curvature
+    # the tube with zero moment; None if its curvature is below `MIN_NATURAL_CURL`. Then `tubes` holds one tube, which
+    # gives the stiffness.
     natural: Tube | None
+    # slight, stiffness: 1/mm and N mm, both of the print: natural curvature and stiffness of the parabola through the
+    # energies of the flat cell and of that tube. They are for branches without `natural`.
     slight: float = 0.0
     stiffness: float = 0.0
 
@@ -167,13 +162,7 @@ class _Walk:
         return False
 
     def from_another(self, natural: Tube, known: list[Tube]) -> TubeBranch:
-        """The root near the natural tube of another direction, whose curvature is similar.
-
-        Raises
-        ------
-        ArithmeticError
-            The star left its branch, or the moment did not change its sign nearby.
-        """
+        """The root near the natural tube of another direction, whose curvature is similar."""
         sign = float(np.sign(natural.curvature))
         sheet = unrolled_in_direction(self.cell, natural, self.angle)
         here = self._roll(sheet, natural.bump, natural.curvature)

@@ -22,26 +22,16 @@ from asterism.equilibrium.arrays import Array
 
 @dataclass(frozen=True)
 class PeriodicImages:
-    """The map from base points and two macroscopic rows (rows V and V + 1 of the positions) to unfolded points.
+    """The map from base points and two macroscopic rows (rows V and V + 1 of the positions) to unfolded points."""
 
-    Attributes
-    ----------
-    base : (U,) base points.
-    turn : (U, 3, 3) rotations R_u.
-    count : (U, 2) numbers m1, m2 of cell vectors.
-    axes : (3, 3) B.
-    n_base : V.
-    joint_point : (K,) unfolded point of each unfolded joint.
-    joint : (K,) its base joint.
-    """
-
-    base: Array
-    turn: Array
-    count: Array
-    axes: Array
-    n_base: int
+    base: Array  # (U,) base points
+    turn: Array  # (U, 3, 3) rotations R_u
+    count: Array  # (U, 2) numbers m1, m2 of cell vectors
+    axes: Array  # (3, 3) B
+    n_base: int  # V
+    # (K,) unfolded point of each unfolded joint.
     joint_point: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    joint: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    joint: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # (K,) its base joint
     _last: list[tuple[Array, Array]] = field(default_factory=list, repr=False, compare=False)
 
     def unfold(self, positions: Array) -> Array:

@@ -69,13 +69,6 @@ def point_group(lattice: Lattice) -> Floats:
     """(G, 2, 2) rotations and reflections about a star's centre that map its arms and the lattice onto themselves.
 
     The identity comes first, then the other rotations, then the reflections.
-
-    Examples
-    --------
-    >>> [len(point_group(Lattice(arms=arms))) for arms in (3, 4, 5, 6)]
-    [6, 4, 2, 12]
-    >>> [len(point_group(Lattice(kind="square", arms=4, orientation_deg=turn))) for turn in (0, 45, 10)]
-    [8, 8, 4]
     """
     arms, vectors = arm_directions(lattice), np.asarray(lattice.vectors)
     inverse = np.linalg.inv(vectors)
@@ -100,17 +93,11 @@ def keeps_grid_lines(lattice: Lattice) -> bool:
 
 @dataclass(frozen=True)
 class MirrorLine:
-    """One class of mirror lines of the sheet: all others of the class are images by lattice vectors.
+    """One class of mirror lines of the sheet: all others of the class are images by lattice vectors."""
 
-    Attributes
-    ----------
-    point : (2,) mm, on the line; direction : (2,) unit vector along it.
-    length : mm, after which the line repeats; offset_step : mm, smallest distance of two lines of the class.
-    """
-
-    point: Floats
+    point: Floats  # (2,) mm, on the line; direction : (2,) unit vector along it
     direction: Floats
-    length: float
+    length: float  # mm, after which the line repeats; offset_step : mm, smallest distance of two lines of the class
     offset_step: float
 
     @property

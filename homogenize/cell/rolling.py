@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.discrete.model.star_bumps import bump_heights
+from asterism.discrete.model.discrete_model import bump_heights
 from asterism.discrete.model.state import State
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.newton.minimise import minimise
@@ -27,30 +27,19 @@ from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 
 @dataclass(frozen=True)
 class Tube:
-    """A cell in equilibrium as a tube.
+    """A cell in equilibrium as a tube."""
 
-    Attributes
-    ----------
-    curvature : k, 1/mm of the print.
-    angle : of the printed direction around the tube, from y.
-    state : of the cell with the images of the tube.
-    energy : N mm per mm^2 of print.
-    moment : N, derivative of the energy by k.
-    radius : mm, mean over the surface, weighted by printed area.
-    hoop, axial : stretches of the mean surface around and along the tube.
-    bump : (S,) mm, height of each star's centre over its tips, positive outwards.
-    gradient_norm, iterations : of the equilibrium, see `FlatCell`.
-    """
-
-    curvature: float
-    angle: float
-    state: State
-    energy: float
-    moment: float
-    radius: float
+    curvature: float  # k, 1/mm of the print
+    angle: float  # of the printed direction around the tube, from y
+    state: State  # of the cell with the images of the tube
+    energy: float  # N mm per mm^2 of print
+    moment: float  # N, derivative of the energy by k
+    radius: float  # mm, mean over the surface, weighted by printed area
+    # hoop, axial: stretches of the mean surface around and along the tube.
     hoop: float
     axial: float
-    bump: Array
+    bump: Array  # (S,) mm, height of each star's centre over its tips, positive outwards
+    # gradient_norm, iterations: of the equilibrium, see `FlatCell`.
     gradient_norm: float
     iterations: int
 
@@ -62,16 +51,10 @@ class Tube:
 
 @dataclass(frozen=True)
 class UnrolledCell:
-    """A state in the axes of a tube: along the axis, around it (as length on the mean surface), and outwards.
+    """A state in the axes of a tube: along the axis, around it (as length on the mean surface), and outwards."""
 
-    Attributes
-    ----------
-    state : of the sheet.
-    hoop : stretch around the tube.
-    """
-
-    state: State
-    hoop: float
+    state: State  # of the sheet
+    hoop: float  # stretch around the tube
 
 
 def unrolled_flat_cell(flat: FlatCell, angle: float) -> UnrolledCell:
@@ -139,17 +122,7 @@ def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: f
 
 
 def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float, blend: float = 0.0) -> Tube:
-    """Roll the cell and find its equilibrium.
-
-    Parameters
-    ----------
-    blend : first regularisation of Newton's method, see `minimise`.
-
-    Raises
-    ------
-    ArithmeticError
-        Newton's method did not converge.
-    """
+    """Roll the cell and find its equilibrium."""
     start = rolled_state(cell, sheet, curvature, angle)
     minimum = polished(
         cell, minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell), blend=blend, check_definite=False)

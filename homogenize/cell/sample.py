@@ -59,50 +59,34 @@ class Sample:
     angles are those of the room (`homogenize.cell`).
 
     D is the number of directions, and W that of the waves of the corrugation.
-
-    Attributes
-    ----------
-    length_mm : mm, of the star's arms.
-    spacing_mm : mm, distance of the star centres.
-    rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates.
-    lam : sqrt(det F), its contraction.
-    angles_rad : (D,) rad, directions of the tubes on the print.
-    natural_curvature : (D,) 1/mm of the contracted sheet: one over the radius of the mean surface.
-    natural_energy : (D,) N/mm.
-    natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
-    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `linear_response`.
-    relief : (2, W) amplitudes of the corrugation, see `corrugation_waves`: in mm on the flat cell, and in mm^2 the
-        change per curvature of the contracted sheet up to the natural tubes (mean over the directions).
-    bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature.
-    sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
-        curvature, or from the means of every second of the six directions; 0 without natural curvature and without
-        threefold symmetry of star and lattice.
-    centre_offset_mm : mm, star's centre over the mean surface of the flat cell.
-    natural_centre_offset_mm : (D,) mm, the same on the natural tubes.
-    bump_mm : mm, star's centre over its tips on the flat cell; it may be negative, and the side of the star is that of
-        `natural_bump_mm`.
-    natural_bump_mm : (D,) mm, the same on the natural tubes.
-    iterations : iterations of Newton's method in all solves.
     """
 
-    length_mm: float
-    spacing_mm: float
-    rest_metric: Array
-    lam: float
-    angles_rad: Array
-    natural_curvature: Array
-    natural_energy: Array
+    length_mm: float  # mm, of the star's arms
+    spacing_mm: float  # mm, distance of the star centres
+    rest_metric: Array  # (2, 2) `F^T F` of the flat relaxed cell in print coordinates
+    lam: float  # sqrt(det F), its contraction
+    angles_rad: Array  # (D,) rad, directions of the tubes on the print
+    natural_curvature: Array  # (D,) 1/mm of the contracted sheet: one over the radius of the mean surface
+    natural_energy: Array  # (D,) N/mm
+    # natural_hoop, natural_axial: (D,) stretches of the mean surface on the natural tube.
     natural_hoop: Array
     natural_axial: Array
-    natural_membrane: Array
+    natural_membrane: Array  # (D, 3, 3) N/mm, tangent on the natural tube, see `linear_response`
+    # (2, W) amplitudes of the corrugation, see `corrugation_waves`: in mm on the flat cell, and in mm^2 the change per
+    # curvature of the contracted sheet up to the natural tubes (mean over the directions).
     relief: Array
-    bending: Array
+    bending: Array  # (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature
+    # N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
+    # curvature, or from the means of every second of the six directions; 0 without natural curvature and without
+    # threefold symmetry of star and lattice.
     sixfold: float
-    centre_offset_mm: float
-    natural_centre_offset_mm: Array
+    centre_offset_mm: float  # mm, star's centre over the mean surface of the flat cell
+    natural_centre_offset_mm: Array  # (D,) mm, the same on the natural tubes
+    # mm, star's centre over its tips on the flat cell; it may be negative, and the side of the star is that of
+    # `natural_bump_mm`.
     bump_mm: float
-    natural_bump_mm: Array
-    iterations: int
+    natural_bump_mm: Array  # (D,) mm, the same on the natural tubes
+    iterations: int  # iterations of Newton's method in all solves
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -178,12 +162,7 @@ def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
 
 
 def _bending(flat: FlatCell, angles: tuple[float, ...], curves: list[TubeBranch], threefold: bool) -> dict[str, Any]:
-    """Responses of the tubes.
-
-    Parameters
-    ----------
-    threefold : lattice and star repeat after a third of a turn.
-    """
+    """Responses of the tubes."""
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     hoop = np.array([tube.hoop for tube in ends])
     printed = np.array([curve.natural.curvature if curve.natural else curve.slight for curve in curves])

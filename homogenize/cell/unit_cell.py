@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,25 +17,22 @@ from asterism.discrete.model.state import State, edge_tangents, moved_state, rot
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array, Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.linear.rigid_support import independent_dofs
-from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
+from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
+from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
 from asterism.homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
-from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines, arm_directions, point_group
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.rods.arms import check_clear
 from asterism.pattern.rods.graph import RodGraph
 
 if TYPE_CHECKING:
     from asterism.pattern.rods.motif_graph import MotifGraph
-from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE
-from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines, arm_directions, point_group
-from asterism.pattern.design.errors import MeshError
-from asterism.pattern.rods.arms import check_clear
 
 # a star and its neighbours, as numbers of lattice vectors
 _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])
@@ -45,14 +42,6 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
     """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
     It is graded if the design's mesh is and all arms lie on lattice lines.
-
-    Raises
-    ------
-    ValueError
-        The stars of the design differ.
-    DesignError, MeshError
-        Arms overlap, arms off the lattice lines would print as one, no mesh follows the arms, or the design asks for
-        a graded mesh and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
@@ -71,13 +60,7 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
 
 
 def star_size(design: Design, name: str) -> float:
-    """A size of the stars as printed, mm.
-
-    Raises
-    ------
-    ValueError
-        The size varies over the sheet.
-    """
+    """A size of the stars as printed, mm."""
     stars = design.required_stars
     value = getattr(stars, name)
     if name == "length_mm" and isinstance(stars.length_fraction, int | float):
@@ -125,13 +108,6 @@ class UnitCell(System):
     mesh : of the print.
     curvature : of the tube, 1/mm of the print; None for a flat cell.
     angle : of the tube, rad.
-
-    Raises
-    ------
-    ValueError
-        The stars differ, or gravity is on.
-    DesignError, MeshError
-        See `cell_mesh`, `motif_graph` and `motif_cell_mesh`.
 
     Notes
     -----
@@ -269,7 +245,7 @@ class UnitCell(System):
 
     def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
         """Straight steps of the positions; parallel transport carries the directors along the unfolded rod edges."""
-        (move, turn), spin = self.displacements_and_twists(direction), self.spins(direction)
+        move, turn, spin = self.motions(direction)
 
         def at(a: float) -> State:
             positions = state.positions + a * move
@@ -277,12 +253,8 @@ class UnitCell(System):
             return State(positions, whole.directors, rotate_vectors(a * spin, state.frames))
 
         fastest = float(np.sqrt((move[: self.mesh.n_base] ** 2).sum(axis=1).max()))
-        return at, self._longest_move / max(fastest, 1e-30)
-
-    @property
-    def _longest_move(self) -> float:
-        """mm, largest step of any point: a tenth of the cell."""
-        return 0.1 * float(np.linalg.norm(self.mesh.cell_vectors, axis=1).min())
+        tenth_of_cell = 0.1 * float(np.linalg.norm(self.mesh.cell_vectors, axis=1).min())
+        return at, tenth_of_cell / max(fastest, 1e-30)
 
     def rigid_motions(self, state: State) -> Array:
         """(free, k) motions without energy: rotations of a flat cell about its held point."""
@@ -318,13 +290,7 @@ class UnitCell(System):
         return force
 
     def moment(self, state: State) -> float:
-        """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state.
-
-        Raises
-        ------
-        ValueError
-            The cell is flat.
-        """
+        """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state."""
         if self.curvature is None:
             raise ValueError("a flat cell has no curvature to change")
         rate = self._turns(self.curvature)[1]
@@ -340,10 +306,8 @@ def _motif_and_mesh(design: Design, edge_mm: float, repeat: tuple[int, int]) -> 
     """The rods of one cell, or None for stars, and the mesh of the cells."""
     if design.rods is None:
         return None, cell_mesh(design, edge_mm, repeat)
-    from asterism.homogenize.cell.motif_cell_mesh import (
-        motif_cell_mesh,  # slow to import; cells of stars do without them
-    )
-    from asterism.pattern.rods.motif_graph import motif_graph
+    from asterism.homogenize.cell.free_cell_mesh import motif_cell_mesh
+    from asterism.pattern.rods.motif_graph import motif_graph  # slow to import; cells of stars do without it
 
     if design.stars is not None:
         raise DesignError("rods", "must stand alone in a unit cell, without [stars]")
@@ -371,17 +335,7 @@ def _inner_first(torus: PeriodicMesh) -> PeriodicMesh:
 
 
 def _unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | None) -> DiscreteModel:
-    """All energies of the design, on the points that the elements of a periodic mesh use.
-
-    Parameters
-    ----------
-    motif : the rods of one cell; None for stars.
-
-    Raises
-    ------
-    ValueError
-        The stars differ, or gravity is on.
-    """
+    """All energies of the design, on the points that the elements of a periodic mesh use."""
     if design.gravity.on:
         raise ValueError("a cell has no weight: an endless sheet would fall")
     layout = _stars(design, torus) if motif is None else _rods(design, torus, motif)
@@ -393,13 +347,18 @@ def _unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | Non
 def _stars(design: Design, torus: PeriodicMesh) -> Layout:
     tips = torus.points[[rod[-1] for rod in torus.rods]]
     ends = np.ones((len(tips), 2))
-    sizes = star_size(design, "thickness_mm") * ends, star_size(design, "width_mm") * ends
-    return _layout(design, torus.points[torus.star_vertices], torus, tips, *sizes)
+    return _layout(
+        design,
+        centres=torus.points[torus.star_vertices],
+        arm_star=torus.arm_star,
+        arm_tip=tips,
+        arm_thickness=star_size(design, "thickness_mm") * ends,
+        arm_width=star_size(design, "width_mm") * ends,
+    )
 
 
 def _rods(design: Design, torus: PeriodicMesh, motif: MotifGraph) -> Layout:
     """Each rod in its unfolded piece. Nodes at which rods end are joints, though their other rods may be images."""
-    none = np.empty((0, 2))
     ends = np.array([[path[0], path[-1]] for path in torus.rods])
     vertices, node = np.unique(ends, return_inverse=True)
     at_base = np.bincount(torus.base[ends].ravel(), minlength=torus.n_base)
@@ -415,21 +374,9 @@ def _rods(design: Design, torus: PeriodicMesh, motif: MotifGraph) -> Layout:
         )
     )
     bonded = np.flatnonzero(at_base[torus.base[vertices]] > 1)
-    graph = RodGraph(torus.points[vertices], rods, bonded=bonded)
-    return replace(_layout(design, none, torus, none, none, none), drawn=graph)
+    return _layout(design, drawn=RodGraph(torus.points[vertices], rods, bonded=bonded))
 
 
-def _layout(
-    design: Design, centres: Floats, torus: PeriodicMesh, tips: Floats, thickness: Floats, width: Floats
-) -> Layout:
-    return Layout(
-        outline=np.empty((0, 2)),
-        centres=centres,
-        arm_star=torus.arm_star,
-        arm_tip=tips,
-        arm_thickness=thickness,
-        arm_width=width,
-        pins=(),
-        lattice_vectors=np.asarray(design.lattice.vectors),
-        lattice_origin=np.zeros(2),
-    )
+def _layout(design: Design, **pattern: Any) -> Layout:
+    vectors = np.asarray(design.lattice.vectors)
+    return Layout(outline=np.empty((0, 2)), pins=(), lattice_vectors=vectors, lattice_origin=np.zeros(2), **pattern)

@@ -78,10 +78,6 @@ def sample_anisotropy(sample: dict[str, Any]) -> Floats:
     - `MOMENT_COLUMNS` (3): m minus the mean natural curvature, components 11, 22, 12, 1/mm;
     - `METRIC_COLUMNS` (2): components 11 and 12 of the deviator of the metric's logarithm;
     - `MEMBRANE_COLUMNS` (6): `VOIGT_ENTRIES` of the membrane stiffness minus its isotropic part, over A11 of that.
-
-    Parameters
-    ----------
-    sample : plain data of `homogenize.cell.sample.Sample`.
     """
     angles, kappa, stiff, hoop, axial = (
         np.array(sample[name], dtype=float)
@@ -123,12 +119,7 @@ def isotropic_constants(stiffness: Floats) -> tuple[Floats, Floats]:
 
 
 def predicted_curvatures(sample: dict[str, Any], share: float = 1.0) -> Floats:
-    """(6,) 1/mm, natural curvatures of the model, which compare with the sample's `natural_curvature`.
-
-    Parameters
-    ----------
-    share : part of the differences between directions that the model takes.
-    """
+    """(6,) 1/mm, natural curvatures of the model, which compare with the sample's `natural_curvature`."""
     columns = share * sample_anisotropy(sample)
     angles, kappa, hoop, axial = (
         np.array(sample[name], dtype=float)

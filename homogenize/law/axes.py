@@ -28,28 +28,19 @@ MAX_BRIDGED_LENGTH_RATIO = 0.2
 
 @dataclass(frozen=True)
 class Axis:
-    """One size of a star.
+    """One size of a star."""
 
-    Attributes
-    ----------
-    name : in sentences.
-    key : in designs, samples and law files.
-    nodes_key : in material files.
-    limits : smallest and largest value that can be printed. The spacing of the stars limits lengths further.
-    logarithmic : the law is interpolated over the logarithm of the size, and the size is above 0.
-    node_ratio : largest ratio of adjacent nodes in the plan for the stars of one design; None for even steps.
-    rod_ratio : the same for the rods of a motif: bending changes with the cube of the thickness, and membrane with the
-        width.
-    measure : the value at each star of a layout, (S,); its second argument is the number of arms of a whole star.
-    """
-
-    name: str
-    key: str
-    nodes_key: str
+    name: str  # in sentences
+    key: str  # in designs, samples and law files
+    nodes_key: str  # in material files
+    # smallest and largest value that can be printed. The spacing of the stars limits lengths further.
     limits: tuple[float, float]
-    logarithmic: bool
+    logarithmic: bool  # the law is interpolated over the logarithm of the size, and the size is above 0
+    # largest ratio of adjacent nodes in the plan for the stars of one design; None for even steps.
     node_ratio: float | None
+    # the same for the rods of a motif: bending changes with the cube of the thickness, and membrane with the width.
     rod_ratio: float | None
+    # the value at each star of a layout, (S,); its second argument is the number of arms of a whole star.
     measure: Callable[[Layout, int], Floats]
 
     def coordinate(self, values: Floats) -> Floats:
@@ -114,10 +105,6 @@ def law_coordinates(layout: Layout, arms: int) -> Floats:
 
     Lengths are means over the arms, and arms that the outline cuts away count as length 0. The other sizes are means
     along the arms.
-
-    Parameters
-    ----------
-    arms : number of arms of a whole star.
     """
     return np.column_stack([axis.measure(layout, arms) for axis in AXES])
 

@@ -36,13 +36,6 @@ class HermiteGrid:
     axes : A increasing lists of nodes. Along a list of one node the functions are constant.
     values : (n1, ..., nA, Q).
     rules : (Q,) rule for the slopes of each function.
-
-    Examples
-    --------
-    >>> grid = HermiteGrid([np.array([0.0, 1.0, 2.0])], np.array([[0.0], [1.0], [4.0]]), ["smooth"])
-    >>> value, slope = grid(np.array([[1.5]]))
-    >>> value, slope
-    (array([[2.25]]), array([[[3.]]]))
     """
 
     def __init__(self, axes: Sequence[Floats], values: Floats, rules: Sequence[SlopeRule]) -> None:
@@ -91,12 +84,7 @@ class HermiteGrid:
         return number, place
 
     def is_known(self, points: Floats, known: Bools) -> Bools:
-        """(N,) whether all nodes are known that the values at points (N, A) depend on: two along each axis, or one.
-
-        Parameters
-        ----------
-        known : (n1, ..., nA) of the nodes that the grid was made with.
-        """
+        """(N,) whether all nodes are known that the values at points (N, A) depend on: two along each axis, or one."""
         for axis in range(known.ndim):
             known = np.repeat(known, 2, axis=axis) if known.shape[axis] == 1 else known
         number, place = self.box(points)
@@ -145,13 +133,8 @@ def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Fl
     axis : the axis along which the nodes lie.
     rule : "monotone" takes the slopes of Fritsch and Butland (1984) with the ends of Moler (Numerical Computing with
         MATLAB, 2004, section 3.6): the cubics between the nodes are monotone where the values are. "smooth" takes
-        those of the modified Akima spline (Akima 1970; Moler and Ionita 2019). "spline" takes those of the cubic spline
-        without knots next to the ends (de Boor, A practical guide to splines, 1978, chapter IV), which are linear in
-        the values; three nodes have a parabola.
-
-    Returns
-    -------
-    Array of the shape of `values`.
+        those of the modified Akima spline (Akima 1970; Moler and Ionita 2019). "spline" takes those of scipy's cubic
+        spline, which are linear in the values.
 
     Examples
     --------
@@ -165,10 +148,12 @@ def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Fl
         slopes = np.concatenate([secants, secants])
     elif rule == "monotone":
         slopes = _monotone(steps, secants)
+    elif rule == "spline":
+        from scipy.interpolate import CubicSpline  # slow to import; laws of motifs alone need it
+
+        slopes = np.asarray(CubicSpline(nodes, values)(nodes, 1))
     elif len(secants) == 2:  # the parabola through the three nodes
         slopes = np.asarray(np.gradient(values, nodes, axis=0, edge_order=2))
-    elif rule == "spline":
-        slopes = _spline(np.diff(nodes), secants)
     else:
         slopes = _smooth(secants)
     return np.moveaxis(slopes, 0, axis)
@@ -205,23 +190,3 @@ def _smooth(secants: Floats) -> Floats:
     known = total > MIN_RELATIVE_WEIGHT * total.max()
     share = np.where(known, after, 0.0) / np.where(known, total, 1.0)
     return np.where(known, m[1:-2] + share * (m[2:-1] - m[1:-2]), (m[3:] + m[:-3]) / 2)
-
-
-def _spline(steps: Floats, secants: Floats) -> Floats:
-    """Slopes that make the second derivative continuous, and the third one at the nodes next to the ends."""
-    count = len(steps) + 1
-    matrix = np.zeros((count, count))
-    flat = secants.reshape(len(secants), -1)
-    right = np.empty((count, flat.shape[1]))
-    for node in range(1, count - 1):
-        before, after = steps[node - 1], steps[node]
-        matrix[node, node - 1 : node + 2] = after, 2.0 * (before + after), before
-        right[node] = 3.0 * (after * flat[node - 1] + before * flat[node])
-    for end, (step, next_step), (secant, next_secant), places in (
-        (0, steps[:2], flat[:2], (0, 1)),
-        (count - 1, steps[:-3:-1], flat[:-3:-1], (count - 1, count - 2)),
-    ):
-        both = step + next_step
-        matrix[end, list(places)] = next_step, both
-        right[end] = ((step + 2.0 * both) * next_step * secant + step**2 * next_secant) / both
-    return np.asarray(np.linalg.solve(matrix, right)).reshape(count, *secants.shape[1:])

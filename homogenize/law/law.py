@@ -77,11 +77,6 @@ class LawTable(ABC):
         """Errors of the table at cells of sizes (n, A) with stored forms (n, K)."""
 
     @property
-    def axis_nodes(self) -> tuple[Floats, ...]:
-        """(n1,), ..., (nA,) mm, increasing nodes of each size."""
-        return self.plan.axis_nodes
-
-    @property
     def size_ranges(self) -> dict[str, tuple[float, float]]:
         """Smallest and largest size in mm that the table covers, by the names of its sizes.
 
@@ -114,7 +109,7 @@ class LawTable(ABC):
         for number, size in enumerate(self.plan.sizes):
             if size.axis.logarithmic:
                 slope[:, number] /= clipped[:, number, None]
-        slope *= (self._within(sizes) & np.array([len(nodes) > 1 for nodes in self.axis_nodes], bool))[:, :, None]
+        slope *= (self._within(sizes) & np.array([len(nodes) > 1 for nodes in self.plan.axis_nodes], bool))[:, :, None]
         return value, slope
 
     def beyond(self, sizes: Floats) -> tuple[str, float, str] | None:
@@ -136,7 +131,7 @@ class LawTable(ABC):
         return np.zeros(len(sizes), bool) if self.plan.is_motif else np.asarray(sizes[:, 0] == 0.0)
 
     def _clipped(self, sizes: Floats) -> Floats:
-        low, high = ([nodes[end] for nodes in self.axis_nodes] for end in (0, -1))
+        low, high = ([nodes[end] for nodes in self.plan.axis_nodes] for end in (0, -1))
         return np.clip(np.nan_to_num(sizes, nan=0.0), low, high)
 
     def _places(self, sizes: Floats) -> Floats:
@@ -160,7 +155,8 @@ class LawTable(ABC):
         """The grid of a block of columns, made when it is first used."""
         key = block.start, block.stop
         if key not in self._grids:
-            nodes = [size.axis.coordinate(each) for size, each in zip(self.plan.sizes, self.axis_nodes, strict=True)]
+            pairs = zip(self.plan.sizes, self.plan.axis_nodes, strict=True)
+            nodes = [size.axis.coordinate(each) for size, each in pairs]
             values = self.stored[..., block] if nodes else self.stored[None, block]
             self._grids[key] = HermiteGrid(nodes or [np.zeros(1)], values, rules)
         return self._grids[key]
@@ -199,13 +195,7 @@ class Law(Generic[Table]):
         return tuple(table.stretch for table in self.tables)
 
     def at(self, stretch: Stretch) -> Table:
-        """The table of a stretch.
-
-        Raises
-        ------
-        ForeignLaw
-            The law has no table for this stretch.
-        """
+        """The table of a stretch."""
         asked = np.broadcast_to(stretch, 2).tolist()
         for table in self.tables:
             if same_values(np.broadcast_to(table.stretch, 2).tolist(), asked):

@@ -36,49 +36,34 @@ PAPER_MATERIAL = Path(__file__).parents[1] / "data" / "paper.toml"
 
 
 class CampaignPlan(Section):
-    """Section `[plan]` of a material file: which unit cells are solved.
+    """Section `[plan]` of a material file: which unit cells are solved."""
 
-    Attributes
-    ----------
-    stretches : the law has one table for each; by default the stretch of the fabric alone.
-    lengths_mm, thicknesses_mm, widths_mm : increasing; all combinations are solved. The bare fabric (length 0) is
-        always among them.
-    edge_mm : of the cells' mesh. Sheets that use the law have meshes with the same edge length.
-    graded : finer at arms and tips, as sheets with `mesh.graded`; not for the paper's hinges.
-    held_out : number of random cells per stretch that test the law.
-    """
-
+    # the law has one table for each; by default the stretch of the fabric alone.
     stretches: AxisNodes | None = Field(None, min_length=1, max_length=20)
+    # lengths_mm, thicknesses_mm, widths_mm: increasing; all combinations are solved. The bare fabric (length 0) is
+    # always among them.
     lengths_mm: AxisNodes = Field((2.0, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0), min_length=1, max_length=200)
     thicknesses_mm: AxisNodes = Field((0.2, 0.25, 0.3, 0.4, 0.5, 0.6), min_length=1, max_length=200)
     widths_mm: AxisNodes = Field((0.8, 1.2, 1.6), min_length=1, max_length=200)
+    # of the cells' mesh. Sheets that use the law have meshes with the same edge length.
     edge_mm: Number = Field(2.0, ge=MIN_CELL_EDGE_MM, le=100)
-    graded: bool = False
-    held_out: Whole = Field(12, ge=0, le=10_000)
+    graded: bool = False  # finer at arms and tips, as sheets with `mesh.graded`; not for the paper's hinges
+    held_out: Whole = Field(12, ge=0, le=10_000)  # number of random cells per stretch that test the law
 
     @field_validator("stretches", *_BY_NODES)
     @classmethod
-    def _increase(cls, values: AxisNodes | None) -> AxisNodes | None:
-        if values is not None and any(b <= a for a, b in pairwise(values)):
-            raise DesignError("", "must increase", list(values))
-        return values
-
-    @field_validator("stretches")
-    @classmethod
-    def _are_stretches(cls, values: AxisNodes | None) -> AxisNodes | None:
+    def _are_nodes(cls, values: AxisNodes | None, info: ValidationInfo) -> AxisNodes | None:
+        axis = _BY_NODES.get(str(info.field_name))
         if values is None:
             return None
-        _check_within(values, (1.0, 3.0))
-        if any(b - a < MIN_STRETCH_STEP * (1.0 - 1e-6) for a, b in pairwise(sorted(values))):
-            raise DesignError("", f"must be at least {MIN_STRETCH_STEP:g} apart", list(values))
-        return values
-
-    @field_validator(*_BY_NODES)
-    @classmethod
-    def _can_be_printed(cls, values: AxisNodes, info: ValidationInfo) -> AxisNodes:
-        axis = _BY_NODES[str(info.field_name)]
+        if any(b <= a for a, b in pairwise(values)):
+            raise DesignError("", "must increase", list(values))
         if axis is not LENGTH:
-            _check_within(values, axis.limits)
+            low, high = axis.limits if axis else (1.0, 3.0)
+            if not all(low <= v <= high for v in values):
+                raise DesignError("", f"must be from {low:g} to {high:g}", list(values))
+            if axis is None and any(b - a < MIN_STRETCH_STEP * (1.0 - 1e-6) for a, b in pairwise(values)):
+                raise DesignError("", f"must be at least {MIN_STRETCH_STEP:g} apart", list(values))
             return values
         printed = [v for v in values if v != 0]
         if not all(v >= MIN_ARM_MM for v in printed):
@@ -97,11 +82,6 @@ class CampaignPlan(Section):
         """Nodes of an axis."""
         nodes: AxisNodes = getattr(self, axis.nodes_key)
         return nodes
-
-
-def _check_within(values: AxisNodes, limits: tuple[float, float]) -> None:
-    if not all(limits[0] <= v <= limits[1] for v in values):
-        raise DesignError("", f"must be from {limits[0]:g} to {limits[1]:g}", list(values))
 
 
 class Material(Section):

@@ -6,7 +6,7 @@ Stars and motifs of drawn rods differ in what carries the sizes: the arms of the
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -20,7 +20,6 @@ from asterism.homogenize.law.axes import AXIS_OF, LENGTH, Axis, law_coordinates,
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
-from asterism.pattern.design.materials import Fabric
 from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.layout.layout import Layout
@@ -42,48 +41,6 @@ FREE_KEYS = {
     },
     "plastic": {"density_kg_m3"},
 }
-
-
-def check_same(
-    section: str, ours: Mapping[str, Any], theirs: Mapping[str, Any], tolerance: float, free: Collection[str] = ()
-) -> None:
-    """Compare the values of a section of the law's design and of another design.
-
-    Raises
-    ------
-    ForeignLaw
-        A value differs that is not free; the message names it.
-    """
-    kind = section if section == "lattice" else "motif" if section.startswith("rods") else "material"
-    for key in ours:
-        if key not in free and not same_values(ours[key], theirs[key], tolerance):
-            field = f"{section}.{key}"
-            if kind == "motif" and isinstance(theirs[key], list):  # places of a line
-                raise ForeignLaw(f"{field}: the law is for another motif", field=field)
-            raise ForeignLaw(f"{field} = {theirs[key]}: the law is for another {kind}, of {ours[key]}", field=field)
-
-
-def check_stiffness(known: Fabric, asked: Fabric) -> None:
-    """Compare the stiffnesses of two fabrics, each over its modulus, and their grain.
-
-    Raises
-    ------
-    ForeignLaw
-        They differ.
-    """
-    if known.is_orthotropic or asked.is_orthotropic:
-        ours, theirs = (
-            [*(e / each.modulus for e in (*each.moduli, each.shear_modulus)), *each.axes.ravel()]
-            for each in (known, asked)
-        )
-        if not same_values(ours, theirs, MATERIAL_TOLERANCE):
-            problem = f"the fabric has {asked.modulus_text}: the law is for {known.modulus_text}"
-            raise ForeignLaw(problem, field="fabric.modulus_mpa")
-    ours, theirs = ([d / each.modulus for d in each.bending_tensor] for each in (known, asked))
-    if not same_values(ours, theirs, MATERIAL_TOLERANCE):
-        found = f"{theirs[0]:.3g} mm^3: the law is for {ours[0]:.3g} mm^3"
-        problem = f"the fabric's bending stiffness over its modulus is {found}"
-        raise ForeignLaw(problem, field="fabric.bending_stiffness_n_mm")
 
 
 def same_sites(one: Lattice, other: Lattice) -> bool:
@@ -130,18 +87,11 @@ WITHOUT_BENDING = f"has no law: bare fabric without bending stiffness makes unit
 
 @dataclass(frozen=True)
 class Size:
-    """A size that a law is a function of.
+    """A size that a law is a function of."""
 
-    Attributes
-    ----------
-    key : of design files.
-    nodes : mm, increasing.
-    lines : numbers of the lines of a motif that have it; None for the arms of stars.
-    """
-
-    key: str
-    nodes: Sizes
-    lines: tuple[int, ...] | None = None
+    key: str  # of design files
+    nodes: Sizes  # mm, increasing
+    lines: tuple[int, ...] | None = None  # numbers of the lines of a motif that have it; None for the arms of stars
 
     @property
     def axis(self) -> Axis:
@@ -156,18 +106,11 @@ class Size:
 
 @dataclass(frozen=True, order=True)
 class CellTask:
-    """One unit cell to solve.
+    """One unit cell to solve."""
 
-    Attributes
-    ----------
-    stretch : of the fabric.
-    held_out : the cell tests the law; the fit does not use it.
-    sizes : mm, in the order of `LawPlan.sizes`.
-    """
-
-    stretch: Stretch
-    held_out: bool
-    sizes: Sizes
+    stretch: Stretch  # of the fabric
+    held_out: bool  # the cell tests the law; the fit does not use it
+    sizes: Sizes  # mm, in the order of `LawPlan.sizes`
 
     @property
     def is_bare(self) -> bool:
@@ -177,22 +120,14 @@ class CellTask:
 
 @dataclass(frozen=True)
 class LawPlan:
-    """The cells of a law.
+    """The cells of a law."""
 
-    Attributes
-    ----------
-    design : of one cell. The stretch of its fabric and its `sizes` are replaced; other sizes of lines are numbers.
-    sizes : what the law is a function of. Those of stars are `homogenize.law.axes.AXES`.
-    stretches : the law has one table for each.
-    edge_mm : of the cells' mesh.
-    held_out : number of random cells per stretch that test the law.
-    """
-
+    # of one cell. The stretch of its fabric and its `sizes` are replaced; other sizes of lines are numbers.
     design: Design
-    sizes: tuple[Size, ...]
-    stretches: tuple[Stretch, ...]
-    edge_mm: float
-    held_out: int = 0
+    sizes: tuple[Size, ...]  # what the law is a function of. Those of stars are `homogenize.law.axes.AXES`.
+    stretches: tuple[Stretch, ...]  # the law has one table for each
+    edge_mm: float  # of the cells' mesh
+    held_out: int = 0  # number of random cells per stretch that test the law
 
     @property
     def is_motif(self) -> bool:
@@ -305,45 +240,52 @@ class LawPlan:
             raise ForeignLaw(f"{theirs}: the law is for {ours}", field="rods" if design.rods else "stars")
         if (refused := without_law(design)) is not None:
             raise LawError(str(refused), field=refused.field)
-        for section, free in FREE_KEYS.items():
-            ours_in, theirs_in = (getattr(each, section).model_dump(mode="json") for each in (self.design, design))
-            check_same(section, ours_in, theirs_in, MATERIAL_TOLERANCE, free)
-        known, asked = self.design.lattice, design.lattice
-        if design.rods is None:
-            check_same("lattice", _star_lattice(known, asked), _star_lattice(asked), LATTICE_TOLERANCE)
-        elif not same_sites(known, asked):
-            vectors = [np.round(each.vectors, 4).tolist() for each in (known, asked)]
-            problem = f"lattice: the law is for another lattice, of the vectors {vectors[0]}, not {vectors[1]}"
-            raise ForeignLaw(problem, field="lattice")
-        check_stiffness(self.design.fabric, design.fabric)
+        both = (self._traits(each, design) for each in (self.design, design))
+        for (field, kind, known, of), (_, _, asked, shown) in zip(*both, strict=False):
+            part = MATERIAL_TOLERANCE if kind == "material" else LATTICE_TOLERANCE
+            if not same_values(known, asked, part):
+                if isinstance(asked, list) and not shown:  # places of a line
+                    raise ForeignLaw(f"{field}: the law is for another {kind}", field=field)
+                known, asked = of or known, shown or asked
+                raise ForeignLaw(f"{field} = {asked}: the law is for another {kind}, of {known}", field=field)
         if design.rods is not None:
-            self._check_lines(design.rods)
             self.sources(design)
 
-    def _check_lines(self, rods: Rods) -> None:
-        own = self.design.required_rods
-        if len(own.motif) != len(rods.motif):
-            problem = f"rods.motif: the law is for {len(own.motif)} lines, not {len(rods.motif)}"
-            raise ForeignLaw(problem, field="rods.motif")
-        ours, theirs = (each.model_dump(include={"curve_mm", "join_mm"}) for each in (own, rods))
-        check_same("rods", ours, theirs, LATTICE_TOLERANCE)
-        for number, lines in enumerate(zip(own.motif, rods.motif, strict=True)):
+    def _traits(self, design: Design, like: Design) -> Iterator[tuple[str, str, Any, str]]:
+        """What cells depend on, beside stretches and sizes: the field, what it tells of, its value, and other words
+        for that. `like` is the design with which another one is compared."""
+        fabric, rods = design.fabric, design.rods
+        for section, free in FREE_KEYS.items():
+            for key, value in getattr(design, section).model_dump(mode="json").items():
+                if key not in free:
+                    yield f"{section}.{key}", "material", value, ""
+        if rods is None:
+            for key, value in _star_lattice(design.lattice, like.lattice).items():
+                yield f"lattice.{key}", "lattice", value, ""
+        else:
+            lattice = like.lattice if same_sites(design.lattice, like.lattice) else design.lattice
+            yield "lattice", "lattice", lattice.vectors.tolist(), ""
+        moduli: list[float] = []
+        if any(each.fabric.is_orthotropic for each in (self.design, like)):
+            moduli = [*(e / fabric.modulus for e in (*fabric.moduli, fabric.shear_modulus)), *fabric.axes.ravel()]
+        yield "fabric.modulus_mpa", "material", moduli, fabric.modulus_text
+        bending = [d / fabric.modulus for d in fabric.bending_tensor]
+        yield "fabric.bending_stiffness_n_mm", "material", bending, f"{bending[0]:.3g} mm^3 over the modulus"
+        if rods is None:
+            return
+        yield "rods.motif", "motif", len(rods.motif), f"{len(rods.motif)} lines"
+        yield "rods.curve_mm", "motif", rods.curve_mm, ""
+        yield "rods.join_mm", "motif", rods.join_mm, ""
+        for number, line in enumerate(rods.motif):
             # names are for people
             free = {"name", *(size.key for size in self.sizes if number in (size.lines or ()))}
-            ours, theirs = (
-                line.model_dump(mode="json") | {key: _number(section, line, key) for key in ROD_SIZE_KEYS}
-                for section, line in zip((own, rods), lines, strict=True)
-            )
-            check_same(f"rods.motif[{number}]", ours, theirs, LATTICE_TOLERANCE, free)
+            for key, value in line.model_dump(mode="json").items():
+                if key not in free:
+                    value = _number(rods, line, key) if key in ROD_SIZE_KEYS else value
+                    yield f"rods.motif[{number}].{key}", "motif", value, ""
 
     def sources(self, design: Design) -> list[SizingField]:
-        """The sizing field of a design's motif for each of `sizes`.
-
-        Raises
-        ------
-        ForeignLaw
-            Lines that have a size in common here have different ones.
-        """
+        """The sizing field of a design's motif for each of `sizes`."""
         rods, fields = design.required_rods, []
         for size in self.sizes:
             lines = size.lines or ()
@@ -355,13 +297,7 @@ class LawPlan:
         return fields
 
     def sizes_at(self, design: Design, points: Floats) -> Floats:
-        """(n, A) mm, sizes of a design's motif at printed points (n, 2) mm, rounded as its rods are.
-
-        Raises
-        ------
-        ForeignLaw
-            As of `sources`.
-        """
+        """(n, A) mm, sizes of a design's motif at printed points (n, 2) mm, rounded as its rods are."""
         columns = [
             rounded(design.required_rods, size.key, sample(field, points))
             for size, field in zip(self.sizes, self.sources(design), strict=True)
@@ -369,16 +305,11 @@ class LawPlan:
         return np.stack(columns, axis=-1) if columns else np.empty((len(points), 0))
 
     def sizes_on(self, design: Design, layout: Layout) -> Floats:
-        """(n, A) mm, the sizes that occur on a sheet: of its stars, or along its rods and at its corners.
-
-        Raises
-        ------
-        ForeignLaw
-            As of `sources`.
-        """
+        """(n, A) mm, the sizes that occur on a sheet: of its stars, or along its rods and at its corners."""
         if not self.is_motif:
             return law_coordinates(layout, design.lattice.arms)
-        return self.sizes_at(design, places_of_sizes(layout))
+        points = [rod.points for rod in layout.graph.rods]
+        return self.sizes_at(design, np.concatenate([layout.outline, *points, layout.points_on_rods]))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data; the inverse of `from_dict`."""
@@ -417,7 +348,7 @@ class LawPlan:
             raise ValueError("sizes and design do not belong together")
         if not all((np.diff([0.0, *size.nodes]) > 0).all() for size in sizes):
             raise ValueError("sizes must be positive and increase")
-        stretches = tuple(_stretch_of(each) for each in data["stretches"])
+        stretches = tuple((float(s[0]), float(s[1])) if isinstance(s, list) else float(s) for s in data["stretches"])
         return cls(design, sizes, stretches, float(data["edge_mm"]), int(data["held_out"]))
 
 
@@ -433,12 +364,6 @@ def without_law(design: Design) -> DesignError | None:
     if not design.fabric.has_bending:
         return DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
     return None
-
-
-def places_of_sizes(layout: Layout) -> Floats:
-    """(n, 2) mm, printed points at which the sizes of a motif are sampled: along its rods, and at its corners."""
-    points = [rod.points for rod in layout.graph.rods]
-    return np.concatenate([layout.outline, *points, layout.points_on_rods])
 
 
 def source_of(rods: Rods, line: DrawnLine, key: str) -> SizingField:
@@ -473,18 +398,14 @@ def stretch_text(stretch: Stretch) -> str:
     return f"{sx:g}" if same_values(float(sx), float(sy)) else f"[{sx:g}, {sy:g}]"
 
 
-def _stretch_of(data: Any) -> Stretch:
-    return (float(data[0]), float(data[1])) if isinstance(data, list) else float(data)
-
-
-def _star_lattice(lattice: Lattice, like: Lattice | None = None) -> dict[str, Any]:
-    """The data of a lattice that shape its cells, or those of another one (`like`) where its sites are the same.
+def _star_lattice(lattice: Lattice, like: Lattice) -> dict[str, Any]:
+    """The data of a lattice that shape its cells, those of another one (`like`) where its sites are the same.
 
     The origin is left out, and the orientation is reduced by the symmetry of star and lattice. A lattice repeats after
     half a turn: stars that are turned by it make the same sheet.
     """
     turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms / (1 + lattice.arms % 2)) - 1e-7
-    sites = (like if like is not None and same_sites(lattice, like) else lattice).model_dump(mode="json")
+    sites = (like if same_sites(lattice, like) else lattice).model_dump(mode="json")
     return {
         "arms": lattice.arms,
         "kind": sites["kind"],

@@ -25,23 +25,16 @@ from asterism.pattern.design.design import Design
 
 @dataclass(frozen=True)
 class LawQuantity:
-    """One quantity of the law.
+    """One quantity of the law."""
 
-    Attributes
-    ----------
-    meaning : with its unit.
-    rule : of the slopes at the nodes.
-    form : what is interpolated. "log": the logarithm, so that the quantity stays positive. "asinh": inverse hyperbolic
-        sine, linear for small values of either sign and logarithmic for large ones. "itself": the quantity.
-    per_modulus : the quantity is proportional to the modulus of the fabric.
-    error_floor : an error is relative to the cell's value, or to this part of the largest value in the table if that is
-        larger. The part is larger for quantities that change their sign.
-    """
-
-    meaning: str
-    rule: SlopeRule = "smooth"
+    meaning: str  # with its unit
+    rule: SlopeRule = "smooth"  # of the slopes at the nodes
+    # what is interpolated. "log": the logarithm, so that the quantity stays positive. "asinh": inverse hyperbolic sine,
+    # linear for small values of either sign and logarithmic for large ones. "itself": the quantity.
     form: Literal["itself", "log", "asinh"] = "itself"
-    per_modulus: bool = False
+    per_modulus: bool = False  # the quantity is proportional to the modulus of the fabric
+    # an error is relative to the cell's value, or to this part of the largest value in the table if that is larger. The
+    # part is larger for quantities that change their sign.
     error_floor: float = 0.03
 
 
@@ -70,23 +63,15 @@ SMALL_CURL = 0.03
 
 @dataclass(frozen=True)
 class LawValues:
-    """The law at N stars.
+    """The law at N stars."""
 
-    Attributes
-    ----------
-    value : (N,) for each of `QUANTITY_NAMES`.
-    slope : (N, A) derivatives by the sizes of `axes.AXES`, for each of `QUANTITY_NAMES`.
-    inside : (N,) False outside the range of the law, see `LawTable.interpolated`.
-    outside : one line for each star outside the range.
-    not_scale_separated : (N,) True if a sheet of such stars curls to a radius below two thirds of their spacing
-        (`MAX_SEPARATED_CURL`). The values are those of the cell, but a sheet whose stars differ need not follow them:
-        the stated accuracy of the law ends here.
-    """
-
-    value: dict[str, Floats]
-    slope: dict[str, Floats]
-    inside: Bools
-    outside: tuple[str, ...]
+    value: dict[str, Floats]  # (N,) for each of `QUANTITY_NAMES`
+    slope: dict[str, Floats]  # (N, A) derivatives by the sizes of `axes.AXES`, for each of `QUANTITY_NAMES`
+    inside: Bools  # (N,) False outside the range of the law, see `LawTable.interpolated`
+    outside: tuple[str, ...]  # one line for each star outside the range
+    # (N,) True if a sheet of such stars curls to a radius below two thirds of their spacing (`MAX_SEPARATED_CURL`). The
+    # values are those of the cell, but a sheet whose stars differ need not follow them: the stated accuracy of the law
+    # ends here.
     not_scale_separated: Bools
 
 
@@ -122,18 +107,6 @@ class StarTable(LawTable):
         Parameters
         ----------
         sizes : length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
-
-        Examples
-        --------
-        >>> from asterism.homogenize.law.law_file import load_law
-        >>> table = load_law().at(1.35)
-        >>> found = table([0.0, 9.0], 0.42, 1.2)
-        >>> found.value["lam"].round(3)
-        array([0.741, 0.818])
-        >>> found.value["kappa"].round(4)  # 1/mm; bare fabric stays flat
-        array([0.    , 0.0248])
-        >>> table(9.0, 0.42, 5.0).outside
-        ("star 0: width_mm = 5 is outside the law's 0.8 to 1.6",)
         """
         asked = self.rows(sizes)
         stored, slope = self.interpolated(asked, _QUANTITIES, _RULES)
@@ -153,10 +126,6 @@ class StarTable(LawTable):
         The amplitudes are `c[:, 0] + k c[:, 1]`, in mm, where k (1/mm) is the sum of the principal curvatures of the
         sheet. Flat cells give the first, natural tubes the second. Outside the range of the law they are those of the
         nearest sizes in it.
-
-        Parameters
-        ----------
-        sizes : see `__call__`.
         """
         parts = self._smooth(sizes, len(QUANTITIES) + anisotropy_size(self.plan.design), self.stored.shape[-1])
         return parts.reshape(len(parts), 2, -1)
@@ -165,10 +134,6 @@ class StarTable(LawTable):
         """(N, K) differences between directions, see `homogenize.law.anisotropy`; K is 0 for threefold symmetry.
 
         Outside the range of the law they are those of the nearest sizes in it.
-
-        Parameters
-        ----------
-        sizes : see `__call__`.
         """
         return self._smooth(sizes, len(QUANTITIES), len(QUANTITIES) + anisotropy_size(self.plan.design))
 
@@ -242,15 +207,6 @@ class StarLaw(Law[StarTable]):
 
     def evaluate(self, design: Design, *sizes: ArrayLike) -> LawValues:
         """The law at stars of these sizes, with stiffnesses for the modulus of the design's fabric.
-
-        Parameters
-        ----------
-        sizes : see `StarTable.__call__`.
-
-        Raises
-        ------
-        LawError
-            See `check`.
 
         Examples
         --------

@@ -29,30 +29,15 @@ _CLOSE = 1e-6
 
 @dataclass(frozen=True)
 class SheetTensors:
-    """Tensors of a sheet at n places.
+    """Tensors of a sheet at n places."""
 
-    Attributes
-    ----------
-    metric : (n, 3) components 11, 22, 12 of the rest metric.
-    stiffness : (n, 6, 6) membrane (N/mm) and bending (N mm), Voigt; without coupling.
-    curvature : (n, 3) rest curvature, components 11, 22, 12, 1/mm; negative with the plastic outside.
-    """
-
-    metric: Floats
-    stiffness: Floats
-    curvature: Floats
+    metric: Floats  # (n, 3) components 11, 22, 12 of the rest metric
+    stiffness: Floats  # (n, 6, 6) membrane (N/mm) and bending (N mm), Voigt; without coupling
+    curvature: Floats  # (n, 3) rest curvature, components 11, 22, 12, 1/mm; negative with the plastic outside
 
 
 def stored_tensors(tensors: SheetTensors) -> Floats:
-    """(n, 18) stored forms.
-
-    Examples
-    --------
-    >>> sheet = SheetTensors(np.array([[0.9, 0.8, 0.1]]), np.eye(6)[None], np.array([[-0.01, 0.0, 0.0]]))
-    >>> again, _ = tensors_of_stored(stored_tensors(sheet), np.empty((1, 0, STORED_SIZE)))
-    >>> again.metric.round(12), again.curvature.round(12) + 0.0
-    (array([[0.9, 0.8, 0.1]]), array([[-0.01,  0.  ,  0.  ]]))
-    """
+    """(n, 18) stored forms."""
     membrane, bending = tensors.stiffness[:, :3, :3], tensors.stiffness[:, 3:, 3:]
     moment = np.einsum("nij,nj->ni", bending, tensors.curvature * TO_VOIGT)
     scale = np.outer(_KELVIN, _KELVIN)
@@ -62,12 +47,7 @@ def stored_tensors(tensors: SheetTensors) -> Floats:
 
 
 def tensors_of_stored(stored: Floats, slopes: Floats) -> tuple[SheetTensors, SheetTensors]:
-    """The tensors of stored forms (n, 18), and their derivatives from those of the stored forms (n, A, 18).
-
-    Returns
-    -------
-    The tensors, and their derivatives with an axis of A after the first: (n, A, 3), (n, A, 6, 6) and (n, A, 3).
-    """
+    """The tensors of stored forms (n, 18), and their derivatives from those of the stored forms (n, A, 18)."""
     metric, metric_slope = _exponential(stored[:, METRIC], slopes[..., METRIC])
     stiffness = np.zeros((len(stored), 6, 6))
     stiffness_slope = np.zeros((*slopes.shape[:2], 6, 6))

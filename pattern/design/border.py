@@ -25,31 +25,20 @@ MAX_HOLES = 1000
 
 
 class Hole(Section):
-    """A hole, or several of a drawing: one of `circle_mm`, `polygon_mm`, `spline_mm`, `rods` and `file`.
+    """A hole, or several of a drawing: one of `circle_mm`, `polygon_mm`, `spline_mm`, `rods` and `file`."""
 
-    Attributes
-    ----------
-    circle_mm, polygon_mm, spline_mm : the edge of the hole; the polygon and the spline return to their first point.
-    rods : name of a closed line of `[rods]` that is the edge: the fabric within it is cut out along its inner edge.
-    file : SVG, DXF or 3DM file. Its closed lines are edges of holes.
-    layer : of the file; by default all closed lines.
-    origin, units : as of `[[rods.import]]`.
-    rings_mm : the edges that were read from the file.
-
-    Examples
-    --------
-    >>> Hole(polygon_mm=[(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)]).kind
-    'polygon_mm'
-    """
-
+    # circle_mm, polygon_mm, spline_mm: the edge of the hole; the polygon and the spline return to their first point.
     circle_mm: DrawnCircle | None = None
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
     spline_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
+    # name of a closed line of `[rods]` that is the edge: the fabric within it is cut out along its inner edge.
     rods: Line | None = None
-    file: Text | None = None
-    layer: Text | None = None
+    file: Text | None = None  # SVG, DXF or 3DM file. Its closed lines are edges of holes.
+    layer: Text | None = None  # of the file; by default all closed lines
+    # origin, units: as of `[[rods.import]]`.
     origin: Literal["middle", "drawing"] = "middle"
     units: Literal["mm", "cm", "in", "px", "pt"] | None = None
+    # the edges that were read from the file.
     rings_mm: tuple[tuple[Point, ...], ...] = Field((), max_length=MAX_HOLES, repr=False)
 
     @property
@@ -69,45 +58,32 @@ _KINDS = ("circle_mm", "polygon_mm", "spline_mm", "rods", "file")
 
 
 class Border(Section):
-    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `file` and `rods`.
+    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `file` and `rods`."""
 
-    Attributes
-    ----------
-    rings : hexagon around this many rings of stars about the central one (triangular lattice only).
-    rectangle_mm : width and height, centred on the origin.
-    polygon_mm : corners in order, clockwise or counterclockwise.
-    circle_mm : a circle or an ellipse; its edges are straight pieces that begin on the x axis.
-    file : SVG, DXF or 3DM file, whose largest closed line is the outline; closed lines within it are holes. It is read
-        once: the outline is stored as `polygon_mm`, and the holes as `holes`.
-    layer : of the file; by default all closed lines.
-    origin : `middle` moves the middle of the outline's box to the origin; `drawing` keeps the file's own origin.
-    units : unit of a file that gives none.
-    rods : name of a closed line of `[rods]` that is the outline: the fabric is cut along its outer edge.
-    holes : holes in the sheet; lines and arms are cut there as at the outline.
-    star_margin_mm : smallest distance from a star's centre to the outline, unless `rings` gives it, and to holes. By
-        default it is half the spacing, which leaves the outer stars a full cell of fabric.
-    overhang : `cut` shortens arms that would leave the sheet, `refuse` reports them as an error.
-    tip_margin_mm : fabric left between an arm's tip and the outline.
-
-    Examples
-    --------
-    >>> Border(rectangle_mm=(120.0, 80.0)).overhang
-    'cut'
-    """
-
+    # hexagon around this many rings of stars about the central one (triangular lattice only).
     rings: Whole | None = Field(None, ge=0, le=40)
-    rectangle_mm: Point | None = None
+    rectangle_mm: Point | None = None  # width and height, centred on the origin
+    # corners in order, clockwise or counterclockwise.
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
+    # a circle or an ellipse; its edges are straight pieces that begin on the x axis.
     circle_mm: DrawnCircle | None = None
+    # SVG, DXF or 3DM file, whose largest closed line is the outline; closed lines within it are holes. It is read once:
+    # the outline is stored as `polygon_mm`, and the holes as `holes`.
     file: Text | None = None
-    layer: Text | None = None
+    layer: Text | None = None  # of the file; by default all closed lines
+    # `middle` moves the middle of the outline's box to the origin; `drawing` keeps the file's own origin.
     origin: Literal["middle", "drawing"] = "middle"
-    units: Literal["mm", "cm", "in", "px", "pt"] | None = None
+    units: Literal["mm", "cm", "in", "px", "pt"] | None = None  # unit of a file that gives none
+    # name of a closed line of `[rods]` that is the outline: the fabric is cut along its outer edge.
     rods: Line | None = None
+    # holes in the sheet; lines and arms are cut there as at the outline.
     holes: tuple[Hole, ...] = Field((), max_length=MAX_HOLES)
+    # smallest distance from a star's centre to the outline, unless `rings` gives it, and to holes. By default it is
+    # half the spacing, which leaves the outer stars a full cell of fabric.
     star_margin_mm: Number | None = Field(None, ge=1, le=1000)
+    # `cut` shortens arms that would leave the sheet, `refuse` reports them as an error.
     overhang: Literal["cut", "refuse"] = "cut"
-    tip_margin_mm: Number = Field(0.5, ge=0.1, le=100)
+    tip_margin_mm: Number = Field(0.5, ge=0.1, le=100)  # fabric left between an arm's tip and the outline
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:

@@ -187,26 +187,14 @@ class Design(Section):
 
     @property
     def required_stars(self) -> Stars:
-        """The section `[stars]`, for what is computed of stars alone.
-
-        Raises
-        ------
-        DesignError
-            The pattern is drawn.
-        """
+        """The section `[stars]`, for what is computed of stars alone."""
         if self.stars is None:
             raise DesignError("rods", NEEDS_STARS_ALONE)
         return self.stars
 
     @property
     def required_rods(self) -> Rods:
-        """The section `[rods]`, for what is computed of drawn rods alone.
-
-        Raises
-        ------
-        DesignError
-            The pattern has no drawn rods.
-        """
+        """The section `[rods]`, for what is computed of drawn rods alone."""
         if self.rods is None:
             raise DesignError("rods", "must be there: this needs drawn rods")
         return self.rods

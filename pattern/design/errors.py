@@ -63,65 +63,53 @@ def from_validation(error: ValidationError, file: str | Path | None = None) -> D
     """The first of pydantic's errors as a `DesignError`."""
     first = error.errors(include_url=False)[0]
     context = first.get("ctx", {})
-    field = _dotted(first["loc"], context.get("key"))
+    field = _dotted(first["loc"])
     if first["type"] == "missing":
         return DesignError(field, "is missing", file=file)
     if isinstance(cause := context.get("error"), DesignError):
         inner = ".".join(part for part in (field, cause.field) if part)
         return DesignError(inner, cause.allowed, cause.value, file, cause.stars, cause.place_mm)
-    value, allowed = context.get("value", first["input"]), _allowed(first["type"], context, first["msg"])
+    value, allowed = first["input"], _allowed(first["type"], context, first["msg"])
     if allowed == MUST_BE_A_LIST and isinstance(value, dict) and field in ("pins", "stars.override", "border.holes"):
         allowed += f"; a table in it begins with [[{field}]]"
     return DesignError(field, allowed, value, file)
 
 
+_TEXTS = {
+    "must be a number": ("float_type", "float_parsing"),
+    MUST_BE_WHOLE: ("int_type", "int_from_float", "int_parsing", "int_parsing_size"),
+    "must be true or false": ("bool_type", "bool_parsing"),
+    "must be a text": ("string_type",),
+    "must be a finite number": ("finite_number",),
+    "must be at least {ge:g}": ("greater_than_equal",),
+    "must be greater than {gt:g}": ("greater_than",),
+    "must be at most {le:g}": ("less_than_equal",),
+    "must be less than {lt:g}": ("less_than",),
+    "must be {expected}": ("literal_error",),
+    "must have at most {max_length} characters": ("string_too_long",),
+    "must have at least {min_length} characters": ("string_too_short",),
+    "must have at least {min_length} entries": ("too_short",),
+    "must have at most {max_length} entries": ("too_long",),
+    MUST_BE_A_LIST: ("tuple_type", "list_type"),
+    "must be a table of keys and values": ("model_type", "dict_type", "model_attributes_type"),
+}
+_TEXT_OF = {kind: text for text, kinds in _TEXTS.items() for kind in kinds}
+
+
 def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
-    match kind:
-        case "float_type" | "float_parsing":
-            return "must be a number"
-        case "int_type" | "int_from_float" | "int_parsing" | "int_parsing_size":
-            return MUST_BE_WHOLE
-        case "bool_type" | "bool_parsing":
-            return "must be true or false"
-        case "string_type":
-            return "must be a text"
-        case "finite_number":
-            return "must be a finite number"
-        case "greater_than_equal":
-            return f"must be at least {context['ge']:g}"
-        case "greater_than":
-            return f"must be greater than {context['gt']:g}"
-        case "less_than_equal":
-            return f"must be at most {context['le']:g}"
-        case "less_than":
-            return f"must be less than {context['lt']:g}"
-        case "literal_error":
-            return f"must be {context['expected']}"
-        case "string_too_long":
-            return f"must have at most {context['max_length']} characters"
-        case "string_too_short":
-            return f"must have at least {context['min_length']} characters"
-        case "too_short":
-            return f"must have at least {context['min_length']} entries"
-        case "too_long":
-            # a comma in every number makes two of it
-            commas = context.get("actual_length") == 2 * context["max_length"]
-            return f"must have at most {context['max_length']} entries" + ("; decimals have a point" if commas else "")
-        case "tuple_type" | "list_type":
-            return MUST_BE_A_LIST
-        case "model_type" | "dict_type" | "model_attributes_type":
-            return "must be a table of keys and values"
-        case _:
-            return message.removeprefix("Value error, ")
+    allowed = _TEXT_OF[kind].format(**context) if kind in _TEXT_OF else message.removeprefix("Value error, ")
+    # a comma in every number makes two of it
+    has_commas = kind == "too_long" and context.get("actual_length") == 2 * context["max_length"]
+    return allowed + "; decimals have a point" * has_commas
 
 
-def _dotted(location: tuple[int | str, ...], key: str | None) -> str:
+def _dotted(location: tuple[int | str, ...]) -> str:
     """`stars.override[2].at_mm`; branches of a union (written `kind:name`) are left out."""
     field = ""
-    for part in (*location, *([key] if key is not None else [])):
+    for part in location:
         if isinstance(part, int):
             field += f"[{part}]"
-        elif ":" not in part or part == key:
+        elif ":" not in part:
             field += f".{part}" if field else part
     return field
 

@@ -52,12 +52,6 @@ def is_deep(value: Any) -> bool:
     return True
 
 
-def check_regular(path: Path) -> None:
-    """Raise OSError for a pipe or a device, from which reading might never end."""
-    if path.exists() and not (path.is_file() or path.is_dir()):
-        raise OSError(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
-
-
 def read_table(path: Path, max_bytes: int = MAX_DESIGN_BYTES) -> dict[str, Any]:
     """The table in a file, with `DesignError` for everything that can be wrong with one."""
 

@@ -17,28 +17,17 @@ DEFAULT_SPACING_MM = 10 * np.sqrt(3.0)
 
 
 class Lattice(Section):
-    """The lattice of star centres, and the arms of one star.
+    """The lattice of star centres, and the arms of one star."""
 
-    Attributes
-    ----------
-    kind : `triangular` has neighbours at 30, 90, ... 330 deg, `square` at 0, 90, 180, 270 deg.
-        `custom` is spanned by `vectors_mm`.
-    spacing_mm : distance of nearest neighbours. It follows from `vectors_mm` if those are given.
-    origin_mm : place of one star.
-    arms : number of arms of a star, equally spaced.
-    orientation_deg : turns all stars counterclockwise. At 0 the first arm points to -90 deg.
-
-    Examples
-    --------
-    >>> Lattice(kind="square", spacing_mm=20.0).vectors.tolist()
-    [[20.0, 0.0], [0.0, 20.0]]
-    """
-
+    # `triangular` has neighbours at 30, 90, ... 330 deg, `square` at 0, 90, 180, 270 deg. `custom` is spanned by
+    # `vectors_mm`.
     kind: Literal["triangular", "square", "custom"] = "triangular"
+    # distance of nearest neighbours. It follows from `vectors_mm` if those are given.
     spacing_mm: Number = Field(float(DEFAULT_SPACING_MM), ge=1, le=500)
     vectors_mm: tuple[Point, Point] | None = None
-    origin_mm: Point = (0.0, 0.0)
-    arms: Whole = Field(3, ge=3, le=8)
+    origin_mm: Point = (0.0, 0.0)  # place of one star
+    arms: Whole = Field(3, ge=3, le=8)  # number of arms of a star, equally spaced
+    # turns all stars counterclockwise. At 0 the first arm points to -90 deg.
     orientation_deg: Number = Field(0.0, ge=-360, le=360)
 
     @model_validator(mode="after")

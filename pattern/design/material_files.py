@@ -22,16 +22,10 @@ _SECTIONS: dict[str, type[Section]] = {"fabric": Fabric, "plastic": Plastic, "sp
 
 
 class MeasurementNote(Section):
-    """The section `[measured]` of a material file.
+    """The section `[measured]` of a material file."""
 
-    Attributes
-    ----------
-    source : where the values come from: a table of strips, a data sheet, a publication.
-    date : when they were measured, as year-month-day.
-    """
-
-    source: Line = Field(max_length=300)
-    date: Line | None = Field(None, max_length=30)
+    source: Line = Field(max_length=300)  # where the values come from: a table of strips, a data sheet, a publication
+    date: Line | None = Field(None, max_length=30)  # when they were measured, as year-month-day
 
 
 class MaterialChoice(Section):

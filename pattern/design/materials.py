@@ -55,13 +55,7 @@ KappaBar = Annotated[
 
 
 def residual_curvature(thickness_mm: ArrayLike, kappa_bar: float | ResidualCurvature) -> Floats:
-    """(...) 1/mm, residual curvature of plastic of the thicknesses (...); positive bends the tips down.
-
-    Examples
-    --------
-    >>> residual_curvature([0.2, 0.3], 0.01).tolist()
-    [0.01, 0.01]
-    """
+    """(...) 1/mm, residual curvature of plastic of the thicknesses (...); positive bends the tips down."""
     h1 = np.asarray(thickness_mm, dtype=float)
     if isinstance(kappa_bar, ResidualCurvature):
         return np.asarray(np.interp(h1, kappa_bar.thickness_mm, kappa_bar.per_mm))
@@ -112,34 +106,28 @@ def _both(value: float | tuple[float, float]) -> tuple[float, float]:
 
 
 class Fabric(Section):
-    """The stretched fabric, the same in all directions or orthotropic: with moduli along and across its grain.
+    """The stretched fabric, the same in all directions or orthotropic: with moduli along and across its grain."""
 
-    Attributes
-    ----------
-    stretch : printed length over released length, the same in x and y or one for each.
-    modulus_mpa : Young's modulus, or one along and one across the grain. Without gravity only its ratio to the
-        plastic's matters for the shape.
-    shear_modulus_mpa : of shear between along and across; by default Huber's `sqrt(E1 E2)/(2 (1 + poisson))`, but at
-        most the largest of `shear_range`.
-    poisson : Poisson's ratio; of orthotropic fabric the geometric mean of both, so that `nu12 = poisson sqrt(E1/E2)` is
-        the contraction across of a strip that is pulled along.
-    grain_deg : direction along the grain on the released fabric, counterclockwise from x; 0 by default.
-    model : energy of the membrane.
-    bending : bending energy: `plate` is the plate that bends like the paper's hinges, `consistent` the plate of this
-        thickness, `paper` the hinges themselves, which depend on the mesh.
-    bending_stiffness_n_mm : measured bending stiffness of a plate for each mm of width, in place of those; or of strips
-        along and across the grain.
-    thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
-    """
-
-    stretch: NumberOrPair = 1.35
+    stretch: NumberOrPair = 1.35  # printed length over released length, the same in x and y or one for each
+    # thickness_mm, density_kg_m3: of the released fabric; the density is used by gravity only.
     thickness_mm: Number = Field(0.8, ge=0.01, le=10)
+    # Young's modulus, or one along and one across the grain. Without gravity only its ratio to the plastic's matters
+    # for the shape.
     modulus_mpa: NumberOrPair = _DEFAULT_MODULUS_MPA
+    # of shear between along and across; by default Huber's `sqrt(E1 E2)/(2 (1 + poisson))`, but at most the largest of
+    # `shear_range`.
     shear_modulus_mpa: Number | None = Field(None, ge=1e-4, le=1e5)
+    # Poisson's ratio; of orthotropic fabric the geometric mean of both, so that `nu12 = poisson sqrt(E1/E2)` is the
+    # contraction across of a strip that is pulled along.
     poisson: Number = Field(0.3, ge=0, le=0.49)
+    # direction along the grain on the released fabric, counterclockwise from x; 0 by default.
     grain_deg: Number | None = Field(None, ge=-360, le=360)
-    model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
+    model: Literal["neo-hookean", "incompressible"] = "neo-hookean"  # energy of the membrane
+    # bending energy: `plate` is the plate that bends like the paper's hinges, `consistent` the plate of this thickness,
+    # `paper` the hinges themselves, which depend on the mesh.
     bending: Literal["paper", "plate", "consistent", "none"] = "plate"
+    # measured bending stiffness of a plate for each mm of width, in place of those; or of strips along and across the
+    # grain.
     bending_stiffness_n_mm: NumberOrPair | None = None
     density_kg_m3: MassDensity = 400.0
 
@@ -357,22 +345,16 @@ class Fabric(Section):
 
 
 class Plastic(Section):
-    """The printed plastic.
+    """The printed plastic."""
 
-    Attributes
-    ----------
-    modulus_ratio : Young's modulus of the plastic over the fabric's, E1/E2; it goes with `rest_curvature`,
-        which was used to measure it. Of orthotropic fabric the geometric mean of both moduli counts.
-    rest_curvature : formula for the curvature of a released arm.
-    kappa_bar_per_mm : residual curvature of plastic peeled off its fabric, one number or a table over the thickness.
-    density_kg_m3 : used by gravity only.
-    """
-
+    # Young's modulus of the plastic over the fabric's, E1/E2; it goes with `rest_curvature`, which was used to measure
+    # it. Of orthotropic fabric the geometric mean of both moduli counts.
     modulus_ratio: Number = Field(3200.0, ge=1, le=1e7)
     poisson: Number = Field(0.3, ge=0, le=0.49)
-    rest_curvature: Literal["paper", "timoshenko", "none"] = "paper"
+    rest_curvature: Literal["paper", "timoshenko", "none"] = "paper"  # formula for the curvature of a released arm
+    # residual curvature of plastic peeled off its fabric, one number or a table over the thickness.
     kappa_bar_per_mm: KappaBar = 0.0
-    density_kg_m3: MassDensity = 1220.0
+    density_kg_m3: MassDensity = 1220.0  # used by gravity only
 
 
 def rest_curvature(

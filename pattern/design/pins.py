@@ -15,37 +15,31 @@ MAX_PIN_PLACE_MM = 1e4
 class Pins(Section):
     """Places of the sheet that are all supported in the same way.
 
-    Attributes
-    ----------
-    where : "border" or "corners": the whole outline, or all of its corners.
-    points_mm : printed points. Points within 0.25 mm of the outline, of the edge of a hole, of a star's centre, of a
-        tip or of an arm are moved onto it.
-    edges, corners : numbers of edges or corners of the outline, counterclockwise. Edge i runs from corner i to corner
-        i + 1. Corner 0 of a hexagon is at 30 deg, of a rectangle at the lower left.
-    holes : numbers of holes whose whole edges are supported: 0 is the first of `border.holes`.
-    scale : the pins stand at `scale` times the printed place, about the origin, at the height z = 0.
-    offset_mm : moves the pins from there.
-    target_mm : places of the pins in space, one a point; in place of `scale` and `offset_mm`. For edges that follow
-        each other, one for each of their corners: they are held along a smooth curve through these places.
-    slide : leaves the sheet free to slide along "z", or in the "plane" z = 0.
-    step : pins of step 0 support the sheet during its release. Pins of steps 1, 2, ... move the released sheet to their
-        places, in this order.
-
     Notes
     -----
     An entry has one of `where`, `points_mm`, `edges`, `corners` and `holes`. `pattern.layout.pin_placement` finds their
     places.
     """
 
-    where: Literal["border", "corners"] | None = None
+    where: Literal["border", "corners"] | None = None  # "border" or "corners": the whole outline, or all of its corners
+    # printed points. Points within 0.25 mm of the outline, of the edge of a hole, of a star's centre, of a tip or of an
+    # arm are moved onto it.
     points_mm: tuple[Point, ...] | None = Field(None, min_length=1, max_length=10000)
+    # edges, corners: numbers of edges or corners of the outline, counterclockwise. Edge i runs from corner i to corner
+    # i + 1. Corner 0 of a hexagon is at 30 deg, of a rectangle at the lower left.
     edges: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
     corners: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
+    # numbers of holes whose whole edges are supported: 0 is the first of `border.holes`.
     holes: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
+    # the pins stand at `scale` times the printed place, about the origin, at the height z = 0.
     scale: Number = Field(1.0, ge=1e-3, le=10)
-    offset_mm: Place = (0.0, 0.0, 0.0)
+    offset_mm: Place = (0.0, 0.0, 0.0)  # moves the pins from there
+    # places of the pins in space, one a point; in place of `scale` and `offset_mm`. For edges that follow each other,
+    # one for each of their corners: they are held along a smooth curve through these places.
     target_mm: tuple[Place, ...] | None = None
-    slide: Literal["z", "plane"] | None = None
+    slide: Literal["z", "plane"] | None = None  # leaves the sheet free to slide along "z", or in the "plane" z = 0
+    # pins of step 0 support the sheet during its release. Pins of steps 1, 2, ... move the released sheet to their
+    # places, in this order.
     step: Whole = Field(0, ge=0, le=100)
 
     @field_validator("target_mm", mode="before")

@@ -68,30 +68,24 @@ class DrawnArc(Section):
 class DrawnLine(Section):
     """One line of a drawing: one of `line_mm`, `spline_mm`, `circle_mm` and `arc_mm`.
 
-    Attributes
-    ----------
-    name : for messages and for `border.rods`.
-    line_mm : points that straight lines join.
-    spline_mm : points that a smooth curve passes through.
-    circle_mm, arc_mm : a circle or an ellipse, or a part of a circle.
-    closed : the line or spline returns to its first point.
-    thickness_mm, width_mm : in place of those of `[rods]`.
-    kappa_bar_per_mm : residual curvature of this line's plastic, in place of that of `[plastic]`.
-
     Examples
     --------
     >>> DrawnLine(circle_mm={"radius": 40.0}).outline_shape
     'circle_mm'
     """
 
-    name: Line = Field("", max_length=100)
-    line_mm: tuple[Point, ...] | None = Field(None, min_length=2, max_length=100_000)
+    name: Line = Field("", max_length=100)  # for messages and for `border.rods`
+    line_mm: tuple[Point, ...] | None = Field(None, min_length=2, max_length=100_000)  # points that straight lines join
+    # points that a smooth curve passes through.
     spline_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
+    # circle_mm, arc_mm: a circle or an ellipse, or a part of a circle.
     circle_mm: DrawnCircle | None = None
     arc_mm: DrawnArc | None = None
-    closed: Flag = False
+    closed: Flag = False  # the line or spline returns to its first point
+    # thickness_mm, width_mm: in place of those of `[rods]`.
     thickness_mm: SizingField | None = None
     width_mm: SizingField | None = None
+    # residual curvature of this line's plastic, in place of that of `[plastic]`.
     kappa_bar_per_mm: CurvaturePerMm | None = None
 
     @property
@@ -126,23 +120,15 @@ class ImportedDrawing(Section):
     """Lines of an SVG, DXF or 3DM file.
 
     The file is read once. Its lines are stored in the design (`lines`), so that saved designs and results need no file.
-
-    Attributes
-    ----------
-    file : path relative to the design file.
-    width : `stroke` takes the widths of the file.
-    layers : sections by layer. If it is given, other layers are left out.
-    origin : `middle` moves the middle of the drawing's box to the origin; `drawing` keeps its own origin.
-    units : unit of a file that gives none.
-    lines : the lines that were read.
     """
 
-    file: Text
-    width: Literal["stroke"] | None = None
-    layers: dict[str, LayerSizes] | None = None
+    file: Text  # path relative to the design file
+    width: Literal["stroke"] | None = None  # `stroke` takes the widths of the file
+    layers: dict[str, LayerSizes] | None = None  # sections by layer. If it is given, other layers are left out.
+    # `middle` moves the middle of the drawing's box to the origin; `drawing` keeps its own origin.
     origin: Literal["middle", "drawing"] = "middle"
-    units: Literal["mm", "cm", "in", "px", "pt"] | None = None
-    lines: tuple[StoredLine, ...] = Field((), repr=False)
+    units: Literal["mm", "cm", "in", "px", "pt"] | None = None  # unit of a file that gives none
+    lines: tuple[StoredLine, ...] = Field((), repr=False)  # the lines that were read
 
     @model_validator(mode="after")
     def _has_its_layers(self) -> Self:
@@ -167,29 +153,21 @@ class ImportedDrawing(Section):
 
 
 class Rods(Section):
-    """A drawn pattern. Lines that cross or meet are bonded there.
+    """A drawn pattern. Lines that cross or meet are bonded there."""
 
-    Attributes
-    ----------
-    thickness_mm, width_mm : cross-section of all lines that have none of their own, by place.
-    draw : lines on the sheet.
-    imported : (in the file: `import`) drawings of other programs.
-    motif : lines relative to a site of `[lattice]`, which are repeated at all sites whose copies reach the sheet.
-    curve_mm : largest distance of a curve from the straight pieces that stand for it.
-    join_mm : ends that are nearer than this to another line are moved onto it.
-    side : the face of the fabric that carries the plastic of all lines; above by default.
-    rounding : rounds thickness and width of every line to what a printer can make.
-    """
-
+    # thickness_mm, width_mm: cross-section of all lines that have none of their own, by place.
     thickness_mm: SizingField = 0.3
     width_mm: SizingField = 1.2
-    draw: tuple[DrawnLine, ...] = Field((), max_length=20_000)
+    draw: tuple[DrawnLine, ...] = Field((), max_length=20_000)  # lines on the sheet
+    # (in the file: `import`) drawings of other programs.
     imported: tuple[ImportedDrawing, ...] = Field((), max_length=100, alias="import")
+    # lines relative to a site of `[lattice]`, which are repeated at all sites whose copies reach the sheet.
     motif: tuple[DrawnLine, ...] = Field((), max_length=100)
+    # largest distance of a curve from the straight pieces that stand for it.
     curve_mm: Number = Field(0.005, ge=0.0005, le=1)
-    join_mm: Number = Field(0.1, ge=0.001, le=2)
-    side: Side | None = None
-    rounding: Rounding | None = None
+    join_mm: Number = Field(0.1, ge=0.001, le=2)  # ends that are nearer than this to another line are moved onto it
+    side: Side | None = None  # the face of the fabric that carries the plastic of all lines; above by default
+    rounding: Rounding | None = None  # rounds thickness and width of every line to what a printer can make
 
     @model_validator(mode="after")
     def _has_a_line(self) -> Self:

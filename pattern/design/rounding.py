@@ -10,17 +10,12 @@ from asterism.pattern.design.section import Number, Section
 
 
 class Rounding(Section):
-    """Thickness is a first layer and n more, n = 0, 1, ...; width is one line or more.
+    """Thickness is a first layer and n more, n = 0, 1, ...; width is one line or more."""
 
-    Attributes
-    ----------
-    first_layer_mm, layer_mm : heights of the first layer and of the others.
-    line_mm : width of a line, the nozzle's.
-    """
-
+    # first_layer_mm, layer_mm: heights of the first layer and of the others.
     first_layer_mm: Number = Field(ge=0.05, le=2)
     layer_mm: Number = Field(ge=0.01, le=2)
-    line_mm: Number = Field(ge=0.05, le=5)
+    line_mm: Number = Field(ge=0.05, le=5)  # width of a line, the nozzle's
 
     def thickness(self, exact_mm: Floats) -> Floats:
         """The nearest thickness that can be printed; halfway goes up."""

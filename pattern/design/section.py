@@ -17,7 +17,7 @@ from pydantic import (
     Tag,
     model_validator,
 )
-from pydantic_core import PydanticCustomError, PydanticKnownError
+from pydantic_core import PydanticKnownError
 
 from asterism.pattern.design.errors import DesignError
 
@@ -85,27 +85,17 @@ class Section(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _arrays_as_lists(cls, data: Any) -> Any:
+    def _known_keys_with_lists(cls, data: Any) -> Any:
+        """Refuse unknown keys; arrays become lists."""
         if not isinstance(data, dict):
             return data
-        return {
-            key: value.tolist() if isinstance(value, np.ndarray | np.generic) else value for key, value in data.items()
-        }
-
-    @model_validator(mode="before")
-    @classmethod
-    def _only_known_keys(cls, data: Any) -> Any:
         known = [field.alias or name for name, field in cls.model_fields.items()]
-        for key in data if isinstance(data, dict) else ():
+        for key in data:
             if key not in known:
                 near = difflib.get_close_matches(str(key), known, n=1)
                 hint = f"did you mean {near[0]}?" if near else f"known here: {', '.join(known)}"
-                raise PydanticCustomError(
-                    "unknown_key",
-                    "unknown key, {hint}",
-                    {"hint": hint, "key": str(key), "value": data[key]},
-                )
-        return data
+                raise DesignError(str(key), f"unknown key, {hint}", data[key])
+        return {key: each.tolist() if isinstance(each, np.ndarray | np.generic) else each for key, each in data.items()}
 
 
 def _is_list(value: Any) -> str:

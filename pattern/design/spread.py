@@ -15,20 +15,13 @@ class Spread(Section):
 
     The defaults are those of a fabric and a plastic that nobody measured. An error of 0 or a factor of 1 leaves its
     value as it is.
-
-    Attributes
-    ----------
-    modulus_ratio_factor : E1/E2 is from its value over this factor to its value times this factor.
-    stretch_percent : of the fabric's strain `stretch - 1`, to both sides.
-    bending_factor : of the fabric's bending stiffness, as that of E1/E2.
-    kappa_bar_error_per_mm : to both sides.
-    thickness_error_mm : of all stars and rods alike, to both sides, as a first layer has it.
-    grain_error_deg : to both sides; of fabric with a grain.
     """
 
+    # E1/E2 is from its value over this factor to its value times this factor.
     modulus_ratio_factor: Number = Field(1.3, ge=1, le=MAX_FACTOR)
-    stretch_percent: Number = Field(10.0, ge=0, lt=100)
-    bending_factor: Number = Field(2.0, ge=1, le=MAX_FACTOR)
-    kappa_bar_error_per_mm: Number = Field(0.0015, ge=0, le=MAX_KAPPA_BAR_ERROR_PER_MM)
+    stretch_percent: Number = Field(10.0, ge=0, lt=100)  # of the fabric's strain `stretch - 1`, to both sides
+    bending_factor: Number = Field(2.0, ge=1, le=MAX_FACTOR)  # of the fabric's bending stiffness, as that of E1/E2
+    kappa_bar_error_per_mm: Number = Field(0.0015, ge=0, le=MAX_KAPPA_BAR_ERROR_PER_MM)  # to both sides
+    # of all stars and rods alike, to both sides, as a first layer has it.
     thickness_error_mm: Number = Field(0.03, ge=0, le=1)
-    grain_error_deg: Number = Field(5.0, ge=0, le=45)
+    grain_error_deg: Number = Field(5.0, ge=0, le=45)  # to both sides; of fabric with a grain

@@ -28,29 +28,20 @@ Site = tuple[SiteNumber, SiteNumber]
 
 
 class Override(Section):
-    """One star changed by hand.
+    """One star changed by hand."""
 
-    Attributes
-    ----------
-    star : its number, from the origin outwards.
-    at_mm : place of its centre.
-    site : its lattice site [i, j], at `i v1 + j v2` from the lattice's origin with the rows v1, v2 of
-        `Lattice.vectors`. A site off the sheet is ignored, so that the entry survives changes of the outline.
-    length_mm, thickness_mm, width_mm : sizes in place of those of the profiles.
-    branch : the side to which the star starts.
-    side : the face of the fabric that carries its plastic.
-    remove : no star stands there.
-    """
-
-    star: Whole | None = Field(None, ge=0)
-    at_mm: Point | None = None
+    star: Whole | None = Field(None, ge=0)  # its number, from the origin outwards
+    at_mm: Point | None = None  # place of its centre
+    # its lattice site [i, j], at `i v1 + j v2` from the lattice's origin with the rows v1, v2 of `Lattice.vectors`. A
+    # site off the sheet is ignored, so that the entry survives changes of the outline.
     site: Site | None = None
+    # length_mm, thickness_mm, width_mm: sizes in place of those of the profiles.
     length_mm: Number | None = None
     thickness_mm: Number | None = None
     width_mm: Number | None = None
-    branch: Branch | None = None
-    side: Side | None = None
-    remove: Flag = False
+    branch: Branch | None = None  # the side to which the star starts
+    side: Side | None = None  # the face of the fabric that carries its plastic
+    remove: Flag = False  # no star stands there
 
     @model_validator(mode="after")
     def _changes_one_star(self) -> Override:
@@ -62,27 +53,22 @@ class Override(Section):
 
 
 class Stars(Section):
-    """Sizes of the stars, each a number or a sizing profile over the sheet.
+    """Sizes of the stars, each a number or a sizing profile over the sheet."""
 
-    Attributes
-    ----------
-    length_mm, length_fraction : length of the arms in mm, or as a fraction of the lattice's spacing; one of them.
-    thickness_mm, width_mm : cross-section of the arms.
-    vary_along_arms : evaluate thickness and width at the arm's tip too, not only at the star's centre.
-    branch : the side to which the stars start. `up` is the side of the plastic, `free` starts them flat.
-    side : the face of the fabric that carries the plastic; above by default. Plastic below curls the other way.
-    override : stars changed one by one.
-    rounding : rounds thickness and width of every star, also of changed ones, to what a printer can make.
-    """
-
+    # length_mm, length_fraction: length of the arms in mm, or as a fraction of the lattice's spacing; one of them.
     length_mm: SizingField | None = None
     length_fraction: SizingField | None = None
+    # thickness_mm, width_mm: cross-section of the arms.
     thickness_mm: SizingField = 0.3
     width_mm: SizingField = 1.2
-    vary_along_arms: Flag = False
-    branch: Branch = "up"
+    vary_along_arms: Flag = False  # evaluate thickness and width at the arm's tip too, not only at the star's centre
+    branch: Branch = (
+        "up"  # the side to which the stars start. `up` is the side of the plastic, `free` starts them flat.
+    )
+    # the face of the fabric that carries the plastic; above by default. Plastic below curls the other way.
     side: Side | None = None
-    override: tuple[Override, ...] = ()
+    override: tuple[Override, ...] = ()  # stars changed one by one
+    # rounds thickness and width of every star, also of changed ones, to what a printer can make.
     rounding: Rounding | None = None
 
     @model_validator(mode="after")

@@ -19,7 +19,7 @@ from asterism.pattern.drawing.dxf import open_dxf
 from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, DrawingWarning, FileLine, NoUnitError
 from asterism.pattern.drawing.rhino import RHINO_FORMAT, open_rhino_drawing
 from asterism.pattern.drawing.svg import open_svg
-from asterism.pattern.geometry.clusters import clusters
+from asterism.pattern.geometry.planar import clusters
 
 DRAWING_FORMATS = (".svg", ".dxf", RHINO_FORMAT)
 # ends of lines that are nearer than this meet: programs round coordinates
@@ -34,20 +34,12 @@ _ENDS = ("", r"\1")
 
 @dataclass(frozen=True)
 class Drawing:
-    """The visible lines of a file.
+    """The visible lines of a file."""
 
-    Attributes
-    ----------
-    name : of the file.
-    lines : in mm, y upwards, in the order of the file.
-    has_unit : the file says the unit of its numbers.
-    left_out : what is not read, in words: `2 texts, 1 picture`.
-    """
-
-    name: str
-    lines: tuple[FileLine, ...]
-    has_unit: bool
-    left_out: str = ""
+    name: str  # of the file
+    lines: tuple[FileLine, ...]  # in mm, y upwards, in the order of the file
+    has_unit: bool  # the file says the unit of its numbers
+    left_out: str = ""  # what is not read, in words: `2 texts, 1 picture`
 
     @property
     def layers(self) -> tuple[str, ...]:
@@ -127,15 +119,7 @@ def read_drawing(
 
 
 def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[Floats]:
-    """Closed lines (n, 2) mm without their last point, then those that open lines form which meet end to end.
-
-    Examples
-    --------
-    >>> corner = FileLine(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), "cut", None)
-    >>> side = FileLine(np.array([[4.0, 3.004], [0.0, 0.0]]), "cut", None)
-    >>> closed_curves([corner, side])[0].shape
-    (3, 2)
-    """
+    """Closed lines (n, 2) mm without their last point, then those that open lines form which meet end to end."""
     lines = list(lines)
     closed = [line.points[:-1] for line in lines if line.is_closed]
     parts = [line.points for line in lines if not line.is_closed]

@@ -43,22 +43,13 @@ class DrawingWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileLine:
-    """One line of a drawing.
+    """One line of a drawing."""
 
-    Attributes
-    ----------
-    points : (n, 2) mm, y upwards; the last is the first if it is closed.
-    layer : name of its layer.
-    width_mm : of its stroke, or of the polyline in DXF; None if the file gives none.
-    name : of the entity, for messages.
-    unevenness : of a stroke that a transform has stretched: the largest width over the least.
-    """
-
-    points: Floats
-    layer: str
-    width_mm: float | None
-    name: str = "line"
-    unevenness: float = 1.0
+    points: Floats  # (n, 2) mm, y upwards; the last is the first if it is closed
+    layer: str  # name of its layer
+    width_mm: float | None  # of its stroke, or of the polyline in DXF; None if the file gives none
+    name: str = "line"  # of the entity, for messages
+    unevenness: float = 1.0  # of a stroke that a transform has stretched: the largest width over the least
 
     @property
     def is_closed(self) -> bool:
@@ -68,20 +59,13 @@ class FileLine:
 
 @dataclass(frozen=True)
 class Source:
-    """An open file.
+    """An open file."""
 
-    Attributes
-    ----------
-    mm : length of its unit; None if it says none.
-    problem : what is wrong with the unit, if it says none.
-    is_silent : it says nothing at all about its size.
-    lines : the visible lines in the unit of the file, for the largest distance of a curve from its polyline; what is
-        not read is counted by its name, as `text|s`.
-    """
-
-    mm: float | None
-    problem: str
-    is_silent: bool
+    mm: float | None  # length of its unit; None if it says none
+    problem: str  # what is wrong with the unit, if it says none
+    is_silent: bool  # it says nothing at all about its size
+    # the visible lines in the unit of the file, for the largest distance of a curve from its polyline; what is not read
+    # is counted by its name, as `text|s`.
     lines: Callable[[float, Counter[str]], Iterator[FileLine]]
 
 

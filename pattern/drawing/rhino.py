@@ -37,16 +37,10 @@ RHINO_UNITS_MM = {
 
 @dataclass(frozen=True)
 class RhinoModel:
-    """An open 3DM file.
+    """An open 3DM file."""
 
-    Attributes
-    ----------
-    file : the `rhino3dm.File3dm`.
-    mm : length of its unit.
-    """
-
-    file: Any
-    mm: float
+    file: Any  # the `rhino3dm.File3dm`
+    mm: float  # length of its unit
 
     def shown(self, objects: Iterable[Any] | None = None) -> Iterator[tuple[Any, str, str]]:
         """The geometry of some objects, or of all outside blocks.
@@ -67,13 +61,7 @@ class RhinoModel:
     def unfolded(
         self, number: Iterator[int], objects: Iterable[Any] | None = None, depth: int = 0
     ) -> Iterator[tuple[Any, str, str]]:
-        """What `shown` gives, with the parts of blocks in place of the blocks; `number` counts the objects.
-
-        Raises
-        ------
-        DrawingError
-            A block holds itself, or copies are too many.
-        """
+        """What `shown` gives, with the parts of blocks in place of the blocks; `number` counts the objects."""
         import rhino3dm
 
         if depth > MAX_DEPTH:
@@ -149,11 +137,6 @@ def curve_points(geometry: Any, tolerance: float, layer: str = "") -> Floats:
     ----------
     tolerance : largest distance of the curve from the lines between them, in its unit.
     layer : for the error.
-
-    Raises
-    ------
-    DrawingError
-        A point is not finite, or too far away.
     """
     pieces = [checked(piece, layer, type(geometry).__name__) for piece in _pieces(geometry, tolerance)]
     if not pieces:

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats, Ints
 
 # entries of a table of distances
 MAX_TABLE_ENTRIES = 2_000_000
@@ -29,13 +29,7 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 
 
 def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = OUTLINE_STEP_MM) -> Float[np.ndarray, "m 2"]:
-    """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart.
-
-    Examples
-    --------
-    >>> dense_outline(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])).shape
-    (5, 2)
-    """
+    """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart."""
     closed = shapely.segmentize(shapely.linearrings(ring), step_mm)
     return np.asarray(shapely.get_coordinates(closed)[:-1])
 
@@ -148,3 +142,22 @@ def distance_along(
     along, part = cross_2d(to, edge) / safe, cross_2d(to, direction) / safe
     meets = crosses & (along >= 0.0) & (part >= 0.0) & (part <= 1.0)
     return np.asarray(np.where(meets, along, np.inf).min(axis=1))
+
+
+def clusters(places: Floats, distance: float) -> tuple[Ints, Floats]:
+    """Cluster (n,) of each place, and the first place (k, 2) of each cluster; clusters in the order of their first."""
+    # slow to import, and not needed to read a design
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    n = len(places)
+    if n == 0:
+        return np.empty(0, dtype=np.int64), np.empty((0, 2))
+    pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
+    label = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n)), directed=False)[1]
+    _, first, group = np.unique(label, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    return rank[group], places[first[order]]

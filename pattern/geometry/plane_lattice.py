@@ -17,11 +17,6 @@ GRID_DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
 class PlaneLattice:
     """All points `cell @ vectors + origin` for whole numbers `cell`.
 
-    Attributes
-    ----------
-    vectors : (2, 2) mm, rows: the shortest basis, see `shortest_basis`.
-    origin : (2,) mm, the site of cell (0, 0).
-
     Examples
     --------
     >>> lattice = PlaneLattice(10.0 * np.eye(2), np.zeros(2))
@@ -31,8 +26,8 @@ class PlaneLattice:
     [[0, 1], [1, 2]]
     """
 
-    vectors: Float[np.ndarray, "2 2"]
-    origin: Float[np.ndarray, " 2"]
+    vectors: Float[np.ndarray, "2 2"]  # (2, 2) mm, rows: the shortest basis, see `shortest_basis`
+    origin: Float[np.ndarray, " 2"]  # (2,) mm, the site of cell (0, 0)
 
     def place(self, cells: Int[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """(n, 2) mm, sites of the lattice cells (n, 2)."""

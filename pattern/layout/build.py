@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.arguments import check_type
@@ -27,7 +26,7 @@ from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm, star_sizes
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.arms import check_clear, cut
-from asterism.pattern.rods.graph import RodGraph
+from asterism.pattern.rods.graph import RodGraph, close_rods, place_between
 
 if TYPE_CHECKING:
     from asterism.pattern.rods.drawn_graph import DrawnPattern
@@ -144,7 +143,9 @@ def _of_stars(design: Design) -> Layout:
             place_mm=(x, y),
         )
     part = np.linalg.norm(tips - centres[star], axis=1) / np.linalg.norm(full - centres[star], axis=1)
-    thickness, width = (_shortened(ends, part) for ends in (thickness, width))
+    thickness, width = (
+        np.column_stack([a, a + part * (b - a)]) for a, b in (sizes_at_ends.T for sizes_at_ends in (thickness, width))
+    )
     long_enough = part * sizes.length[star] >= MIN_ARM_MM
     star, tips, thickness, width = (values[long_enough] for values in (star, tips, thickness, width))
     if (rounding := stars.rounding) is not None:
@@ -159,9 +160,7 @@ def _of_stars(design: Design) -> Layout:
     lines, ends = shapely.linestrings(np.stack([centres[star], tips], axis=1)), np.concatenate([centres[star], tips])
     kept_pins = _kept_pins(design.pins, design.border, lattice)
     pins = tuple(snapped_to_lines(pin, corners, ends, lines) for pin in kept_pins)
-    if all(pin is place for pin, place in zip(pins, kept_pins, strict=True)):
-        _check_kept_pins(design.pins, design.border, lattice)
-    else:
+    if any(pin is not place for pin, place in zip(pins, kept_pins, strict=True)):
         _check_pins(pins, corners, holes)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
@@ -190,20 +189,15 @@ def _of_stars(design: Design) -> Layout:
 def _kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tuple[PinSet, ...]:
     """The pins where the design places them, kept for edits of stars."""
     corners, holes, _ = _kept_sheet(border, lattice)
-    return tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
-
-
-@lru_cache(maxsize=8)
-def _check_kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> None:
-    """The checks of pins that are not moved onto arms."""
-    corners, holes, _ = _kept_sheet(border, lattice)
-    _check_pins(_kept_pins(pins, border, lattice), corners, holes)
+    sets = tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
+    _check_pins(sets, corners, holes)
+    return sets
 
 
 def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats, ...]) -> tuple[PinSet, ...]:
     """The pins of a design with drawn rods, moved onto rods beside them."""
     sets = [pin_set(pin, outline, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
-    pins = tuple(snapped_to_lines(pin, outline, graph.nodes, _lines(graph)) for pin in sets)
+    pins = tuple(snapped_to_lines(pin, outline, graph.nodes, graph.lines) for pin in sets)
     _check_pins(pins, outline, holes)
     return pins
 
@@ -221,11 +215,6 @@ def _check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, 
         edges = SheetEdges.of(corners, holes)
         check_conflicts(pins, edges)
         check_reach(pins, edges)
-
-
-def _lines(graph: RodGraph) -> NDArray[np.object_]:
-    """(R,) the rods for shapely."""
-    return np.array([shapely.LineString(rod.points) for rod in graph.rods])
 
 
 def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
@@ -254,46 +243,22 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
 
 
 def _check_beside(stars: RodGraph, drawn: RodGraph) -> None:
-    """Refuse arms of stars nearer to drawn rods than half the sum of their widths.
-
-    Raises
-    ------
-    DesignError
-        The message names the star, the rod and the place.
-    """
-    arms, lines = _lines(stars), _lines(drawn)
-    widest = max(float(rod.width.max()) for rod in (*stars.rods, *drawn.rods))
-    near_arm, near_line = shapely.STRtree(lines).query(arms, predicate="dwithin", distance=widest)
-    for i, j in zip(near_arm, near_line, strict=True):
-        arm, rod = stars.rods[i], drawn.rods[j]
-        gap = float(shapely.distance(arms[i], lines[j]))
-        if gap < 0.5 * (arm.width.max() + rod.width.max()):
-            place = shapely.get_coordinates(shapely.shortest_line(arms[i], lines[j])).mean(axis=0)
-            at, centre = (f"[{x:.2f}, {y:.2f}]" for x, y in (place, arm.points[0]))
-            what = "crosses" if gap == 0.0 else f"is {gap:.2f} mm from"
-            problem = f"an arm of the star at {centre} {what} {rod.name} at {at}: shorten it, remove the star, or move"
-            raise DesignError("stars", f"{problem} the line", stars=[arm.group], place_mm=place)
+    """Refuse arms of stars nearer to drawn rods than half the sum of their widths."""
+    for arm, rod, gap in close_rods(stars, drawn):
+        place = place_between(arm, rod)
+        at, centre = (f"[{x:.2f}, {y:.2f}]" for x, y in (place, arm.points[0]))
+        what = "crosses" if gap == 0.0 else f"is {gap:.2f} mm from"
+        problem = f"an arm of the star at {centre} {what} {rod.name} at {at}: shorten it, remove the star, or move"
+        raise DesignError("stars", f"{problem} the line", stars=[arm.group], place_mm=place)
 
 
 def sheet_outline(design: Design) -> Floats:
-    """(B, 2) mm, the outline of the sheet, also if the design has no layout.
-
-    Raises
-    ------
-    DesignError
-        The outline does not fit the lattice, or is too large.
-    """
+    """(B, 2) mm, the outline of the sheet, also if the design has no layout."""
     return outline(design.border, design.lattice)
 
 
 def sheet_sites(design: Design) -> Ints:
-    """(P, 2) all lattice sites of the sheet in the order of the stars' numbers, also if the design has no layout.
-
-    Raises
-    ------
-    DesignError
-        The outline does not fit the lattice, or is too large.
-    """
+    """(P, 2) all lattice sites of the sheet in the order of the stars' numbers, also if the design has no layout."""
     return _kept_sheet(design.border, design.lattice)[2].copy()
 
 
@@ -318,11 +283,6 @@ def _check_tip_margin(margin: float, corners: Floats, centres: Floats) -> None:
     if margin >= distance[star]:
         problem = f"must be below {distance[star]:.4g} mm, the distance of the outermost star from the outline"
         raise DesignError("border.tip_margin_mm", problem, margin, stars=[star], place_mm=centres[star])
-
-
-def _shortened(ends: Floats, part: Floats) -> Floats:
-    """(A, 2) sizes at both ends of arms of which a part (A,) remains; `ends` (A, 2) are those of the whole arms."""
-    return np.column_stack([ends[:, 0], ends[:, 0] + part * (ends[:, 1] - ends[:, 0])])
 
 
 def mesh_vertices(edge: float, corners: Floats) -> float:

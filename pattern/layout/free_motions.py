@@ -35,18 +35,12 @@ START_TURNS_RAD = (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi)  # starts of a fit abou
 
 @dataclass(frozen=True)
 class FreeMotions:
-    """Rigid motions that supports leave to a sheet as it lies in space; all six by default.
+    """Rigid motions that supports leave to a sheet as it lies in space; all six by default."""
 
-    Attributes
-    ----------
-    points : (P, 3) mm, supported points.
-    fixed : (P, 3) which of their components are supported.
-    gravity : (3,) unit vector of its direction if the sheet has weight.
-    """
-
-    points: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # (P, 3) mm, supported points
+    # (P, 3) which of their components are supported.
     fixed: NDArray[np.bool_] = field(default_factory=lambda: np.empty((0, 3), dtype=bool))
-    gravity: Floats | None = None
+    gravity: Floats | None = None  # (3,) unit vector of its direction if the sheet has weight
 
     @cached_property
     def count(self) -> int:
@@ -64,18 +58,6 @@ class FreeMotions:
         """Rotation (3, 3) and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
 
         Least squares with weights (n,), over the free motions alone.
-
-        Examples
-        --------
-        A sheet that is fixed at a point turns about it.
-
-        >>> points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-        >>> at_a_point = FreeMotions(np.zeros((1, 3)), np.ones((1, 3), dtype=bool))
-        >>> rotation, shift = at_a_point.fit(points, points[:, [1, 0, 2]] * [-1.0, 1.0, 1.0])
-        >>> bool(np.allclose(rotation, [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
-        True
-        >>> bool(np.allclose(shift, 0.0))
-        True
         """
         if not len(self.points):
             return rigid_fit(points, targets, weights)

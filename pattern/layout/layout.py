@@ -10,8 +10,7 @@ import shapely
 from jaxtyping import Float, Int
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.geometry.clusters import clusters
-from asterism.pattern.geometry.planar import inside
+from asterism.pattern.geometry.planar import clusters, inside
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
@@ -29,54 +28,44 @@ MAX_COMPARED_RODS = 1000
 
 @dataclass(frozen=True)
 class Layout:
-    """All that is printed, and where the sheet is supported. It holds all geometry that later steps need.
+    """All that is printed, and where the sheet is supported. It holds all geometry that later steps need."""
 
-    Attributes
-    ----------
-    outline : (B, 2) mm, simple polygon, counterclockwise, not closed.
-    centres : (S, 2) mm, star centres. Stars without arms (length 0, removed) are left out.
-    arm_star : (A,) the star of each arm; the arms of a star follow each other counterclockwise.
-    arm_tip : (A, 2) mm, tip of each arm, after cutting at the outline.
-    arm_thickness, arm_width : (A, 2) mm, at the star's centre and at the tip, linear between.
-    pins : supports; empty for a free sheet.
-    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`. Star centres are integer combinations of them plus
-        `lattice_origin`. For a drawing that does not repeat, those of a square lattice of the mean distance of rods.
-    lattice_origin : (2,) mm.
-    star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
-    star_side : (S,) face of the fabric that carries each star: 1 above (the default), -1 below.
-    star_number : (S,) increasing, the number of each star in the design and in results.
-    sheet_sites : (P, 2) all lattice sites of the sheet in the order of the stars' numbers, those of removed stars too.
-    site_sizes_mm : (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before
-        rounding; length 0 where a star is removed.
-    ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
-    drawn : all rods of a sheet with a drawing: the arms of its stars in their order, then the drawn rods; None for
-        stars alone.
-    rim : drawn rods that are the outline, in their order around it, all counterclockwise.
-    holes : (n, 2) mm each, edges of the holes in the sheet, in the order of `border.holes`.
-    hole_rims : for each hole the drawn rods that are its edge, in their order; empty for a hole without a printed rim.
-    meeting_mm : ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of
-        different stars.
-    """
-
-    outline: Float[np.ndarray, "B 2"]
-    pins: tuple[PinSet, ...]
+    outline: Float[np.ndarray, "B 2"]  # (B, 2) mm, simple polygon, counterclockwise, not closed
+    pins: tuple[PinSet, ...]  # supports; empty for a free sheet
+    # (2, 2) mm, rows, as of `Lattice.vectors`. Star centres are integer combinations of them plus `lattice_origin`. For
+    # a drawing that does not repeat, those of a square lattice of the mean distance of rods.
     lattice_vectors: Float[np.ndarray, "2 2"]
-    lattice_origin: Float[np.ndarray, " 2"]
+    lattice_origin: Float[np.ndarray, " 2"]  # (2,) mm
+    # (S, 2) mm, star centres. Stars without arms (length 0, removed) are left out.
     centres: Float[np.ndarray, "S 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    # (A,) the star of each arm; the arms of a star follow each other counterclockwise.
     arm_star: Int[np.ndarray, " A"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    # (A, 2) mm, tip of each arm, after cutting at the outline.
     arm_tip: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    # arm_thickness, arm_width: (A, 2) mm, at the star's centre and at the tip, linear between.
     arm_thickness: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
     arm_width: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    # (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
     star_branch: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    # (S,) face of the fabric that carries each star: 1 above (the default), -1 below.
     star_side: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    # (S,) increasing, the number of each star in the design and in results.
     star_number: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    # (P, 2) all lattice sites of the sheet in the order of the stars' numbers, those of removed stars too.
     sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    # (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before rounding; length 0
+    # where a star is removed.
     site_sizes_mm: Float[np.ndarray, "P 3"] = field(default_factory=lambda: np.empty((0, 3)))
+    # (k, 2) lattice sites off the sheet that `stars.override` names.
     ignored_sites: Int[np.ndarray, "k 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    # ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of different stars.
     meeting_mm: float = 0.0
+    # all rods of a sheet with a drawing: the arms of its stars in their order, then the drawn rods; None for stars
+    # alone.
     drawn: RodGraph | None = None
-    rim: tuple[int, ...] = ()
-    holes: tuple[Floats, ...] = ()
+    rim: tuple[int, ...] = ()  # drawn rods that are the outline, in their order around it, all counterclockwise
+    holes: tuple[Floats, ...] = ()  # (n, 2) mm each, edges of the holes in the sheet, in the order of `border.holes`
+    # for each hole the drawn rods that are its edge, in their order; empty for a hole without a printed rim.
     hole_rims: tuple[tuple[int, ...], ...] = ()
 
     def __post_init__(self) -> None:
@@ -160,6 +149,11 @@ class Layout:
     def rod_side(self) -> Ints:
         """(rods,) face of the fabric that carries each rod of the graph: 1 above, -1 below."""
         return np.array([rod.side for rod in self.graph.rods], dtype=np.int64)
+
+    @property
+    def compared_points(self) -> Floats:
+        """(n, 2) mm, at which shapes are compared: star centres; of a sheet with a drawing, `points_on_rods`."""
+        return self.centres if self.drawn is None else self.points_on_rods
 
     @cached_property
     def points_on_rods(self) -> Floats:
@@ -255,17 +249,6 @@ def _star_graph(
     tips : (A, 2) mm.
     thickness, width : (A, 2) mm, at the centre and at the tip.
     meeting : mm, ends closer than this meet; 0 lets none meet.
-
-    Examples
-    --------
-    Two stars of one arm each, whose tips meet:
-
-    >>> centres, sizes = np.array([[0.0, 0.0], [10.0, 0.0]]), np.full((2, 2), 0.3)
-    >>> side, star = np.ones(2, dtype=int), np.array([0, 1])
-    >>> _star_graph(centres, side, star, np.array([[5.0, 0.0], [5.0, 0.0]]), sizes, sizes, 1e-6).joints
-    ()
-    >>> _star_graph(centres, side, star, np.array([[5.0, 1.0], [5.0, 1.0]]), sizes, sizes, 1e-6).joints
-    (2,)
     """
     places = np.concatenate([centres, tips])
     node, nodes = clusters(places, meeting) if meeting > 0.0 else (np.arange(len(places)), places)
@@ -291,13 +274,5 @@ def off_curves_mm(layout: Layout, vertices: int) -> float:
 
 
 def off_sheet_mm(layout: Layout, vertices: int) -> float:
-    """Largest distance of points on the edges of a layout from a mesh with so many vertices, for `Shape.at`.
-
-    Examples
-    --------
-    >>> from asterism.pattern.gallery import load
-    >>> from asterism.pattern.layout.build import layout
-    >>> round(off_sheet_mm(layout(load("dome")), 3781), 2)
-    0.35
-    """
+    """Largest distance of points on the edges of a layout from a mesh with so many vertices, for `Shape.at`."""
     return float(OFF_SHEET_EDGES * np.sqrt(layout.area_mm2 / vertices))

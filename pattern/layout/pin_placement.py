@@ -8,7 +8,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -166,25 +165,12 @@ def rounded_place(point: Floats) -> list[float]:
     return [round(float(c), 4) for c in point]
 
 
-class _Conflict(NamedTuple):
-    """An error, and the number of the pin set that it is reported for."""
-
-    number: int
-    error: DesignError
+# the number of the pin set that it is reported for, and an error
+_Conflict = tuple[int, DesignError]
 
 
 def check_conflicts(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
-    """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way.
-
-    Parameters
-    ----------
-    sheet : the edges of the sheet.
-
-    Raises
-    ------
-    DesignError
-        Of several conflicts, that of the first set.
-    """
+    """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way."""
     sets = tuple(sets)
     tolerance = 1e-6 * float(np.ptp(sheet.start, axis=0).max())
     # corners of a finely drawn outline may be closer than a pin is thick
@@ -194,12 +180,12 @@ def check_conflicts(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
     conflicts += _points_on_edges(sets, sheet, distance, tolerance)
     conflicts += _corners_differ(sets, sheet, tolerance)
     if conflicts:
-        raise min(conflicts, key=lambda conflict: conflict.number).error
+        raise min(conflicts, key=lambda conflict: conflict[0])[1]
 
 
 def _repeated(new: int, old: int, value: object, place_mm: Floats | None = None) -> _Conflict:
     allowed = f"must not hold what pins[{old}] holds already"
-    return _Conflict(new, DesignError(f"pins[{new}]", allowed, value, place_mm=place_mm))
+    return new, DesignError(f"pins[{new}]", allowed, value, place_mm=place_mm)
 
 
 def _points_twice(sets: tuple[PinSet, ...], distance: float) -> Iterator[_Conflict]:
@@ -220,7 +206,7 @@ def _points_twice(sets: tuple[PinSet, ...], distance: float) -> Iterator[_Confli
             allowed = f"must not hold the same place twice, within {distance:.2g} mm"
             place = points[second]
             error = DesignError(f"pins[{owner[second]}]", allowed, rounded_place(place), place_mm=place)
-            yield _Conflict(int(owner[second]), error)
+            yield int(owner[second]), error
         else:
             place = points[second]
             yield _repeated(int(owner[second]), int(owner[first]), rounded_place(place), place)
@@ -269,21 +255,11 @@ def _corners_differ(sets: tuple[PinSet, ...], sheet: SheetEdges, tolerance: floa
                 allowed = f"must hold the corner as pins[{first}] does"
                 shown = rounded_place(sheet.start[corner])
                 error = DesignError(f"pins[{number}]", allowed, shown, place_mm=sheet.start[corner])
-                yield _Conflict(number, error)
+                yield number, error
 
 
 def check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
-    """Refuse pins so far apart that the sheet between them is longer than `MAX_PULL` times the printed length.
-
-    Parameters
-    ----------
-    edges : of the sheet.
-
-    Raises
-    ------
-    DesignError
-        The message names the second pin of the pair that is pulled most.
-    """
+    """Refuse pins so far apart that the sheet between them is longer than `MAX_PULL` times the printed length."""
     samples = [sample_supports([pins], edges) for pins in sets]
     every = max(sum(len(each.printed) for each in samples) // MAX_COMPARED_PINS, 1)
     printed, places, _ = (np.concatenate(parts)[::every] for parts in zip(*samples, strict=True))

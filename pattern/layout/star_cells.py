@@ -34,18 +34,7 @@ def star_margin_mm(border: Border, lattice: Lattice) -> float:
 
 
 def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats] = ()) -> Ints:
-    """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance.
-
-    Parameters
-    ----------
-    corners : (B, 2) mm, the outline.
-    holes : (n, 2) mm each, edges of the holes.
-
-    Raises
-    ------
-    DesignError
-        The outline has room for more than `MAX_STARS_OF_DESIGN` stars.
-    """
+    """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance."""
     sites = lattice.sites
     if border.rings is not None:
         i, j = sites.cells_within(*_box(corners)).T
@@ -96,11 +85,6 @@ def outline(border: Border, lattice: Lattice) -> Floats:
     ------
     DesignError
         The hexagon of `border.rings` does not fit the lattice, or is too large.
-
-    Examples
-    --------
-    >>> outline(Border(rectangle_mm=(4.0, 2.0)), Lattice()).tolist()
-    [[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]
     """
     if border.rings is not None:
         return _hexagon(border.rings, lattice)
@@ -137,23 +121,15 @@ def _hexagon(rings: int, lattice: Lattice) -> Floats:
 
 @dataclass(frozen=True)
 class StarSizes:
-    """Sizes at the stars of a lattice, before they are rounded for a printer. Removed stars have length 0.
+    """Sizes at the stars of a lattice, before they are rounded for a printer. Removed stars have length 0."""
 
-    Attributes
-    ----------
-    length : (S,) mm.
-    thickness, width : (S, arms, 2) mm, at the centre and at the tip of each arm.
-    branch : (S,) 1 for stars that start up, -1 for those that start down, 0 for those that start flat.
-    side : (S,) 1 for stars above the fabric, -1 for those below.
-    ignored_sites : (k, 2) sites of overrides that are off the sheet.
-    """
-
-    length: Floats
+    length: Floats  # (S,) mm
+    # thickness, width: (S, arms, 2) mm, at the centre and at the tip of each arm.
     thickness: Floats
     width: Floats
-    branch: Ints
-    side: Ints
-    ignored_sites: Ints
+    branch: Ints  # (S,) 1 for stars that start up, -1 for those that start down, 0 for those that start flat
+    side: Ints  # (S,) 1 for stars above the fabric, -1 for those below
+    ignored_sites: Ints  # (k, 2) sites of overrides that are off the sheet
 
     @property
     def at_centres(self) -> Floats:
@@ -172,10 +148,6 @@ class _Change:
 
 def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     """The sizes of all stars; an arm is at most as long as the spacing.
-
-    Parameters
-    ----------
-    sites : (S, 2) lattice sites of the stars.
 
     Raises
     ------

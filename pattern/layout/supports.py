@@ -34,34 +34,19 @@ class SupportCurve:
     The design gives a place in space for each corner. The curve is the best affine image of the printed edges plus a
     shift, which interpolates what remains at the corners by cubic splines over the printed length. So places that are
     an affine image of the corners give exactly that image of the edges. Splines end at sharp corners.
-
-    Attributes
-    ----------
-    corners : (k, 2) mm, printed corners along the chain; a closed chain ends with its first corner.
-    stations : (k,) mm, printed length from the first corner.
-    matrix, offset : (3, 2) and (3,) mm of the affine image.
-    shifts : splines of the rest (3,) mm over the stations, one for each smooth stretch.
-    ends : (s + 1,) stations at which the stretches begin, and the last end.
     """
 
-    corners: Floats
-    stations: Floats
+    corners: Floats  # (k, 2) mm, printed corners along the chain; a closed chain ends with its first corner
+    stations: Floats  # (k,) mm, printed length from the first corner
+    # matrix, offset: (3, 2) and (3,) mm of the affine image.
     matrix: Floats
     offset: Floats
-    shifts: tuple[CubicSpline, ...]
-    ends: Floats
+    shifts: tuple[CubicSpline, ...]  # splines of the rest (3,) mm over the stations, one for each smooth stretch
+    ends: Floats  # (s + 1,) stations at which the stretches begin, and the last end
 
     @classmethod
     def through(cls, corners: Floats, places: Floats) -> SupportCurve:
-        """The curve through places (k, 3) mm of corners (k, 2) mm; both end with the first row if it is closed.
-
-        Examples
-        --------
-        >>> corners = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
-        >>> curve = SupportCurve.through(corners, np.column_stack([0.8 * corners, [0.0, 3.0, 0.0]]))
-        >>> curve.places(np.array([[5.0, 0.0]])).round(3).tolist()
-        [[4.0, 0.0, 2.25]]
-        """
+        """The curve through places (k, 3) mm of corners (k, 2) mm; both end with the first row if it is closed."""
         from scipy.interpolate import CubicSpline  # slow to import; designs without such curves do without it
 
         is_closed = np.array_equal(corners[0], corners[-1])
@@ -78,15 +63,12 @@ class SupportCurve:
                 shifts = (CubicSpline(stations, rest, bc_type="periodic"),)
                 return cls(corners, stations, matrix, fitted[2] - matrix @ centre, shifts, stations[[0, -1]])
             # the stretch that goes through the first corner is interpolated over both of its parts
-            return cls._turned(corners, places, int(np.flatnonzero(sharp)[0]))
+            first, count = int(np.flatnonzero(sharp)[0]), len(corners) - 1
+            order = np.append((first + np.arange(count)) % count, first)
+            return cls.through(corners[order], places[order])
         breaks = np.unique([0, *np.flatnonzero(sharp), len(corners) - 1])
         shifts = tuple(CubicSpline(stations[a : b + 1], rest[a : b + 1]) for a, b in itertools.pairwise(breaks))
         return cls(corners, stations, matrix, fitted[2] - matrix @ centre, shifts, stations[breaks])
-
-    @classmethod
-    def _turned(cls, corners: Floats, places: Floats, first: int) -> SupportCurve:
-        order = np.append((first + np.arange(len(corners) - 1)) % (len(corners) - 1), first)
-        return cls.through(corners[order], places[order])
 
     def places(self, printed: Floats) -> Floats:
         """(n, 3) mm, places of printed points (n, 2) on the edges."""
@@ -142,36 +124,18 @@ def _sharp(corners: Floats, is_closed: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class PinSet:
-    """Places of the sheet that are all supported in the same way.
+    """Places of the sheet that are all supported in the same way."""
 
-    Attributes
-    ----------
-    points : (P, 2) mm, single printed points (corners of the outline included).
-    edges : edges of the outline and of holes that are supported along their whole length, numbered as in `SheetEdges`.
-    fixed : which of x, y, z are supported. The sheet slides freely along the others.
-    scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
-    offset_mm : added to the place given by `scale`.
-    target_mm : places in space, (P, 3), one a point, or one for each corner along the edges; in place of `scale` and
-        `offset_mm`.
-    curve : through the targets of edges; None for points, and for edges with `scale` and `offset_mm`.
-    step : 0 supports the sheet during its release; 1, 2, ... move the released sheet, in this order.
-
-    Examples
-    --------
-    >>> pins = PinSet(np.array([[10.0, -20.0]]), (), FIXED_BY_SLIDE["z"], scale=0.5)
-    >>> pins.places(pins.points).tolist()
-    [[5.0, -10.0, 0.0]]
-    >>> pins.holds_in_plane, pins.slide
-    (True, 'z')
-    """
-
-    points: Floats
+    points: Floats  # (P, 2) mm, single printed points (corners of the outline included)
+    # edges of the outline and of holes that are supported along their whole length, numbered as in `SheetEdges`.
     edges: tuple[int, ...]
-    fixed: tuple[bool, bool, bool]
-    scale: float = 1.0
-    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    fixed: tuple[bool, bool, bool]  # which of x, y, z are supported. The sheet slides freely along the others.
+    scale: float = 1.0  # x and y are held at `scale` times the printed place (about the origin of the print), z at 0
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # added to the place given by `scale`
+    # places in space, (P, 3), one a point, or one for each corner along the edges; in place of `scale` and `offset_mm`.
     target_mm: Floats | None = None
-    step: int = 0
+    step: int = 0  # 0 supports the sheet during its release; 1, 2, ... move the released sheet, in this order.
+    # through the targets of edges; None for points, and for edges with `scale` and `offset_mm`.
     curve: SupportCurve | None = None
 
     @property
@@ -283,18 +247,11 @@ def set_of_point(pins: tuple[PinSet, ...]) -> Ints:
 
 
 class SupportSamples(NamedTuple):
-    """Places at which supports act.
+    """Places at which supports act."""
 
-    Attributes
-    ----------
-    printed : (P, 2) mm.
-    places : (P, 3) mm in space, not a number along directions in which the sheet slides.
-    kind : (P,) equal for points of equal directions, step and shape (point or edge).
-    """
-
-    printed: Floats
-    places: Floats
-    kind: Ints
+    printed: Floats  # (P, 2) mm
+    places: Floats  # (P, 3) mm in space, not a number along directions in which the sheet slides
+    kind: Ints  # (P,) equal for points of equal directions, step and shape (point or edge)
 
 
 def sample_supports(pins: Sequence[PinSet], edges: SheetEdges) -> SupportSamples:

@@ -18,7 +18,6 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.rods.graph import Rod, RodGraph
 
-FREE_SHEET = FreeMotions()
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6
 # two curves that are equal are apart by at most this many of the distances from their straight pieces
@@ -38,13 +37,6 @@ _SIZES = ("thickness", "width")
 class Symmetry:
     """A motion `p -> turn p + shift` of the print that maps it onto itself.
 
-    Attributes
-    ----------
-    turn : (2, 2) orthogonal matrix; a mirror if its determinant is -1.
-    shift : (2,) mm.
-    star : (S,) the star onto which each star is moved; empty for a drawing without stars.
-    shift_in_space : (3,) mm, of the supports' places, which may have another centre than the print.
-
     Notes
     -----
     If `x(p)` is an equilibrium, so is the shape `x'(p) = Q x(turn p + shift)`. Q is any proper rotation if `turn` is
@@ -53,9 +45,10 @@ class Symmetry:
     points are where the supports hold them.
     """
 
-    turn: Floats
-    shift: Floats
-    star: Ints
+    turn: Floats  # (2, 2) orthogonal matrix; a mirror if its determinant is -1
+    shift: Floats  # (2,) mm
+    star: Ints  # (S,) the star onto which each star is moved; empty for a drawing without stars
+    # (3,) mm, of the supports' places, which may have another centre than the print.
     shift_in_space: Floats = field(default_factory=lambda: np.zeros(3))
 
     @property
@@ -204,13 +197,6 @@ def _candidate_turns(graph: RodGraph, centre: Floats) -> list[Floats]:
     A rotation by an angle a multiplies the moment `m_k`, the integral of `(x + iy)^k` over the rods, by `exp(ika)`, and
     a mirror about an axis at b conjugates it and multiplies by `exp(2ikb)`. The first moment that is not zero allows k
     rotations and k axes.
-
-    Examples
-    --------
-    >>> square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]])
-    >>> rod = Rod(square, 0, 0, np.full(5, 0.3), np.full(5, 1.2))
-    >>> len(_candidate_turns(RodGraph(square[:1], (rod,)), np.zeros(2)))
-    8
     """
     ends = np.concatenate([np.stack([rod.points[:-1], rod.points[1:]], axis=1) for rod in graph.rods]) - centre
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -240,9 +226,10 @@ class DrawingImages:
         self._border = shapely.LinearRing(layout.outline)
         self._on_border = shapely.get_coordinates(shapely.segmentize(self._border, layout.spacing_mm))
         rods = layout.graph.rods
-        self._parts = [_inner_parts(rod) for rod in rods]
+        counts = (max(MIN_ROD_SAMPLES, len(rod.points)) for rod in rods)
+        self._parts = [(np.arange(count) + 0.5) / count for count in counts]  # of the lengths, without the ends
         self._points = np.concatenate([rod.at(rod.points, parts) for rod, parts in zip(rods, self._parts, strict=True)])
-        self._lines = np.array([shapely.LineString(rod.points) for rod in rods])
+        self._lines = layout.graph.lines
         self._tree = shapely.STRtree(self._lines)
         sections = {(rod.kappa_bar, *np.unique(np.stack([rod.thickness, rod.width]), axis=1).ravel()) for rod in rods}
         self._has_one_section = len(sections) == 1 and len(next(iter(sections))) == 1 + len(_SIZES)
@@ -290,41 +277,9 @@ def _same_sections(first: Rod, parts: Floats, second: Rod, other_parts: Floats) 
     return all((np.abs(one - two) <= SAME_SECTION * one).all() for one, two in pairs)
 
 
-def _inner_parts(rod: Rod) -> Floats:
-    """(n,) parts of the length of a rod, without its ends."""
-    return (np.arange(max(MIN_ROD_SAMPLES, len(rod.points))) + 0.5) / max(MIN_ROD_SAMPLES, len(rod.points))
-
-
 def _rotation(angle: float) -> Floats:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])
-
-
-def symmetric_distances(
-    first: Floats, second: Floats, symmetries: Sequence[Symmetry], free: FreeMotions = FREE_SHEET
-) -> Floats:
-    """(n,) mm, rms distance of two shapes after the best free motion, for each of n symmetries.
-
-    Parameters
-    ----------
-    first, second : (S, 3) mm, star centres of the two shapes.
-    symmetries : each stands for the image `x'(p) = Q x(turn p + shift)` of the second shape, see `Symmetry`.
-    free : motions that the supports leave to the first shape; by default all rigid motions of a free sheet.
-
-    Examples
-    --------
-    A turn by a right angle is a free motion of a free sheet, and none of a sheet on needles.
-
-    >>> star, none = np.arange(3), np.zeros(2)
-    >>> first = np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-1.0, -1.0, 0.0]])
-    >>> second = first[:, [1, 0, 2]] * [-1.0, 1.0, 1.0]
-    >>> bool(symmetric_distances(first, second, [Symmetry(np.eye(2), none, star)])[0] < 1e-9)
-    True
-    >>> on_needles = FreeMotions(first, np.ones((3, 3), dtype=bool))
-    >>> symmetric_distances(first, second, [Symmetry(np.eye(2), none, star)], on_needles).round(3).tolist()
-    [2.16]
-    """
-    return np.array([_distance(first, each.in_space(second[each.star]), free) for each in symmetries])
 
 
 def distances_of_images(
@@ -332,20 +287,21 @@ def distances_of_images(
     first: Floats,
     second_at: Callable[[Floats], Floats],
     symmetries: Sequence[Symmetry],
-    free: FreeMotions = FREE_SHEET,
+    free: FreeMotions,
 ) -> Floats:
-    """(n,) mm, as `symmetric_distances`, at any printed points.
+    """(n,) mm, rms distance of two shapes after the best free motion, for each of n symmetries.
 
     Parameters
     ----------
-    printed : (P, 2) mm, the points.
+    printed : (P, 2) mm, points at which they are compared.
     first : (P, 3) mm, their places in the first shape.
     second_at : gives the places (P, 3) of printed points in the second shape.
+    symmetries : each stands for the image `x'(p) = Q x(turn p + shift)` of the second shape, see `Symmetry`.
+    free : motions that the supports leave to the first shape.
     """
-    images = [each.in_space(second_at(printed @ each.turn.T + each.shift)) for each in symmetries]
-    return np.array([_distance(first, image, free) for image in images])
-
-
-def _distance(points: Floats, targets: Floats, free: FreeMotions) -> float:
-    rotation, shift = free.fit(points, targets)
-    return float(np.sqrt(((points @ rotation.T + shift - targets) ** 2).sum(axis=1).mean()))
+    distances = []
+    for each in symmetries:
+        image = each.in_space(second_at(printed @ each.turn.T + each.shift))
+        rotation, shift = free.fit(first, image)
+        distances.append(np.sqrt(((first @ rotation.T + shift - image) ** 2).sum(axis=1).mean()))
+    return np.array(distances)

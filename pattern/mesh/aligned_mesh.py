@@ -13,8 +13,15 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.grid_motion import BorderStations, arm_stations, moved, prescribed
-from asterism.pattern.mesh.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
+from asterism.pattern.mesh.lattice_grid import (
+    ON_LINE_TOLERANCE,
+    BorderStations,
+    GridPatch,
+    LatticeGrid,
+    arm_stations,
+    moved,
+    prescribed,
+)
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
 from asterism.pattern.mesh.outline_points import outline_points, pin_vertices, pins_on_sheet
 from asterism.pattern.mesh.triangulate import triangulate
@@ -43,11 +50,6 @@ def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
     ----------
     edge_mm : requested edge length; the spacing is divided into the nearest whole number of edges.
     draft : the strip along other outlines is smoothed only until its angles pass the check.
-
-    Raises
-    ------
-    MeshError
-        Arms do not lie on lattice lines, or moving grid points would flatten triangles.
     """
     check_edge(layout, edge_mm)
     grid = LatticeGrid.of(layout, edge_mm)
@@ -90,20 +92,12 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
 
 @dataclass(frozen=True)
 class HexagonBorder:
-    """A hexagon about a lattice point with its corners in the six lattice directions.
+    """A hexagon about a lattice point with its corners in the six lattice directions."""
 
-    Attributes
-    ----------
-    centre : (2,) grid point.
-    rows : grid edges from the centre to a corner, and along a side.
-    corners : (6, 2) mm, in the order of GRID_DIRECTIONS.
-    ring : (6 rows, 2) grid points on the outline, counterclockwise from the first corner.
-    """
-
-    centre: Ints
-    rows: int
-    corners: Floats
-    ring: Ints
+    centre: Ints  # (2,) grid point
+    rows: int  # grid edges from the centre to a corner, and along a side
+    corners: Floats  # (6, 2) mm, in the order of GRID_DIRECTIONS
+    ring: Ints  # (6 rows, 2) grid points on the outline, counterclockwise from the first corner
 
     @classmethod
     def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:

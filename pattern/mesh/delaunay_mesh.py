@@ -10,8 +10,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.clusters import clusters
-from asterism.pattern.geometry.planar import distance_to_outline, triangle_angles
+from asterism.pattern.geometry.planar import clusters, distance_to_outline, triangle_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
 from asterism.pattern.mesh.outline_points import (

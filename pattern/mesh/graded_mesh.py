@@ -164,23 +164,16 @@ class _Line:
 
 @dataclass(frozen=True)
 class _EvenMesh:
-    """An even mesh, and what is needed to move its vertices.
-
-    Attributes
-    ----------
-    points : (n, 2) mm.
-    edges, weight : (E, 2) pairs of vertices, and (E,) of linear finite elements.
-    held : (n,) whether a vertex is on a rod, the outline, a hole, or a pin.
-    fineness : (n,) length of the edges over the wished one, at most 1.
-    """
+    """An even mesh, and what is needed to move its vertices."""
 
     grading: Grading
-    points: Floats
+    points: Floats  # (n, 2) mm
+    # edges, weight: (E, 2) pairs of vertices, and (E,) of linear finite elements.
     edges: Ints
     weight: Floats
-    held: NDArray[np.bool_]
+    held: NDArray[np.bool_]  # (n,) whether a vertex is on a rod, the outline, a hole, or a pin
     lines: tuple[_Line, ...]
-    fineness: Floats
+    fineness: Floats  # (n,) length of the edges over the wished one, at most 1
     edge_mm: float
 
     @classmethod
@@ -198,13 +191,7 @@ class _EvenMesh:
         return cls(Grading.of(layout), points, edges, weight, held, _lines(mesh, layout), fineness, edge_mm)
 
     def graded(self, start: Floats, eased: Floats) -> Floats:
-        """The points (n, 2) in mm.
-
-        Parameters
-        ----------
-        start : (n, 2) mm, from where they move.
-        eased : (n,) the least part of their even length that edges keep.
-        """
+        """The points (n, 2) in mm."""
         points = start.copy()
         for line in self.lines:
             first, last = points[line.vertices[0]], points[line.vertices[-1]]

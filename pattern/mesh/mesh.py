@@ -16,28 +16,19 @@ MAX_EXACT_TRIANGLES = 2_000_000
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles of the sheet and the paths of the arms on it, in print coordinates (mm).
+    """Triangles of the sheet and the paths of the arms on it, in print coordinates (mm)."""
 
-    Attributes
-    ----------
-    points : (V, 2) mm, every one used by a triangle.
-    triangles : (T, 3) counterclockwise.
-    rods : one array a rod (in the order of the layout's graph): vertices from its start, of an arm the star's centre,
-        to its end; consecutive ones are edges of triangles.
-    star_vertices : (S,) the vertex at each star's centre.
-    border_vertices : (n,) vertices on the outline, counterclockwise.
-    pin_vertices : one array a pin set of the layout. For points: in their order. For edges: every mesh vertex on them.
-    kind : "aligned" or "delaunay".
-    hole_vertices : for each hole of the layout the vertices on its edge, in their order.
-    """
-
-    points: Float[np.ndarray, "V 2"]
-    triangles: Int[np.ndarray, "T 3"]
+    points: Float[np.ndarray, "V 2"]  # (V, 2) mm, every one used by a triangle
+    triangles: Int[np.ndarray, "T 3"]  # (T, 3) counterclockwise
+    # one array a rod (in the order of the layout's graph): vertices from its start, of an arm the star's centre, to its
+    # end; consecutive ones are edges of triangles.
     rods: tuple[Int[np.ndarray, " _"], ...]
-    star_vertices: Int[np.ndarray, " S"]
-    border_vertices: Int[np.ndarray, " n"]
+    star_vertices: Int[np.ndarray, " S"]  # (S,) the vertex at each star's centre
+    border_vertices: Int[np.ndarray, " n"]  # (n,) vertices on the outline, counterclockwise
+    # one array a pin set of the layout. For points: in their order. For edges: every mesh vertex on them.
     pin_vertices: tuple[Int[np.ndarray, " _"], ...]
-    kind: str
+    kind: str  # "aligned" or "delaunay"
+    # for each hole of the layout the vertices on its edge, in their order.
     hole_vertices: tuple[Int[np.ndarray, " _"], ...] = ()
 
 
@@ -53,13 +44,7 @@ def check_edge(layout: Layout, edge_mm: float) -> None:
 
 
 def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
-    """The mesh itself, if its triangles fill the sheet, are not too flat, and their edges follow the arms.
-
-    Raises
-    ------
-    MeshError
-        The message names the condition that fails, and the place or the angle.
-    """
+    """The mesh itself, if its triangles fill the sheet, are not too flat, and their edges follow the arms."""
     areas = triangle_areas(mesh.points, mesh.triangles)
     # of a sheet with a rim, the outline of the mesh has chords of its curves
     total = polygon_area(mesh.points[mesh.border_vertices] if layout.rim else layout.outline)

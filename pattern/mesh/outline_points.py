@@ -88,14 +88,7 @@ def points_along(rod: Rod, step: float, wanted: Floats, tolerance: float, is_str
 
 
 def points_around(ring: Floats, step: float, pins: Floats, tolerance: float) -> Floats:
-    """(n, 2) mm, points of the edge (m, 2) of a hole, from corner to corner and about `step` (mm) apart.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> len(points_around(square, 2.0, np.empty((0, 2)), 1e-6))
-    8
-    """
+    """(n, 2) mm, points of the edge (m, 2) of a hole, from corner to corner and about `step` (mm) apart."""
     corners = np.flatnonzero(np.abs(turning_angles(ring)) > np.radians(CORNER_DEG))
     first = int(corners[0]) if len(corners) else 0
     closed = np.concatenate([np.roll(ring, -first, axis=0), ring[first : first + 1]])
@@ -129,13 +122,7 @@ def pins_on_sheet(layout: Layout) -> Floats:
 
 
 def pin_vertices(layout: Layout, points: Floats, rim_vertices: Ints) -> tuple[Ints, ...]:
-    """Vertices of each pin set: those at its points, in their order, then those on its edges of the sheet.
-
-    Parameters
-    ----------
-    points : (V, 2) mm, vertices of the mesh.
-    rim_vertices : those of the outline and of the edges of holes.
-    """
+    """Vertices of each pin set: those at its points, in their order, then those on its edges of the sheet."""
     if not layout.pins:
         return ()
     tree = cKDTree(points)

@@ -45,20 +45,12 @@ DEVIATION_EDGES = 0.06
 
 @dataclass(frozen=True)
 class SheetMesh:
-    """Triangles of the sheet.
+    """Triangles of the sheet."""
 
-    Attributes
-    ----------
-    points : (P, 2) mm; supported points are among them.
-    triangles : (T, 3), counterclockwise.
-    rim : (R, 2) points at the ends of the mesh edges of the outline and of the holes; the sheet lies to the left.
-    side : (R,) the edge of the sheet each of them is on, see `SheetEdges`.
-    """
-
-    points: Floats
-    triangles: Ints
-    rim: Ints
-    side: Ints
+    points: Floats  # (P, 2) mm; supported points are among them
+    triangles: Ints  # (T, 3), counterclockwise
+    rim: Ints  # (R, 2) points at the ends of the mesh edges of the outline and of the holes; the sheet lies to the left
+    side: Ints  # (R,) the edge of the sheet each of them is on, see `SheetEdges`
 
     @property
     def rings(self) -> tuple[Floats, ...]:

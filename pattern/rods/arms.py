@@ -56,10 +56,6 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     """Refuse arms of different stars that cross, or that are too close to print as two.
 
     Ends that meet within `meeting` (mm) are joined on purpose. They are allowed unless one arm lies on the other.
-
-    Parameters
-    ----------
-    centres, tips : (A, 2) mm; star : (A,); width : (A, 2) mm at the centre and at the tip.
     """
     arms = shapely.linestrings(np.stack([centres, tips], axis=1))
     tree = shapely.STRtree(arms)

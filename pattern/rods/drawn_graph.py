@@ -17,7 +17,7 @@ from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.rods.curves import check_holes, hole_rings, polyline, shown_place
-from asterism.pattern.rods.graph import Rod, RodGraph
+from asterism.pattern.rods.graph import Rod, RodGraph, close_rods, place_between
 from asterism.pattern.rods.planar_lines import Piece, cut_lines, is_closed
 
 MAX_COPIES = 20_000
@@ -32,21 +32,14 @@ MIN_ROD_ANGLE_DEG = 20.0
 
 @dataclass(frozen=True)
 class DrawnPattern:
-    """The rods of a drawing and its outline.
+    """The rods of a drawing and its outline."""
 
-    Attributes
-    ----------
-    graph : the rods.
-    outline : (B, 2) mm, counterclockwise.
-    rim : rods that are the outline, in their order around it, all counterclockwise; empty if no rod is on the outline.
-    holes : (n, 2) mm each, edges of the holes, in the order of `border.holes`.
-    hole_rims : for each hole the rods that are its edge, in their order; empty for a hole without a printed rim.
-    """
-
-    graph: RodGraph
-    outline: Floats
+    graph: RodGraph  # the rods
+    outline: Floats  # (B, 2) mm, counterclockwise
+    # rods that are the outline, in their order around it, all counterclockwise; empty if no rod is on the outline.
     rim: tuple[int, ...]
-    holes: tuple[Floats, ...] = ()
+    holes: tuple[Floats, ...] = ()  # (n, 2) mm each, edges of the holes, in the order of `border.holes`
+    # for each hole the rods that are its edge, in their order; empty for a hole without a printed rim.
     hole_rims: tuple[tuple[int, ...], ...] = ()
 
 
@@ -71,13 +64,6 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     ------
     DesignError
         The drawing cannot be printed. The message names the lines and the place.
-
-    Examples
-    --------
-    >>> ring = Rods.model_validate({"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]})
-    >>> sheet = drawn_pattern(ring, Border(rods="rim"), Lattice(), None)
-    >>> len(sheet.graph.rods), sheet.rim, sheet.graph.joints, round(sheet.graph.total_length, 1)
-    (1, (0,), (), 125.7)
     """
     drawn = [
         PlacedLine(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]")
@@ -123,13 +109,7 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
 
 
 def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[Piece]]:
-    """The graph of lines that are cut where they meet, and the piece of a line that each rod is.
-
-    Raises
-    ------
-    DesignError
-        The lines cannot be printed. The message names them and the place.
-    """
+    """The graph of lines that are cut where they meet, and the piece of a line that each rod is."""
     merge = MERGED_WIDTHS * min(float(rod_of_piece(each, each.points, 0, 0, rods).width.min()) for each in lines)
     names = [each.name for each in lines]
     nodes, pieces = cut_lines([each.points for each in lines], rods.join_mm, max(merge, rods.join_mm), names)
@@ -240,13 +220,7 @@ def _size_field(line: DrawnLine, key: str, rods: Rods) -> str:
 
 
 def _check_rods(graph: RodGraph) -> None:
-    """Refuse a graph that prints as another one.
-
-    Raises
-    ------
-    DesignError
-        The message names the rods and the place.
-    """
+    """Refuse a graph that prints as another one."""
     if len(graph.rods) > MAX_RODS:
         raise DesignError("rods", f"must have at most {MAX_RODS} rods between nodes, has {len(graph.rods)}")
     degree = [len(ends) for ends in graph.ends_at]
@@ -274,21 +248,12 @@ def _check_angles(graph: RodGraph) -> None:
 
 def _check_clearance(graph: RodGraph) -> None:
     """Refuse rods without a common node that are nearer than half the sum of their widths."""
-    lines = np.array([shapely.LineString(rod.points) for rod in graph.rods])
-    widest = max(float(rod.width.max()) for rod in graph.rods)
-    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=widest)
-    keep = first < second
-    for i, j in zip(first[keep], second[keep], strict=True):
-        first_rod, second_rod = graph.rods[i], graph.rods[j]
-        if {first_rod.start, first_rod.end} & {second_rod.start, second_rod.end}:
-            continue
-        distance = float(shapely.distance(lines[i], lines[j]))
-        widths = float(first_rod.width.max()), float(second_rod.width.max())
-        if distance < 0.5 * sum(widths):
-            place = shapely.get_coordinates(shapely.shortest_line(lines[i], lines[j])).mean(axis=0)
+    for first, second, gap in close_rods(graph, graph):
+        if not {first.start, first.end} & {second.start, second.end}:
+            place = place_between(first, second)
             raise _error(
-                f"{first_rod.name} and {second_rod.name} are {distance:.2f} mm apart at {shown_place(place)} and would "
-                f"print as one (widths {widths[0]:g}, {widths[1]:g}): move them apart, or let them meet",
+                f"{first.name} and {second.name} are {gap:.2f} mm apart at {shown_place(place)} and would print as one "
+                f"(widths {first.width.max():g}, {second.width.max():g}): move them apart, or let them meet",
                 place,
             )
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import cross_2d
@@ -18,16 +22,6 @@ CORNER_DEG = 10.0
 class Rod:
     """A rod from one node to another.
 
-    Attributes
-    ----------
-    points : (n, 2) mm, polyline of its middle line; curves are flattened. The first and last points are its nodes.
-    start, end : numbers of its nodes; equal for a closed rod.
-    thickness, width : (n,) mm at the points, linear in arc length between them.
-    kappa_bar : 1/mm, residual curvature of its plastic; None for that of the design's plastic.
-    name : the name in the drawing, for messages.
-    group : number of the star or of the copy of a motif that it belongs to; -1 for none.
-    side : face of the fabric that carries it: 1 above, -1 below.
-
     Examples
     --------
     >>> ends = np.array([[0.0, 0.0], [10.0, 0.0]])
@@ -36,15 +30,18 @@ class Rod:
     (10.0, [0.4])
     """
 
+    # (n, 2) mm, polyline of its middle line; curves are flattened. The first and last points are its nodes.
     points: Floats
+    # start, end: numbers of its nodes; equal for a closed rod.
     start: int
     end: int
+    # thickness, width: (n,) mm at the points, linear in arc length between them.
     thickness: Floats
     width: Floats
-    kappa_bar: float | None = None
-    name: str = ""
-    group: int = -1
-    side: int = 1
+    kappa_bar: float | None = None  # 1/mm, residual curvature of its plastic; None for that of the design's plastic
+    name: str = ""  # the name in the drawing, for messages
+    group: int = -1  # number of the star or of the copy of a motif that it belongs to; -1 for none
+    side: int = 1  # face of the fabric that carries it: 1 above, -1 below
 
     @cached_property
     def arc_lengths(self) -> Floats:
@@ -84,8 +81,7 @@ class Rod:
         return np.asarray(step / np.linalg.norm(step))
 
 
-@dataclass(frozen=True)
-class RodEnd:
+class RodEnd(NamedTuple):
     """An end of a rod: its number, and 0 for the start or 1 for the end."""
 
     rod: int
@@ -95,15 +91,6 @@ class RodEnd:
 @dataclass(frozen=True)
 class RodGraph:
     """Nodes and rods.
-
-    Attributes
-    ----------
-    nodes : (N, 2) mm.
-    rods : the rods. They meet at nodes only.
-    paired : numbers of the nodes at which rods bend pair by pair, as in the paper: centres of stars that no rod of
-        another star touches. All rods start there.
-    bonded : numbers of the nodes that are joints, however few rods end there. In a unit cell the other rods of such a
-        node are images.
 
     Examples
     --------
@@ -115,10 +102,19 @@ class RodGraph:
     (1,)
     """
 
-    nodes: Floats
-    rods: tuple[Rod, ...]
+    nodes: Floats  # (N, 2) mm
+    rods: tuple[Rod, ...]  # the rods. They meet at nodes only.
+    # numbers of the nodes at which rods bend pair by pair, as in the paper: centres of stars that no rod of another
+    # star touches. All rods start there.
     paired: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    # numbers of the nodes that are joints, however few rods end there. In a unit cell the other rods of such a node are
+    # images.
     bonded: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    @cached_property
+    def lines(self) -> NDArray[np.object_]:
+        """(R,) the rods for shapely."""
+        return np.array([shapely.LineString(rod.points) for rod in self.rods])
 
     @cached_property
     def ends_at(self) -> tuple[tuple[RodEnd, ...], ...]:
@@ -161,3 +157,19 @@ class RodGraph:
         back = -self.rods[second.rod].direction_at(second.end)
         turn = np.arctan2(cross_2d(back, out), back @ out)
         return bool(abs(turn) <= np.radians(CORNER_DEG))
+
+
+def close_rods(first: RodGraph, second: RodGraph) -> Iterator[tuple[Rod, Rod, float]]:
+    """Rods of two graphs nearer to each other than half the sum of their widths, and their gap, mm."""
+    widths, others = (np.array([rod.width.max() for rod in graph.rods]) for graph in (first, second))
+    widest = max(widths.max(), others.max())
+    i, j = shapely.STRtree(second.lines).query(first.lines, predicate="dwithin", distance=widest)
+    gaps = shapely.distance(first.lines[i], second.lines[j])
+    for k in np.flatnonzero(gaps < 0.5 * (widths[i] + others[j])):
+        yield first.rods[i[k]], second.rods[j[k]], float(gaps[k])
+
+
+def place_between(one: Rod, other: Rod) -> Floats:
+    """(2,) mm, the middle of the gap between two rods."""
+    lines = (shapely.LineString(rod.points) for rod in (one, other))
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(*lines)).mean(axis=0))

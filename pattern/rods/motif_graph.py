@@ -24,20 +24,13 @@ MAX_NEARBY_COPIES = 2000
 
 @dataclass(frozen=True)
 class MotifGraph:
-    """Nodes and rods of one cell of a pattern that repeats without an end.
+    """Nodes and rods of one cell of a pattern that repeats without an end."""
 
-    Attributes
-    ----------
-    vectors : (2, 2) mm, lattice vectors as rows.
-    nodes : (N, 2) mm, one place of each node. The first rod starts at the first node.
-    rods : one of each class of images. A rod runs from the node `start` to the image `end_image` of the node `end`.
-    end_image : (R, 2) numbers of lattice vectors.
-    """
-
-    vectors: Floats
-    nodes: Floats
+    vectors: Floats  # (2, 2) mm, lattice vectors as rows
+    nodes: Floats  # (N, 2) mm, one place of each node. The first rod starts at the first node.
+    # one of each class of images. A rod runs from the node `start` to the image `end_image` of the node `end`.
     rods: tuple[Rod, ...]
-    end_image: Ints
+    end_image: Ints  # (R, 2) numbers of lattice vectors
 
     @property
     def ends_at(self) -> Ints:
@@ -53,15 +46,6 @@ def motif_graph(rods: Rods, lattice: Lattice) -> MotifGraph:
     ------
     DesignError
         There is no motif, its sizes vary over the sheet, or it cannot be printed.
-
-    Examples
-    --------
-    A square grid has one node and two rods in its cell, which lead to the next cells:
-
-    >>> grid = Rods.model_validate({"motif": [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]})
-    >>> cell = motif_graph(grid, Lattice(kind="square", spacing_mm=10.0))
-    >>> len(cell.nodes), cell.ends_at.tolist(), cell.end_image.tolist()
-    (1, [4], [[1, 0], [0, 1]])
     """
     if not rods.motif:
         raise DesignError("rods.motif", "is missing: a unit cell repeats a motif")

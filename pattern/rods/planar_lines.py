@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from asterism.equilibrium.arrays import Bools, Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.geometry.clusters import clusters
-from asterism.pattern.geometry.planar import nearest_segment, turning_angles
+from asterism.pattern.geometry.planar import clusters, nearest_segment, turning_angles
 from asterism.pattern.rods.graph import CORNER_DEG
 
 # mm: places closer than this are one, but for rounding
@@ -22,17 +21,11 @@ _SHAPES_AT_ONCE = 100
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of a line between two nodes.
+    """A part of a line between two nodes."""
 
-    Attributes
-    ----------
-    line : number of the line.
-    points : (n, 2) mm, from node to node.
-    start, end : numbers of the nodes.
-    """
-
-    line: int
-    points: Floats
+    line: int  # number of the line
+    points: Floats  # (n, 2) mm, from node to node
+    # start, end: numbers of the nodes.
     start: int
     end: int
 
@@ -46,20 +39,6 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     join_mm : an open end nearer than this to an end or corner is moved there, else onto a line that is as near.
     merge_mm : nodes nearer than this to each other become one, and loose ends shorter than this are dropped.
     names : of the lines, for messages.
-
-    Raises
-    ------
-    DesignError
-        Two lines lie on each other.
-
-    Examples
-    --------
-    Two lines that cross, one of which ends just beside a third:
-
-    >>> cross = [np.array([[-5.0, 0.0], [5.0, 0.0]]), np.array([[0.0, -5.0], [0.0, 4.95]])]
-    >>> nodes, pieces = cut_lines([*cross, np.array([[-5.0, 5.0], [5.0, 5.0]])], 0.1, 0.6, ["", "", ""])
-    >>> len(nodes), [(piece.line, piece.start, piece.end) for piece in pieces]
-    (7, [(0, 0, 6), (0, 6, 1), (1, 2, 6), (1, 6, 3), (2, 4, 3), (2, 3, 5)])
     """
     lines = _joined(lines, join_mm)
     places, owners, parts = _meetings(lines, names)
@@ -99,18 +78,9 @@ def _key_points(line: Floats) -> Ints:
     """Numbers of the points of a line that are nodes by themselves: both ends, and corners."""
     if len(line) == 2:
         return np.array([0, 1])
-    if is_closed(line):
-        ring = np.abs(turning_angles(line[:-1])) > np.radians(CORNER_DEG)
-        # a ring without a corner has its seam at its first point; both of its ends are this node
-        return np.unique(np.concatenate([[0], np.flatnonzero(ring), [len(line) - 1]]))
-    return np.unique(np.concatenate([[0], np.flatnonzero(_is_corner(line)), [len(line) - 1]]))
-
-
-def _is_corner(line: Floats) -> Bools:
-    """(n,) whether a polyline has a corner at a point within it."""
-    corner = np.zeros(len(line), dtype=bool)
-    corner[1:-1] = np.abs(turning_angles(line)[1:-1]) > np.radians(CORNER_DEG)
-    return corner
+    # a ring without a corner has its seam at its first point; both of its ends are this node
+    turns = turning_angles(line[:-1] if is_closed(line) else line)
+    return np.unique(np.concatenate([[0], np.flatnonzero(np.abs(turns) > np.radians(CORNER_DEG)), [len(line) - 1]]))
 
 
 def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:

@@ -76,23 +76,6 @@ def test_hessian(name, bent):
 
 @ENERGIES
 @PLACES
-def test_hessian_is_the_slope_of_the_gradient_in_real_arithmetic(name, bent):
-    """Central differences of the compiled gradient, without complex numbers."""
-    sample = make(name, bent)
-    n, step = sample.elements.dofs_per_element, 1e-5
-    columns = []
-    for i in range(n):
-        d = np.zeros((COUNT, n))
-        d[:, i] = step
-        ahead, behind = (sample.elements.gradients(sample.moved(side * d)) for side in (1.0, -1.0))
-        columns.append((ahead - behind) / (2.0 * step))
-    derivative = np.stack(columns, axis=-1)
-    expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
-    assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-6
-
-
-@ENERGIES
-@PLACES
 @pytest.mark.parametrize("blend", [0.0, 0.3, 1.0])
 def test_compiled_and_plain_paths_agree(name, bent, blend):
     sample = make(name, bent)

@@ -12,12 +12,11 @@ from asterism.discrete.model.state import moved_state
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 
 def model(edge_mm: float = 4.0, **data: Any) -> DiscreteModel:
-    design = Design.from_dict({"border": {"rectangle_mm": [60.0, 40.0]}, "mesh": {"edge_mm": edge_mm}, **data})
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge_mm))
+    return model_of({"border": {"rectangle_mm": [60.0, 40.0]}, "mesh": {"edge_mm": edge_mm}, **data}, edge_mm)
 
 
 def test_a_line_has_its_own_residual_curvature_and_sections() -> None:

@@ -10,16 +10,13 @@ from scipy.spatial import Delaunay
 
 from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, hinge_coefficients, interior_edges
 from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 HINGES = Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS, poisson=POISSON).bending_tensor
@@ -295,11 +292,9 @@ def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
     """With different stretches in x and y the rest shape is not similar to the print, and changes with the release."""
     stars = {"length_mm": 8.0}
     fabric = {"stretch": [1.8, 1.0], "bending": bending}
-    design = Design.from_dict({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}})
-    plan = layout(design)
-    model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
+    model = model_of({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}, 4.0)
     rule = hinge_coefficients if bending == "paper" else fold_coefficients
-    stiffness = design.fabric.bending_tensor.d11
+    stiffness = model.design.fabric.bending_tensor.d11
     hinges = model.parts[part]
     for release, x in ((1.0, 1.8), (0.5, 1.4), (0.0, 1.0)):
         model.set_release(release)

@@ -13,17 +13,14 @@ from asterism.equilibrium.arrays import Array
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, rest_curvature
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 KNIT = {"modulus_mpa": [9.0, 4.0], "bending": "consistent"}
 
 
 def model(**fabric: Any) -> DiscreteModel:
     star = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
-    design = Design.from_dict(star | {"fabric": fabric})
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, 4.0))
+    return model_of(star | {"fabric": fabric}, 4.0)
 
 
 def bent(of: DiscreteModel, curvature: float, angle: float) -> Array:

@@ -12,8 +12,7 @@ from asterism.homogenize.errors import ForeignLaw
 from asterism.homogenize.law.law_file import load_law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 SHEET = {"stars": {"length_mm": 7.0}, "border": {"rings": 1}}
 # of the default thickness and modulus
@@ -22,9 +21,7 @@ PLATE = 7.1875 * 0.8**3 / (12.0 * (1.0 - 0.3**2))
 
 def model(**fabric: Any) -> DiscreteModel:
     data = SHEET | {"fabric": {"bending": "consistent", "modulus_mpa": 7.1875, **fabric}, "mesh": {"edge_mm": 4.0}}
-    design = Design.from_dict(data)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    return model_of(data)
 
 
 @pytest.mark.parametrize("bending", ["consistent", "plate"])

@@ -9,18 +9,14 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import model_with_pins_until, solve_on_mesh
 from asterism.discrete.release.release_start import ReleaseStart
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 
 def model(edge: float = 4.0, rings: int = 1, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict()
     data["border"] = {"rings": rings}
     data["mesh"] = {"edge_mm": edge}
-    design = Design.from_dict(data | changes)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge, design.mesh.kind))
+    return model_of(data | changes, edge)
 
 
 def test_pins_after_release_reach_their_targets() -> None:
@@ -89,32 +85,6 @@ def test_an_unstable_state_is_left_along_its_negative_mode() -> None:
     assert np.ptp(found.state.positions[:, 2]) > 1.0
     again = solve_on_mesh(m, ReleaseStart(bumps=False, noise_mm=0.0))
     np.testing.assert_allclose(again.state.positions, found.state.positions, atol=1e-6)
-
-
-def test_invalid_starts_are_refused() -> None:
-    with pytest.raises(ValueError, match="must be of 1 stars, not 2"):
-        solve_on_mesh(model(rings=0), ReleaseStart(branch=(1, -1)))
-    with pytest.raises(ValueError, match="must be one of none, roll, dome, saddle"):
-        ReleaseStart(bend="rol")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="a bend needs one above 0"):
-        ReleaseStart(bend="roll")
-    with pytest.raises(ValueError, match="1 up, -1 down or 0 free"):
-        ReleaseStart(branch=(2,))
-
-
-@pytest.mark.parametrize(
-    ("releases", "said"),
-    [
-        ((0.3,), "the last must be 1"),
-        ((), "the last must be 1"),
-        ((float("nan"), 1.0), "must grow from 0"),
-        ((-5.0, 1.0), "must grow from 0"),
-        ((0.8, 0.3, 1.0), "must grow from 0"),
-    ],
-)
-def test_releases_must_grow_to_one(releases: tuple[float, ...], said: str) -> None:
-    with pytest.raises(ValueError, match=said):
-        ReleaseStart(releases=releases)
 
 
 def test_an_interrupted_release_leaves_the_model_released() -> None:

@@ -9,10 +9,8 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.release_start import ReleaseStart
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 BENT = ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.3, releases=(0.3, 1.0))
 
@@ -26,9 +24,7 @@ def model(size: float, stiff: float = 1.0, branch: str = "up", thickness: float 
         "border": {"rings": rings, "tip_margin_mm": 0.5 * size},
         "mesh": {"edge_mm": 3.5 * size},
     }
-    design = Design.from_dict(data)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    return model_of(data)
 
 
 def assert_similar(one: Equilibrium, other: Equilibrium, size: float, stiff: float = 1.0) -> None:

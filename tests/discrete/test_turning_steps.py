@@ -13,18 +13,14 @@ from asterism.discrete.model.system import System
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 FINE = 17.3205 / 36  # mm; graded: 0.2 mm along the arms at their tips
 
 
 def star(edge: float, graded: bool = False, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rings": 0}, "mesh": {"edge_mm": edge, "graded": graded}}
-    design = Design.from_dict(data | changes)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge, graded=graded))
+    return model_of(data | changes, edge)
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +67,7 @@ def test_the_slope_of_a_step_is_its_direction(pins: list[dict]) -> None:
     d = direction(model, 1.0)
     path, _ = model.path(state, d)
     slope = (path(1e-4).positions - path(-1e-4).positions) / 2e-4
-    np.testing.assert_allclose(slope, model.displacements_and_twists(d)[0], atol=1e-6)
+    np.testing.assert_allclose(slope, model.motions(d)[0], atol=1e-6)
     held = model.constraints.held
     np.testing.assert_array_equal(path(0.3).positions[held], state.positions[held])
 

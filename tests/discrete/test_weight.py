@@ -8,9 +8,7 @@ import pytest
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.equilibrium import Equilibrium
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 GRAVITY = 9.81
 
@@ -26,9 +24,7 @@ def model(**sections: object) -> DiscreteModel:
         "gravity": {"on": True},
         "mesh": {"edge_mm": 5.0},
     }
-    design = Design.from_dict(data | sections)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    return model_of(data | sections)
 
 
 def mass(stars: int) -> float:
@@ -86,9 +82,7 @@ def hung(
         "mesh": {"edge_mm": 3.0},
         "gravity": {"on": True, "direction": direction},
     }
-    design = Design.from_dict(data | {"pins": [pins]})
-    plan = layout(design)
-    m = DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    m = model_of(data | {"pins": [pins]})
     found = solve_on_mesh(m)
     places, mass = found.state.positions, np.linalg.norm(m.load.reshape(-1, 3), axis=1)
     return found, mass @ places / mass.sum(), places[m.constraints.held.any(axis=1)]

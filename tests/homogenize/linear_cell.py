@@ -17,7 +17,7 @@ exactly that of the tube's energy.
 Gaussian curvature does work on the forces within a relaxed cell: `c det K`, which adds c to D12 and takes c/2 from
 D33. No cylinder shows c, and images of two directions commute to first order only, so that c depends on the points that
 represent the cell. In a sheet c is fixed at its border, where Airy's function of the inner forces vanishes. Take
-`D12 + 2 D33` from here, and the rest from elsewhere (`homogenize.cell.rod_bending`).
+`D12 + 2 D33` from here, and the rest from elsewhere (`homogenize.cell.motif_responses`).
 """
 
 from __future__ import annotations

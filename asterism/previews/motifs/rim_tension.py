@@ -1,7 +1,7 @@
 """Gaussian modulus of a motif's sheet: work of the fabric's tension on Gaussian curvature.
 
 In a flat sheet the fabric is in tension, and its rods are in compression. Gaussian curvature K does the work `-phi K`
-on these forces. Airy's stress function phi vanishes at the rim, and so does its slope (`homogenize.cell.rod_bending`).
+on these forces. Airy's stress function phi vanishes at the rim, and so does its slope.
 From a side inwards, fabric of the tension N along the side raises phi to `N w^2/2` at the first rod, at the distance w.
 The rods then balance the fabric midway to the next rod, if their distance is d. So the mean of phi over a cell beside
 the side is

@@ -19,19 +19,13 @@ from asterism.pattern.design.materials import BendingStiffness
 
 @dataclass(frozen=True)
 class BendingMesh:
-    """The printed mesh of the fabric.
+    """The printed mesh of the fabric."""
 
-    Attributes
-    ----------
-    triangles : (T, 3) vertices, counterclockwise.
-    printed : (V, 2) mm; of fabric with a grain the released shape, see `fabric_energies`.
-    closed_hinges : (H, 4) hinges of a periodic mesh, also those across its borders; None for a plain mesh.
-    surrounding : (R, 3) triangles around a periodic mesh that have no energy; None for a plain mesh.
-    """
-
-    triangles: Array
-    printed: Array
+    triangles: Array  # (T, 3) vertices, counterclockwise
+    printed: Array  # (V, 2) mm; of fabric with a grain the released shape, see `fabric_energies`
+    # (H, 4) hinges of a periodic mesh, also those across its borders; None for a plain mesh.
     closed_hinges: Array | None = None
+    # (R, 3) triangles around a periodic mesh that have no energy; None for a plain mesh.
     surrounding: Array | None = None
 
     @property
@@ -42,20 +36,15 @@ class BendingMesh:
 
 @dataclass(frozen=True)
 class FabricBending:
-    """A bending energy of the fabric.
+    """A bending energy of the fabric."""
 
-    Attributes
-    ----------
-    parts : names of its energies in the model.
-    build : builds these energies from the mesh and the stiffness.
-    set_rest : sets the ratio of rest area to printed area and, if the rest shape is not similar to the print, the rest
-        shape (V, 2) mm up to its size.
-    needs_neighbours : an element uses vertices beyond its triangle, so a periodic mesh needs surrounding triangles.
-    """
-
-    parts: tuple[str, ...]
+    parts: tuple[str, ...]  # names of its energies in the model
+    # builds these energies from the mesh and the stiffness.
     build: Callable[[BendingMesh, BendingStiffness], dict[str, Elements]]
+    # sets the ratio of rest area to printed area and, if the rest shape is not similar to the print, the rest shape (V,
+    # 2) mm up to its size.
     set_rest: Callable[[Mapping[str, Elements], BendingStiffness, float, Array | None], None]
+    # an element uses vertices beyond its triangle, so a periodic mesh needs surrounding triangles.
     needs_neighbours: bool = False
 
     def energy(self, energies: Mapping[str, float]) -> float:

@@ -32,21 +32,14 @@ _NONE = np.empty((0, 3), dtype=np.int64)
 
 @dataclass(frozen=True)
 class Patches:
-    """One patch of six vertices for each triangle.
+    """One patch of six vertices for each triangle."""
 
-    Attributes
-    ----------
-    vertices : (T, 6) the three vertices of the triangle, then the three extra ones.
-    first : (T, 3, 2) 1/mm, gradients of the barycentric coordinates.
-    second : (T, 3, 3) 1/mm^2, second derivatives 11, 12, 22 of the quadratic by the heights of the extra vertices
-        above the triangle.
-    area : (T,) mm^2.
-    """
-
-    vertices: Array
-    first: Array
+    vertices: Array  # (T, 6) the three vertices of the triangle, then the three extra ones
+    first: Array  # (T, 3, 2) 1/mm, gradients of the barycentric coordinates
+    # (T, 3, 3) 1/mm^2, second derivatives 11, 12, 22 of the quadratic by the heights of the extra vertices above the
+    # triangle.
     second: Array
-    area: Array
+    area: Array  # (T,) mm^2
 
 
 def patches(triangles: Array, points: Array, surrounding: Array | None = None) -> Patches:
@@ -62,21 +55,6 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
     ------
     MeshError
         A triangle has fewer than three more vertices around it that do not lie on a conic with its own.
-
-    Examples
-    --------
-    On an equilateral triangle in the middle of a larger one the extra vertices are the three corners. The quadratic
-    `x^2 - 2 x + y/h` is 0 at the corners of the small one, and its second derivatives are 2, 0 and 0:
-
-    >>> h = 3.0**0.5
-    >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
-    >>> triangles = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
-    >>> patch = patches(triangles[:1], points, triangles[1:])
-    >>> patch.vertices[0].tolist()
-    [0, 1, 2, 3, 4, 5]
-    >>> x, y = points[patch.vertices[0, 3:]].T
-    >>> ((x**2 - 2.0 * x + y / h) @ patch.second[0]).round(6) + 0.0
-    array([2., 0., 0.])
     """
     all_triangles = triangles if surrounding is None else np.concatenate([triangles, surrounding])
     first, area = triangle_gradients(points, triangles), triangle_areas(points, triangles)

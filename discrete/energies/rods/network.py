@@ -13,26 +13,15 @@ from asterism.equilibrium.arrays import Array
 
 @dataclass(frozen=True)
 class RodNetwork:
-    """Edges and stencils of rods, which meet at junctions by their first vertices.
+    """Edges and stencils of rods, which meet at junctions by their first vertices."""
 
-    Attributes
-    ----------
-    edges : (R, 2) vertices, along each rod.
-    rod : (R,) the rod of each edge.
-    midpoint : (R,) position of the edge's midpoint along its rod, 0 at the start and 1 at the end.
-    stencil_vertices : (S, 3) vertices.
-    stencil_edges : (S, 2) edges.
-    signs : (S, 2) 1, or -1 where the stencil runs against the edge.
-    weight : (S,) share of the cross-section that bends and twists in this stencil, see `rod_network`.
-    """
-
-    edges: Array
-    rod: Array
-    midpoint: Array
-    stencil_vertices: Array
-    stencil_edges: Array
-    signs: Array
-    weight: Array
+    edges: Array  # (R, 2) vertices, along each rod
+    rod: Array  # (R,) the rod of each edge
+    midpoint: Array  # (R,) position of the edge's midpoint along its rod, 0 at the start and 1 at the end
+    stencil_vertices: Array  # (S, 3) vertices
+    stencil_edges: Array  # (S, 2) edges
+    signs: Array  # (S, 2) 1, or -1 where the stencil runs against the edge
+    weight: Array  # (S,) share of the cross-section that bends and twists in this stencil, see `rod_network`
 
 
 def rod_network(
@@ -56,23 +45,10 @@ def rod_network(
     At a junction of N rods each rod splits into N - 1 copies, one for each other rod. Each of the N (N - 1)/2 pairs
     bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2); two arms are one
     straight rod.
-
-    Examples
-    --------
-    Three arms of one edge each from vertex 0:
-
-    >>> tips = np.array([[0, 0], [1, 0], [-0.5, 0.9], [-0.5, -0.9]])
-    >>> star = rod_network((np.array([0, 1]), np.array([0, 2]), np.array([0, 3])), np.zeros(3, dtype=int), tips)
-    >>> star.stencil_vertices.tolist(), star.weight.tolist()
-    ([[1, 0, 2], [1, 0, 3], [2, 0, 3]], [0.5, 0.5, 0.5])
     """
     edges: list[tuple[int, int]] = []
-    rod: list[int] = []
-    midpoint: list[float] = []
-    vertices: list[tuple[int, int, int]] = []
-    pairs: list[tuple[int, int]] = []
-    signs: list[tuple[float, float]] = []
-    weight: list[float] = []
+    of_edges: list[tuple[int, float]] = []  # rod and midpoint
+    stencils: list[tuple[tuple[int, int, int], tuple[int, int], tuple[float, float], float]] = []
     first: list[int] = []
     for r, path in enumerate(paths):
         start = len(edges)
@@ -80,33 +56,30 @@ def rod_network(
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(printed[path], axis=0), axis=1))])
         for j in range(len(path) - 1):
             edges.append((path[j], path[j + 1]))
-            rod.append(r)
-            midpoint.append(0.5 * (length[j] + length[j + 1]) / length[-1])
+            of_edges.append((r, 0.5 * (length[j] + length[j + 1]) / length[-1]))
             if j > 0:
-                vertices.append((path[j - 1], path[j], path[j + 1]))
-                pairs.append((start + j - 1, start + j))
-                signs.append((1.0, 1.0))
-                weight.append(1.0)
+                vertices = path[j - 1], path[j], path[j + 1]
+                stencils.append((vertices, (start + j - 1, start + j), (1.0, 1.0), 1.0))
     for star in np.unique(junction[junction >= 0]):
         joined = np.flatnonzero(junction == star)
         for i, a in enumerate(joined):
             for b in joined[i + 1 :]:
-                vertices.append((paths[a][1], paths[a][0], paths[b][1]))
-                pairs.append((first[a], first[b]))
-                signs.append((-1.0, 1.0))
-                weight.append(1.0 / (len(joined) - 1))
+                vertices = paths[a][1], paths[a][0], paths[b][1]
+                stencils.append((vertices, (first[a], first[b]), (-1.0, 1.0), 1.0 / (len(joined) - 1)))
     for (one, one_end), (other, other_end) in links:
-        vertices.append((paths[one][-2 if one_end else 1], paths[one][-one_end], paths[other][-2 if other_end else 1]))
+        vertices = paths[one][-2 if one_end else 1], paths[one][-one_end], paths[other][-2 if other_end else 1]
         last = first[one] + len(paths[one]) - 2, first[other] + len(paths[other]) - 2
-        pairs.append((last[0] if one_end else first[one], last[1] if other_end else first[other]))
-        signs.append((1.0 if one_end else -1.0, -1.0 if other_end else 1.0))
-        weight.append(1.0)
+        pair = last[0] if one_end else first[one], last[1] if other_end else first[other]
+        stencils.append((vertices, pair, (1.0 if one_end else -1.0, -1.0 if other_end else 1.0), 1.0))
+    rod, midpoint = np.array(of_edges).reshape(-1, 2).T
+    columns = zip(*stencils, strict=True) if stencils else ((), (), (), ())
+    of_vertices, of_pairs, signs, weight = columns
     return RodNetwork(
         np.array(edges, dtype=np.int64).reshape(-1, 2),
-        np.array(rod, dtype=np.int64),
-        np.array(midpoint, dtype=float),
-        np.array(vertices, dtype=np.int64).reshape(-1, 3),
-        np.array(pairs, dtype=np.int64).reshape(-1, 2),
+        rod.astype(np.int64),
+        midpoint,
+        np.array(of_vertices, dtype=np.int64).reshape(-1, 3),
+        np.array(of_pairs, dtype=np.int64).reshape(-1, 2),
         np.array(signs, dtype=float).reshape(-1, 2),
         np.array(weight, dtype=float),
     )
@@ -181,57 +154,32 @@ def _mean(network: RodNetwork, values: Array) -> Array:
 
 @dataclass(frozen=True)
 class JointNetwork:
-    """Joints, and the half edges that leave them.
+    """Joints, and the half edges that leave them."""
 
-    Attributes
-    ----------
-    vertices : (J,) vertex of each joint.
-    joint : (H,) joint of each half edge.
-    edge : (H,) rod edge of each half edge.
-    far_vertex : (H,) vertex at the other end of that edge.
-    sign : (H,) 1, or -1 if the edge runs towards the joint.
-    """
-
-    vertices: Array
-    joint: Array
-    edge: Array
-    far_vertex: Array
-    sign: Array
+    vertices: Array  # (J,) vertex of each joint
+    joint: Array  # (H,) joint of each half edge
+    edge: Array  # (H,) rod edge of each half edge
+    far_vertex: Array  # (H,) vertex at the other end of that edge
+    sign: Array  # (H,) 1, or -1 if the edge runs towards the joint
 
 
-def joint_network(paths: tuple[Array, ...], joints: list[list[tuple[int, int]]]) -> JointNetwork:
+def joint_network(paths: tuple[Array, ...], joints: Sequence[Sequence[tuple[int, int]]]) -> JointNetwork:
     """The joints of rods along vertex paths.
 
     Parameters
     ----------
     paths : one path of vertices for each rod, in the order of the edges of its `RodNetwork`.
     joints : for each joint the ends of rods there: number of the rod, and 0 for its start or 1 for its end.
-
-    Examples
-    --------
-    A rod over vertices 0, 1, 2 and a branch from vertex 2 to 3:
-
-    >>> corner = joint_network((np.array([0, 1, 2]), np.array([2, 3])), [[(0, 1), (1, 0)]])
-    >>> corner.vertices.tolist(), corner.edge.tolist(), corner.far_vertex.tolist(), corner.sign.tolist()
-    ([2], [1, 2], [1, 3], [-1.0, 1.0])
     """
     first = np.concatenate([[0], np.cumsum([len(path) - 1 for path in paths])])
-    vertices, joint, edge, far_vertex, sign = [], [], [], [], []
-    for number, ends in enumerate(joints):
-        rod, end = ends[0]
-        vertices.append(paths[rod][-end])
-        for rod, end in ends:
-            joint.append(number)
-            edge.append(first[rod + 1] - 1 if end else first[rod])
-            far_vertex.append(paths[rod][-2 if end else 1])
-            sign.append(-1.0 if end else 1.0)
-    return JointNetwork(
-        vertices=np.array(vertices, dtype=np.int64),
-        joint=np.array(joint, dtype=np.int64),
-        edge=np.array(edge, dtype=np.int64),
-        far_vertex=np.array(far_vertex, dtype=np.int64),
-        sign=np.array(sign, dtype=float),
-    )
+    vertices = [paths[rod][-end] for (rod, end), *_ in joints]
+    halves = [
+        (number, first[rod + 1] - 1 if end else first[rod], paths[rod][-2 if end else 1], -1 if end else 1)
+        for number, ends in enumerate(joints)
+        for rod, end in ends
+    ]
+    joint, edge, far_vertex, sign = np.array(halves, dtype=np.int64).reshape(-1, 4).T
+    return JointNetwork(np.array(vertices, dtype=np.int64), joint, edge, far_vertex, sign.astype(float))
 
 
 def joint_inputs(joints: JointNetwork, n_vertices: int, n_edges: int) -> tuple[Array, Array]:

@@ -47,13 +47,7 @@ def read_grey(path: Path) -> Grey:
 
 @contextmanager
 def opened_picture(path: Path) -> Iterator[Any]:
-    """The picture of pillow in a file of an allowed size; what goes wrong within the block is an `ImageError`, too.
-
-    Raises
-    ------
-    ImageError
-        There is no such file, it is too large, or it is not a picture.
-    """
+    """The picture of pillow in a file of an allowed size; what goes wrong within the block is an `ImageError`, too."""
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -97,13 +91,7 @@ def _eight_bits(picture: Any) -> Any:
 
 
 def pack_image(grey: Grey) -> str:
-    """Grey values compressed as text.
-
-    Examples
-    --------
-    >>> unpack_image(pack_image(np.array([[0, 255]], dtype=np.uint8)), 1, 2).tolist()
-    [[0.0, 1.0]]
-    """
+    """Grey values compressed as text."""
     return base64.b64encode(zlib.compress(grey.tobytes(), 9)).decode("ascii")
 
 

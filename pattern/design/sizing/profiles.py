@@ -21,7 +21,7 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import CoreSchema, PydanticCustomError
+from pydantic_core import CoreSchema
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
@@ -37,14 +37,11 @@ class Profile(Section):
     """A quantity that varies over the sheet.
 
     A new profile is a subclass in `PROFILES`. A design file selects it by its key.
-
-    Attributes
-    ----------
-    key : name of the profile. In a design file, a table belongs to this profile if it has `profile = "<key>"`.
-    is_marked_by_key : a table belongs to this profile if it has the key `<key>` itself, as `{ formula = "..." }`.
     """
 
+    # name of the profile. In a design file, a table belongs to this profile if it has `profile = "<key>"`.
     key: ClassVar[str]
+    # a table belongs to this profile if it has the key `<key>` itself, as `{ formula = "..." }`.
     is_marked_by_key: ClassVar[bool] = False
 
     @classmethod
@@ -145,22 +142,17 @@ class PictureProfile(Profile):
     When a design is read, its picture is scaled down to 256 pixels a side, and the grey values are stored in the design
     (`grey`). So a design and its results remain complete without the picture's file. A design with stored grey values
     does not read the file again.
-
-    Attributes
-    ----------
-    image : path relative to the design file.
-    low, high : values at black and at white.
-    extent_mm : width and height on the sheet. Points outside have the value of the nearest edge.
-    pixels, grey : columns and rows, and the grey values (0-255, rows from the top) compressed as text.
     """
 
     key: ClassVar[str] = "image"
     is_marked_by_key: ClassVar[bool] = True
-    image: Text
+    image: Text  # path relative to the design file
+    # low, high: values at black and at white.
     low: Number
     high: Number
-    extent_mm: Point
+    extent_mm: Point  # width and height on the sheet. Points outside have the value of the nearest edge.
     centre_mm: Point = (0.0, 0.0)
+    # pixels, grey: columns and rows, and the grey values (0-255, rows from the top) compressed as text.
     pixels: tuple[Whole, Whole] | None = None
     grey: Text | None = Field(None, repr=False)
 
@@ -173,20 +165,20 @@ class PictureProfile(Profile):
         try:
             grey = read_grey(folder / data["image"])
         except ImageError as problem:
-            raise _picture_error("image", str(problem), data["image"]) from None
+            raise DesignError("image", str(problem), data["image"]) from None
         return {**data, "pixels": grey.shape[::-1], "grey": pack_image(grey)}
 
     @model_validator(mode="after")
     def _is_complete(self) -> PictureProfile:
         if not all(0.1 <= size <= 1e4 for size in self.extent_mm):
-            raise _picture_error("extent_mm", "must be a width and a height from 0.1 to 10000 mm", self.extent_mm)
+            raise DesignError("extent_mm", "must be a width and a height from 0.1 to 10000 mm", self.extent_mm)
         if self.pixels is None or not all(1 <= side <= MAX_PIXELS_A_SIDE for side in self.pixels):
             allowed = f"must be columns and rows, 1 to {MAX_PIXELS_A_SIDE}, with grey"
-            raise _picture_error("pixels", allowed, self.pixels)
+            raise DesignError("pixels", allowed, self.pixels)
         try:
             self._grey_values()
         except (ValueError, zlib.error, binascii.Error):
-            raise _picture_error(
+            raise DesignError(
                 "grey", "does not match the pixels: leave it out to read the image again", "..."
             ) from None
         return self
@@ -212,14 +204,7 @@ class PictureProfile(Profile):
 
 
 class RadialProfile(GradientProfile):
-    """From the value at `centre_mm` to the value at the distance `over_mm` and beyond.
-
-    Examples
-    --------
-    >>> radial = RadialProfile.model_validate({"profile": "radial", "from": 10, "to": 4, "over_mm": 30})
-    >>> radial.at(np.array([[0.0, 0.0], [15.0, 0.0], [0.0, 60.0]])).tolist()
-    [10.0, 7.0, 4.0]
-    """
+    """From the value at `centre_mm` to the value at the distance `over_mm` and beyond."""
 
     key: ClassVar[str] = "radial"
     profile: Literal["radial"]
@@ -235,12 +220,6 @@ class TableProfile(Profile):
     """Values over the distance from `centre_mm`, linear between the entries, constant beyond the ends.
 
     `smooth` puts a monotone cubic through the entries instead. It never exceeds their range.
-
-    Examples
-    --------
-    >>> table = TableProfile(profile="table", distance_mm=(0.0, 10.0), values=(2.0, 4.0))
-    >>> table.at(np.array([[5.0, 0.0], [0.0, 50.0]])).tolist()
-    [3.0, 4.0]
     """
 
     key: ClassVar[str] = "table"
@@ -268,10 +247,6 @@ class TableProfile(Profile):
             inside = np.clip(distance, self.distance_mm[0], self.distance_mm[-1])
             return np.asarray(PchipInterpolator(self.distance_mm, self.values)(inside))
         return np.asarray(np.interp(distance, self.distance_mm, self.values))
-
-
-def _picture_error(key: str, allowed: str, value: Any) -> PydanticCustomError:
-    return PydanticCustomError("picture", "{allowed}", {"allowed": allowed, "key": key, "value": value})
 
 
 PROFILES: dict[str, type[Profile]] = {
@@ -326,11 +301,5 @@ SizingField = Annotated[float | Profile, _RegisteredProfiles]
 
 
 def sample(field: float | Profile, points: Floats) -> Floats:
-    """(n,) values of a sizing field at the printed points (n, 2) mm.
-
-    Examples
-    --------
-    >>> sample(7.5, np.zeros((2, 2))).tolist()
-    [7.5, 7.5]
-    """
+    """(n,) values of a sizing field at the printed points (n, 2) mm."""
     return field.at(points) if isinstance(field, Profile) else np.full(len(points), field)

@@ -7,8 +7,7 @@ import io
 import pytest
 
 from asterism.draw import fonts
-from asterism.draw.canvas import FIRST_RARE_LETTER, usual_font
-from asterism.draw.picture import draw_shape
+from asterism.draw.picture import FIRST_RARE_LETTER, draw_shape, usual_font
 from tests.asterism import sheets
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.draw.raster import rasterise
+from asterism.draw.render import rasterise
 from tests.asterism import sheets
 
 

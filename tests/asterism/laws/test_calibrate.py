@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import io
 import json
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +17,7 @@ from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.plan import CellTask
 from asterism.process.progress_line import CountLine
-from tests.asterism.commands import command
+from tests.asterism.laws.conftest import Asterism
 from tests.homogenize import same_process
 
 PLAN = """
@@ -61,24 +59,9 @@ def test_a_law_with_all_that_made_it(place: Path) -> None:
     assert (np.diff(values["lam"]) > 0).all() and (np.diff(values["kappa"]) > 0).all()
 
 
-@pytest.mark.slow
-def test_the_same_plan_gives_the_same_law_from_the_start(
-    place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """With one process and fresh cells: bit for bit."""
-    from asterism.homogenize.law.law_file import law_digest
-
-    (tmp_path / "m.toml").write_text(PLAN)
-    monkeypatch.chdir(tmp_path)
-    assert command(["calibrate", "m.toml", "--jobs", "1"], capsys, monkeypatch).status == 0
-    assert law_digest(load_law(tmp_path / "m.npz")) == law_digest(load_law(place / "m.npz"))
-
-
-def test_show_writes_a_picture_and_a_summary(
-    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_show_writes_a_picture_and_a_summary(place: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(place)
-    shown = command(["law", "show", "m.npz", "-o", "shown"], capsys, monkeypatch)
+    shown = asterism(["law", "show", "m.npz", "-o", "shown"])
     assert shown.status == 0, shown.err
     assert "kappa" in shown.out and "stretch 1.35" in shown.out
     with Image.open(place / "shown" / "law.png") as image:
@@ -87,13 +70,10 @@ def test_show_writes_a_picture_and_a_summary(
     assert summary["cells"] == 6 and summary["residuals"]["1.35"]["held_out"]["cells"]
 
 
-def test_the_law_that_comes_with_the_package(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    shown = command(["law", "show"], capsys, monkeypatch)
+def test_the_law_that_comes_with_the_package(folder: Path, asterism: Asterism) -> None:
+    shown = asterism(["law", "show"])
     assert shown.status == 0, shown.err
-    assert "stretch 1.75" in shown.out and (tmp_path / "paper-law" / "law.png").exists()
+    assert "stretch 1.75" in shown.out and (folder / "paper-law" / "law.png").exists()
     law = load_law()
     assert law.made["command"] == "asterism calibrate" and law.stretches == (1.35, 1.75)
     for table in law.tables:
@@ -116,68 +96,39 @@ def test_the_law_that_comes_with_the_package(
         (["law", "shw"], "shw"),
     ],
 )
-def test_mistakes_are_one_line(
-    words: list[str], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_mistakes_are_one_line(words: list[str], expected: str, folder: Path, asterism: Asterism) -> None:
     if "--dask" in words:
         pytest.importorskip("distributed")
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "m.toml").write_text(PLAN)
-    (tmp_path / "bad.toml").write_text("[plan]\nedge_mm = 40")
-    refused = command(words, capsys, monkeypatch)
+    (folder / "m.toml").write_text(PLAN)
+    (folder / "bad.toml").write_text("[plan]\nedge_mm = 40")
+    refused = asterism(words)
     assert refused.status == 2 and expected in refused.line
-    assert not list(tmp_path.glob("*.npz"))
+    assert not list(folder.glob("*.npz"))
 
 
-def test_cells_that_all_fail_are_status_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cells_that_all_fail_are_status_one(folder: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch) -> None:
     """Arms of neighbouring stars that overlap have no cell."""
-    (tmp_path / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
-    monkeypatch.chdir(tmp_path)
+    (folder / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
     same_process.use(monkeypatch)
-    ended = command(["calibrate", "m.toml", "--jobs", "2"], capsys, monkeypatch)
+    ended = asterism(["calibrate", "m.toml", "--jobs", "2"])
     assert ended.status == 1
     last = ended.err.splitlines()[-1]
     assert "fewer than half of the cells" in last and "shorten or turn them" in last
     assert "Traceback" not in ended.err
-    assert not list(tmp_path.glob("*.npz"))
+    assert not list(folder.glob("*.npz"))
 
 
 def test_interrupted_before_a_cell_is_finished(
-    place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    place: Path, tmp_path: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(watch: CountLine, progress: object) -> None:
         raise KeyboardInterrupt
 
     (tmp_path / "m.toml").write_text(PLAN)
     monkeypatch.setattr(CountLine, "report", interrupted)
-    ended = command(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"], capsys, monkeypatch)
+    ended = asterism(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"])
     assert ended.status == 130 and ended.line.startswith("asterism: interrupted")
     assert not (tmp_path / "m.npz").exists()
-
-
-@pytest.mark.slow
-def test_interrupted_and_resumed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "m.toml").write_text(PLAN)
-    with open(tmp_path / "errors", "w") as errors:
-        words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
-        process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
-    samples = tmp_path / "cells"
-    while not (samples.exists() and list(samples.glob("*.json"))):
-        time.sleep(0.02)
-        assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=60) == 130
-    last = (tmp_path / "errors").read_text().splitlines()[-1]
-    assert last.startswith(f"asterism: interrupted; finished cells are in {samples}")
-    assert not (tmp_path / "m.npz").exists()
-    kept = len(list(samples.glob("*.json")))
-    monkeypatch.chdir(tmp_path)
-    result = command(["calibrate", "m.toml"], capsys, monkeypatch)
-    assert result.status == 0 and f"{kept} of 6 cells" in result.err.splitlines()[0]
 
 
 def test_cells_that_fail_for_one_reason_have_one_line() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
-from asterism.laws.directional_values import stretch_axes, values_along
+from asterism.laws.law_picture import stretch_axes, values_along
 
 
 def sheet(seed: int = 3) -> SheetTensors:

@@ -10,10 +10,11 @@ import pytest
 from asterism.fem.search.evidence import Trial
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.supports import SupportSamples
-from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances
+from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
+from tests.distances import rms_distance
 
 
 def design(thickness: object) -> Design:
@@ -50,7 +51,7 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     trials = [Trial(f"arc {n}", 10.0 + n, True, 1, roll) for n, roll in enumerate(rolls)]
     lost = Trial("cap", 5.0, False, 1, 3.0 * rolls[0])
     no_supports = SupportSamples(np.empty((0, 2)), np.empty((0, 3)), np.empty(0, dtype=np.int64))
-    plan = SimpleNamespace(has_stars=True, sample_points=np.column_stack([x, y]), support_samples=no_supports)
+    plan = SimpleNamespace(sample_points=np.column_stack([x, y]), support_samples=no_supports)
     space = SimpleNamespace(locate=lambda points: SimpleNamespace(value=np.eye(9)))
     same = [Symmetry(np.eye(2), np.zeros(2), np.arange(9))]
     shown = SimpleNamespace(x=rolls[0], energy=10.0, absolute_energy=20.0, trials=[lost, *trials[::-1]])
@@ -62,9 +63,9 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     ((found, trial),) = other_forms(state)  # type: ignore[arg-type]
     assert trial is trials[1]
     assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)
-    assert found.distance_percent == pytest.approx(symmetric_distances(rolls[0], rolls[1], same)[0])
+    assert found.distance_percent == pytest.approx(rms_distance(rolls[0], rolls[1]))
     # a third one beside the second, further from it than EQUAL
     shown.trials.append(Trial("arc 3", 14.0, True, 1, 1.1 * rolls[1]))
     third = other_forms(state)[1][0]  # type: ignore[arg-type]
-    apart = [symmetric_distances(roll, 1.1 * rolls[1], same)[0] for roll in rolls[:2]]
+    apart = [rms_distance(roll, 1.1 * rolls[1]) for roll in rolls[:2]]
     assert third.distance_percent == pytest.approx(apart[0]) and apart[1] < 0.9 * apart[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.draw.pin_marks import pin_marks
+from asterism.draw.render import pin_marks
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout

@@ -9,13 +9,11 @@ from asterism.discrete.energies.bending.hinges import interior_edges
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.energies.side_membrane import FLAT_SHARE, SideMembrane, flat_share
-from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import KNIT, MESHES, SIDE, area
 
@@ -43,11 +41,6 @@ def forces(parts: list[Elements], positions: Array) -> Array:
 def design(**fabric: object) -> Design:
     star = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
     return Design.from_dict(star | {"fabric": fabric})
-
-
-def model_of(sheet: Design) -> DiscreteModel:
-    plan = layout(sheet)
-    return DiscreteModel(sheet, plan, mesh_layout(plan, 4.0))
 
 
 @pytest.mark.parametrize("mesh", MESHES)

@@ -20,8 +20,10 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.symmetries import Symmetry, symmetric_distances, symmetries
+from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
+from tests.distances import symmetric_distances
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
@@ -30,9 +32,7 @@ def model(rings: int = 1, edge: float = 3.0, **changes: object) -> DiscreteModel
     data = gallery.load("tube").to_dict()
     data["border"] = {"rings": rings}
     data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
-    design = Design.from_dict(data | changes)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge))
+    return model_of(data | changes, edge)
 
 
 def ladder(m: DiscreteModel, edge: float = 3.0) -> Ladder:
@@ -62,12 +62,12 @@ def test_images_of_a_shape_have_its_energy_and_zero_distance() -> None:
     for symmetry in same:
         other = image(m, state, symmetry)
         assert m.energy(other) == pytest.approx(m.energy(state), rel=1e-10)
-        apart = symmetric_distances(state.positions[centres], other.positions[centres], same)
+        apart = symmetric_distances(m.layout.centres, state.positions[centres], other.positions[centres], same)
         assert apart.min() < 1e-9
         assert np.sort(apart)[1] > 0.05
     # reflected in space only, it is another shape: its stars have other places on the sheet
     kept = State(state.positions @ MIRROR, state.directors @ MIRROR)
-    assert symmetric_distances(state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
+    assert symmetric_distances(m.layout.centres, state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
 
 
 @pytest.mark.parametrize("bend", ["roll", "dome", "saddle"])
@@ -128,7 +128,7 @@ def test_the_first_start_is_the_default_and_the_sequence_is_fixed() -> None:
 
 def test_rolls_and_saddles_have_evenly_spread_axes() -> None:
     """The axes of a cycle of nine starts are perpendicular, and halve the angles between earlier ones."""
-    starts = release_starts(7, 1 + 4 * 9)
+    starts = release_starts(7, 1 + 4 * 9, ReleaseStart())
     rolls = [b.axis_deg for b in starts if b.bend == "roll" and not b.name.startswith("tight")]
     assert rolls == [0.0, 90.0, 45.0, 135.0, 22.5, 112.5, 67.5, 157.5]
     tight = [b.axis_deg for b in starts if b.name.startswith("tight")]

@@ -11,10 +11,8 @@ from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
 from asterism.discrete.release.prolongation import prolong
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 
 def model(edge: float, **changes: object) -> DiscreteModel:
@@ -22,9 +20,7 @@ def model(edge: float, **changes: object) -> DiscreteModel:
     data["border"] = {"rings": 1}
     data["mesh"] = {"edge_mm": edge}
     data["fabric"] |= {"bending": "paper"}
-    design = Design.from_dict(data | changes)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge))
+    return model_of(data | changes, edge)
 
 
 def search(edge: float, **changes: object) -> SharedSearch:
@@ -81,9 +77,3 @@ def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
     np.testing.assert_allclose(between[0], between[1], atol=0.5)
     normal = (state.directors * edges).sum(axis=1)
     np.testing.assert_allclose(normal, 0.0, atol=1e-12)
-
-
-@pytest.mark.slow
-def test_the_same_answer_on_the_second_run() -> None:
-    first, second = (solve_on_meshes(search(1.0))[0] for _ in range(2))
-    np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-7)

@@ -7,13 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from asterism.discrete.model.discrete_model import DiscreteModel
-from asterism.discrete.model.star_bumps import add_bumps, bump_heights
+from asterism.discrete.model.discrete_model import DiscreteModel, add_bumps, bump_heights
 from asterism.discrete.release.release_start import BRANCH_NUDGE_MM, MIN_BRANCH_BUMP_MM, ReleaseStart
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 LEFT = (0.3, 1.0)
 
@@ -21,9 +18,7 @@ LEFT = (0.3, 1.0)
 @cache
 def model(held: bool = False) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rectangle_mm": [70.0, 60.0]}}
-    design = Design.from_dict(data | {"pins": [{"where": "border", "scale": 0.9}] if held else []})
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, 4.0))
+    return model_of(data | {"pins": [{"where": "border", "scale": 0.9}] if held else []}, 4.0)
 
 
 def bent(**how: object) -> tuple[np.ndarray, np.ndarray]:

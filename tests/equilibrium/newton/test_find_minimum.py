@@ -11,7 +11,6 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.find_minimum import find_minimum, is_definite_on_support
 from asterism.equilibrium.newton.minimise import Minimum
-from asterism.equilibrium.newton.saddle import leave_saddle
 from tests.equilibrium.newton.test_minimise import Analytic
 
 TOLERANCE = 1e-10
@@ -45,23 +44,6 @@ def stopped_at(problem: Pinned, place: list[float]) -> Minimum:
     state = np.array(place)
     norm = float(np.linalg.norm(problem.gradient(state)))
     return Minimum(state, problem.energy(state), norm, TOLERANCE, False, 1, 1)
-
-
-@pytest.mark.parametrize("mode", [[1.0, 0.0], [-1.0, 0.0]])
-@pytest.mark.parametrize("slope", [-0.3, 0.3])
-def test_a_saddle_is_left_to_its_lower_side(slope, mode):
-    """Whichever way the eigenvector points, and whichever side the fixed pseudo-random vector lies on."""
-    problem = tilted(slope)
-    saddle = np.array([min(np.roots([4.0, 0.0, -4.0, slope]).real, key=abs), 0.0])
-    moved = leave_saddle(problem, saddle, np.array(mode), 0.5)
-    np.testing.assert_allclose(moved, saddle - [0.5 * np.sign(slope), 0.0], atol=1e-15)
-    assert problem.energy(moved) < problem.energy(2.0 * saddle - moved) < problem.energy(saddle)
-
-
-def test_a_symmetric_saddle_is_always_left_to_the_same_side():
-    one, other = (leave_saddle(tilted(0.0), np.zeros(2), mode, 0.5) for mode in np.array([[1.0, 0.0], [-1.0, 0.0]]))
-    np.testing.assert_array_equal(one, other)
-    assert abs(one[0]) == 0.5
 
 
 @pytest.mark.parametrize(("stop", "well"), [([-0.8, 0.1], -1.0), ([-3.0, 0.0], 1.0)])

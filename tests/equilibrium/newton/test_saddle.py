@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.equilibrium.newton.saddle import leave_saddle
+from asterism.equilibrium.newton.certificate import leave_saddle
 from tests.equilibrium.newton.test_minimise import Analytic
 
 

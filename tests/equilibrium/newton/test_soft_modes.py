@@ -8,8 +8,7 @@ import scipy.sparse as sp
 from scipy.linalg import eigh
 
 from asterism.equilibrium.linear.backends import make_factor
-from asterism.equilibrium.linear.rigid_support import SUPPORT_STIFFNESS_FACTOR
-from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.equilibrium.linear.sparse_pattern import SUPPORT_STIFFNESS_FACTOR, SparsePattern
 from asterism.equilibrium.newton.soft_modes import softest_modes
 
 

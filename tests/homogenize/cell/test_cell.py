@@ -1,64 +1,53 @@
-"""V1 and V2 for the mapped cell, flat and as a tube; supercells; images that are exact."""
+"""VALIDATION V1 and V2 for mapped cells, flat and as tubes, of stars and of motifs: derivatives, rigid motions,
+other pieces of the lattice, supercells, and images that are exact."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
+from asterism.discrete.energies.bending.hinges import hinge_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
+from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import relax_flat_cell, with_orthogonal_directors
 from asterism.homogenize.cell.rolling import UnrolledCell, roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from tests.discrete.plain import plain_energies
-from tests.homogenize.cells import EDGE, design, full, relaxed, shaken
-from tests.homogenize.stability import cell_stability
+from tests.homogenize.cells import EDGE, TURN, cell_of, design, full, relaxed, relaxed_cell, shaken, state_away
+from tests.homogenize.stability import cell_stability, reduction_matrix, unfolded_hessian
 
-KINDS = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
-RNG = np.random.default_rng(5)
-
-
-@pytest.fixture
-def bumpy(request):
-    """A cell, flat or a tube, and a state of it away from equilibrium."""
-    cell, flat = relaxed(10.0, 0.4)
-    if request.param:
-        state = rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3)
-    else:
-        cell.set_flat()
-        state = flat.state
-    return cell, shaken(cell, state, 0.05)
+TUBES = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
+NAMES = pytest.mark.parametrize(
+    "name",
+    ["three", "five", "grid", "diamonds", *(pytest.param(n, marks=pytest.mark.slow) for n in ("honeycomb", "waves"))],
+)
+THIRD = np.array([[-0.5, -np.sqrt(0.75)], [np.sqrt(0.75), -0.5]])
+MIRROR = np.diag([-1.0, 1.0])
 
 
-BOTH = pytest.mark.parametrize("bumpy", [False, True], ids=["flat", "tube"], indirect=True)
-
-
-@BOTH
-def test_gradient_by_complex_step(bumpy, monkeypatch):
-    monkeypatch.setattr(Elements, "energies", plain_energies)
-    cell, state = bumpy
-    direction = RNG.normal(size=len(cell.free))
+@NAMES
+@TUBES
+def test_derivatives(name: str, tube: bool) -> None:
+    """Complex step for the gradient, second differences along a path for the Hessian, which blended is semidefinite."""
+    cell, state = state_away(name, tube)
+    assert len(state.frames) == len(cell.joint_vertices)
+    direction = np.random.default_rng(5).normal(size=len(cell.free))
     path = cell.path(state, direction)[0]
-    expected = sum(part.energies(path(1e-30j).packed).sum().imag / 1e-30 for part in cell.parts.values())
-    assert cell.gradient(state) @ direction == pytest.approx(expected, rel=1e-11)
-
-
-@BOTH
-def test_hessian_by_differences_of_the_energy(bumpy):
-    """Along a path that moves rods and fabric; the blended one is semidefinite."""
-    cell, state = bumpy
-    hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))
-    direction = RNG.normal(size=len(cell.free))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Elements, "energies", plain_energies)
+        slope = sum(part.energies(path(1e-30j).packed).sum().imag / 1e-30 for part in cell.parts.values())
+    assert cell.gradient(state) @ direction == pytest.approx(slope, rel=1e-10)
     step = 1e-4
-    path = cell.path(state, direction)[0]
     second = (cell.energy(path(step)) + cell.energy(path(-step)) - 2.0 * cell.energy(state)) / step**2
+    hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))
     assert direction @ hessian @ direction == pytest.approx(second, rel=1e-4)
-    convex = full(cell.pattern.lower(cell.hessian(state, 1.0)))
-    values = np.linalg.eigvalsh(convex)
-    assert values[0] > -1e-10 * values[-1]
+    convex = np.linalg.eigvalsh(full(cell.pattern.lower(cell.hessian(state, 1.0))))
+    assert convex[0] > -1e-10 * convex[-1]
 
 
-@KINDS
+@TUBES
 @pytest.mark.parametrize("bending", ["paper", "consistent"])
 def test_hessian_is_the_slope_of_the_gradient(tube, bending):
     """Without rods there is no holonomy: every entry can be compared."""
@@ -76,120 +65,187 @@ def test_hessian_is_the_slope_of_the_gradient(tube, bending):
     assert np.abs(hessian - np.array(columns)).max() < 1e-7 * np.abs(hessian).max()
 
 
-def test_flat_energy_does_not_know_where_it_is():
+@NAMES
+def test_rigid_motions_have_no_energy(name: str) -> None:
+    rng = np.random.default_rng(1)
+    cell, state = state_away(name, tube=False)
+    rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    rotation *= np.sign(np.linalg.det(rotation))
+    turned = state.rotated(rotation, np.zeros(3))
+    turned.positions[: cell.mesh.n_base] += [3.0, -20.0, 7.0]
+    assert cell.energy(turned) == pytest.approx(cell.energy(state), rel=1e-12)
+    flat = relaxed_cell(name)[1]
+    stiffness = cell.pattern.product(cell.hessian(flat.state, 0.0), cell.rigid_modes(flat.state))
+    assert np.abs(stiffness).max() < 1e-6 * np.abs(cell.hessian(flat.state, 0.0)).max()
+
+    cell, state = state_away(name, tube=True)
+    cos, sin = np.cos(1.3), np.sin(1.3)
+    rotation = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
+    turned = state.rotated(rotation, np.zeros(3))
+    turned.positions[: cell.mesh.n_base, 0] += 11.0
+    turned.positions[cell.mesh.n_base :] = state.positions[cell.mesh.n_base :]
+    assert cell.energy(turned) == pytest.approx(cell.energy(state), rel=1e-12)
+
+
+@TUBES
+@pytest.mark.parametrize("name", ["bare", "five"])
+def test_uniform_sheets_have_their_closed_form(name: str, tube: bool) -> None:
+    """A flat sheet of any uniform strain; on a cylinder the energies of hinges and triangles, one by one."""
+    cell = cell_of(name) if name == "five" else UnitCell(design(0.0), EDGE)
+    fabric, n = cell.design.fabric, cell.mesh.n_base
+    mu, lam = fabric.modulus_mpa / 2.6, fabric.modulus_mpa * 0.3 / 0.91
+    if tube:
+        curvature, hoop, axial = 0.05, 0.8, 0.7
+        cell.set_tube(curvature)
+        turn = curvature * cell.printed[:, 1]
+        radius = hoop / curvature
+        every = np.column_stack([axial * cell.printed[:, 0], radius * np.sin(turn), radius * np.cos(turn)])
+        macro = np.column_stack([axial * cell.cell_vectors[:, 0], np.zeros((2, 2))])
+    else:
+        deformation = np.array([[0.8, 0.07], [0.02, 0.93], [0.1, -0.2]])
+        every, macro = cell.printed @ deformation.T, cell.cell_vectors @ deformation.T
+    state = State(np.vstack([every[:n], macro]), cell.printed_state().directors)
+    np.testing.assert_allclose(cell.images.unfold(state.positions), every, atol=1e-11)
+    found = {name: sum(v for key, v in cell.energies(state).items() if key.startswith(name)) for name in
+             ("membrane", "hinges")}  # fmt: skip
+    corner, place = cell.printed[cell.mesh.triangles] / 1.35, every[cell.mesh.triangles]
+    rest = np.swapaxes(corner[:, 1:] - corner[:, :1], 1, 2)
+    gradient = np.swapaxes(place[:, 1:] - place[:, :1], 1, 2) @ np.linalg.inv(rest)
+    metric = np.swapaxes(gradient, 1, 2) @ gradient
+    log = 0.5 * np.log(np.linalg.det(metric))
+    density = 0.5 * mu * (np.trace(metric, axis1=1, axis2=2) - 2.0 - 2.0 * log) + 0.5 * lam * log**2
+    expected = fabric.thickness_mm * (density * 0.5 * np.linalg.det(rest)).sum()
+    assert found["membrane"] == pytest.approx(expected, rel=1e-10)
+    if not tube:  # all triangles have the same strain
+        same = fabric.thickness_mm * density[0] * cell.area / 1.35**2
+        assert found["membrane"] == pytest.approx(same, rel=1e-10)
+        assert found["hinges"] == pytest.approx(0.0, abs=1e-12)
+        return
+    a, b, left, right = every[cell.mesh.hinges].swapaxes(0, 1)
+    one, two = np.cross(b - a, left - a), np.cross(right - a, b - a)
+    cosine = (one * two).sum(axis=1) / np.linalg.norm(one, axis=1) / np.linalg.norm(two, axis=1)
+    plate = fabric.modulus_mpa * fabric.thickness_mm**3 / (12.0 * 0.91)
+    stiff = 3.0 * plate / np.sqrt(3.0)  # of equilateral triangles
+    if name == "five":
+        stiff = np.ravel(hinge_coefficients(cell.mesh.hinges, cell.printed, fabric.bending_tensor.d11))
+    bending = (stiff * 4.0 * (1.0 - cosine) / (1.0 + cosine)).sum()
+    assert found["hinges"] == pytest.approx(bending, rel=1e-8)
+
+
+def _on_lattice(known: Array, asked: Array, vectors: Array) -> tuple[Array, Array]:
+    """Which of the known printed points lies under each asked one (n, 2), and how many lattice vectors (n, 2) away."""
+    inverse = np.linalg.inv(vectors)
+    parts = [points @ inverse % 1.0 for points in (known, asked)]
+    tree = cKDTree(np.where(parts[0] >= 1.0, 0.0, parts[0]), boxsize=1.0)
+    distance, index = tree.query(np.where(parts[1] >= 1.0, 0.0, parts[1]))
+    assert distance.max() < 1e-6
+    return index, np.round((asked - known[index]) @ inverse)
+
+
+def _turns(cell: UnitCell, count: Array) -> Array:
+    """(n, 3, 3) of the images that many lattice vectors away."""
+    if cell.curvature is None:
+        return np.broadcast_to(np.eye(3), (len(count), 3, 3))
+    phi = cell.curvature * (count @ cell.cell_vectors @ cell.turn[1])
+    turn = np.zeros((len(count), 3, 3))
+    turn[:, 0, 0] = 1.0
+    turn[:, 1, 1] = turn[:, 2, 2] = np.cos(phi)
+    turn[:, 1, 2], turn[:, 2, 1] = np.sin(phi), -np.sin(phi)
+    return turn
+
+
+def _moved(one: UnitCell, state: State, other: UnitCell, symmetry: Array) -> State:
+    """The sheet of a state of `one`, its print moved by a symmetry (2, 2), as a state of the cell `other`."""
+    n, vectors = one.mesh.n_base, one.cell_vectors
+    macro = state.positions[n:]
+    index, count = _on_lattice(one.printed[:n], other.printed[: other.mesh.n_base] @ symmetry, vectors)
+    base = np.einsum("nij,nj->ni", _turns(one, count), state.positions[index]) + count @ macro
+    images = np.round(other.cell_vectors @ symmetry @ np.linalg.inv(vectors)) @ macro
+    middles = [cell.printed[cell.edges].mean(axis=1) for cell in (one, other)]
+    index, count = _on_lattice(middles[0], middles[1] @ symmetry, vectors)
+    directors = np.einsum("nij,nj->ni", _turns(one, count), state.directors[index])
+    space = np.diag([np.linalg.det(symmetry), 1.0, 1.0])  # the plastic's normal mirrors like a position
+    return State(np.vstack([base, images]) @ space, directors @ space)
+
+
+@pytest.mark.parametrize("symmetry", [np.eye(2), THIRD, MIRROR, THIRD @ MIRROR], ids=["same", "turn", "mirror", "both"])
+def test_a_moved_print_has_the_same_energy_and_forces(symmetry: Array) -> None:
+    """Of any state: every point, triangle, hinge and rod edge takes another one's place."""
     cell, flat = relaxed(10.0, 0.4)
     cell.set_flat()
     state = shaken(cell, flat.state, 0.05)
-    q, r = np.linalg.qr(RNG.normal(size=(3, 3)))
-    q = q * np.sign(np.diag(r)) * np.sign(np.linalg.det(q * np.sign(np.diag(r))))
-    x = state.positions @ q.T
-    x[: cell.mesh.n_base] += [3.0, -20.0, 7.0]
-    assert cell.energy(State(x, state.directors @ q.T)) == pytest.approx(cell.energy(state), rel=1e-12)
+    moved = _moved(cell, state, cell, symmetry)
+    for name, energy in cell.energies(state).items():
+        if " of images" not in name:  # which elements reach across the border changes
+            both = [sum(v for key, v in cell.energies(s).items() if key.startswith(name)) for s in (state, moved)]
+            assert both[1] == pytest.approx(both[0], rel=1e-10), name
+            assert energy > 0.0
+    forces = [cell.full_gradient(s)[: 3 * cell.mesh.n_base].reshape(-1, 3) for s in (state, moved)]
+    sizes = [np.sort(np.linalg.norm(force, axis=1)) for force in forces]
+    np.testing.assert_allclose(sizes[1], sizes[0], rtol=1e-8, atol=1e-10 * sizes[0].max())
 
 
-def test_tube_energy_does_not_know_its_turn_and_place_on_the_axis():
-    cell, flat = relaxed(10.0, 0.4)
-    state = shaken(cell, rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3), 0.05)
-    cos, sin = np.cos(1.3), np.sin(1.3)
-    q = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
-    x = state.positions @ q.T
-    x[: cell.mesh.n_base, 0] += 11.0
-    x[cell.mesh.n_base :] = state.positions[cell.mesh.n_base :]
-    assert cell.energy(State(x, state.directors @ q.T)) == pytest.approx(cell.energy(state), rel=1e-12)
+@pytest.mark.parametrize(("name", "repeat"), [("three", (2, 2)), ("three", (1, 3)), ("five", (2, 1))])
+def test_a_tube_of_several_cells_is_the_same_tube(name: str, repeat: tuple[int, int]) -> None:
+    cell, flat = relaxed_cell(name)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.3), 0.05, 0.3)
+    several = cell_of(name, repeat)
+    several.set_tube(0.05, 0.3)
+    state = _moved(cell, tube.state, several, np.eye(2))
+    count = repeat[0] * repeat[1]
+    assert several.energy(state) == pytest.approx(count * tube.energy * cell.area, rel=1e-11)
+    assert several.moment(state) == pytest.approx(tube.moment, rel=1e-6)
+    assert np.linalg.norm(several.gradient(state)) < 2 * count * tube.gradient_norm + 1e-9
 
 
-@KINDS
-def test_uniform_sheets_have_their_closed_form(tube):
-    """A flat sheet of any uniform strain; a cylinder whose triangles are all alike."""
-    bare = design(0.0)
-    fabric = bare.fabric
-    mu, lam = fabric.modulus_mpa / 2.6, fabric.modulus_mpa * 0.3 / 0.91
-    cell = UnitCell(bare, EDGE)
-    if not tube:
-        deformation = np.array([[0.8, 0.07], [0.02, 0.93], [0.1, -0.2]])
-        x = np.vstack([cell.printed[: cell.mesh.n_base], cell.cell_vectors]) @ deformation.T
-        state = State(x, np.empty((0, 3)))
-        metric = 1.35**2 * deformation.T @ deformation
-        log = 0.5 * np.log(np.linalg.det(metric))
-        density = 0.5 * mu * (np.trace(metric) - 2.0 - 2.0 * log) + 0.5 * lam * log**2
-        expected = fabric.thickness_mm * density * cell.area / 1.35**2
-        assert cell.energy(state) == pytest.approx(expected, rel=1e-12)
-        return
-    # around y: every triangle has corners (0, y0), (a, y1), ... on the same cylinder; two triangles stand for all
-    curvature, hoop, axial = 0.05, 0.8, 0.7
-    cell.set_tube(curvature)
-    radius = hoop / curvature
-    n, k = cell.mesh.n_base, round(np.sqrt(cell.mesh.n_base))
-    step = cell.cell_vectors / k
-
-    def at(printed):
-        turn = curvature * printed[..., 1]
-        place = [axial * printed[..., 0], radius * np.sin(turn), radius * np.cos(turn)]
-        return np.stack(place, axis=-1)
-
-    positions = np.vstack([at(cell.printed[:n]), np.column_stack([axial * cell.cell_vectors[:, 0], np.zeros((2, 2))])])
-    energies = cell.energies(State(positions, np.empty((0, 3))))
-    membrane = sum(value for name, value in energies.items() if name.startswith("membrane"))
-    hinges = sum(value for name, value in energies.items() if name.startswith("hinges"))
-    expected = 0.0
-    for corners in (np.array([0 * step[0], step[0], step[1]]), np.array([step[0], step[0] + step[1], step[1]])):
-        flat, bent = (corners[1:] - corners[0]).T / 1.35, (at(corners)[1:] - at(corners)[0]).T
-        gradient = bent @ np.linalg.inv(flat)
-        metric = gradient.T @ gradient
-        log = 0.5 * np.log(np.linalg.det(metric))
-        density = 0.5 * mu * (np.trace(metric) - 2.0 - 2.0 * log) + 0.5 * lam * log**2
-        expected += n * fabric.thickness_mm * density * 0.5 * np.linalg.det(flat)
-    assert membrane == pytest.approx(expected, rel=1e-10)
-    stiff = fabric.modulus_mpa * fabric.thickness_mm**3 / (24.0 * 0.91) * 3.0 * 2.0 / np.sqrt(3.0)
-    expected = 0.0
-    for a, b, left, right in (
-        (0 * step[0], step[0], step[1], step[0] - step[1]),
-        (0 * step[0], step[1], step[1] - step[0], step[0]),
-        (step[0], step[1], 0 * step[0], step[0] + step[1]),
-    ):
-        one = np.cross(at(b) - at(a), at(left) - at(a))
-        two = np.cross(at(right) - at(a), at(b) - at(a))
-        cosine = one @ two / np.linalg.norm(one) / np.linalg.norm(two)
-        expected += n * stiff * 4.0 * (1.0 - cosine) / (1.0 + cosine)  # (2 tan(theta/2))^2
-    assert hinges == pytest.approx(expected, rel=1e-8)
-
-
-def test_supercell_has_four_times_the_energy_and_no_forces():
-    one, flat = relaxed(10.0, 0.4)
+@pytest.mark.parametrize("name", ["three", "diamonds"])
+def test_supercells_have_four_times_the_energy_and_no_forces(name: str) -> None:
+    one, flat = relaxed_cell(name)
     one.set_flat()
-    four = UnitCell(design(10.0, 0.4), EDGE, repeat=(2, 2))
-    base = one.mesh.n_base
-    cell = np.repeat([[0, 0], [0, 1], [1, 0], [1, 1]], base, axis=0)
-    images = flat.state.positions[base:]
-    positions = np.vstack([np.tile(flat.state.positions[:base], (4, 1)) + cell @ images, 2.0 * images])
-    state = State(positions, np.tile(flat.state.directors, (4, 1)))
+    four = cell_of(name, (2, 2))
+    cells, n = np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), one.mesh.n_base
+    images = flat.state.positions[n:]
+    positions = np.vstack([*(flat.state.positions[:n] + cell @ images for cell in cells), 2.0 * images])
+    state = State(positions, np.tile(flat.state.directors, (4, 1)), np.tile(flat.state.frames, (4, 1, 1)))
     assert four.energy(state) == pytest.approx(4.0 * one.energy(flat.state), rel=1e-12)
     assert np.linalg.norm(four.gradient(state)) < 1e-5
-    # the four sectors of one cell are the supercell's whole spectrum
-    low = full(four.pattern.lower(four.hessian(state, 0.0)))
-    modes = four.rigid_modes(state)
-    keep = np.linalg.svd(modes, full_matrices=True)[0][:, modes.shape[1] :]
-    smallest = np.linalg.eigvalsh(keep.T @ low @ keep)[0]
-    found = cell_stability(one, flat.state)
-    assert (found.supercell > 0.0) == (smallest > 0.0)
-    assert found.supercell <= found.cell
+    # the waves of one cell are those of the supercell
+    inner = reduction_matrix(four.images, np.ones(len(four.mesh.base)), len(four.edges))
+    values = np.linalg.eigvalsh((inner.T @ unfolded_hessian(four, state) @ inner).toarray())
+    stability = cell_stability(one, flat.state)
+    assert stability.supercell <= stability.cell
+    assert np.abs(values / stability.supercell - 1.0).min() < 1e-6
 
 
-def test_moment_is_the_slope_of_the_energy():
-    cell, flat = relaxed(10.0, 0.4)
+@pytest.mark.parametrize(("name", "repeat"), [("three", (2, 2)), ("five", (1, 2))])
+def test_triangles_that_bend_with_their_neighbours_repeat_too(name: str, repeat: tuple[int, int]) -> None:
+    """Consistent bending: several cells have as many times the energy of one, whatever their state."""
+    fabric = {"fabric": {"bending": "consistent"}}
+    one, several = cell_of(name, **fabric), cell_of(name, repeat, **fabric)
+    assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.mesh.triangles)
+    state = shaken(one, one.printed_state(), 0.2)
+    moved = _moved(one, state, several, np.eye(2))
+    for part in ("plate", "folds"):
+        energies = [
+            sum(each.energies(at.packed).sum() for key, each in cell.parts.items() if key.startswith(part))
+            for cell, at in ((one, state), (several, moved))
+        ]
+        assert energies[0] > 0.0 and energies[1] == pytest.approx(np.prod(repeat) * energies[0], rel=1e-11)
+
+
+@pytest.mark.parametrize("name", ["three", "grid", "diamonds"])
+def test_moment_is_the_slope_of_the_energy(name: str) -> None:
+    """Images of joints turn with the tube; unrolled and rolled again it is the same."""
+    cell, flat = relaxed_cell(name)
     step = 1e-4
     ahead, here, behind = (
-        roll_cell(cell, unrolled_flat_cell(flat, 0.2), 0.03 + side * step, 0.2) for side in (1, 0, -1)
+        roll_cell(cell, unrolled_flat_cell(flat, TURN), 0.02 + side * step, TURN) for side in (1, 0, -1)
     )
     assert here.moment == pytest.approx((ahead.energy - behind.energy) / (2.0 * step), rel=1e-4)
-
-
-def test_rolling_and_unrolling_give_the_state_back():
-    cell, flat = relaxed(10.0, 0.4)
-    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.4), 0.08, 0.4)
-    again = rolled_state(cell, unroll(cell, tube), 0.08, 0.4)
-    np.testing.assert_allclose(again.positions, tube.state.positions, atol=1e-9)
-    np.testing.assert_allclose(again.directors, tube.state.directors, atol=1e-9)
+    again = rolled_state(cell, unroll(cell, here), 0.02, TURN)
+    np.testing.assert_allclose(again.positions, here.state.positions, atol=1e-9)
+    np.testing.assert_allclose(again.directors, here.state.directors, atol=1e-9)
+    np.testing.assert_allclose(again.frames, here.state.frames, atol=1e-6)
 
 
 def test_the_same_start_gives_the_same_digits():
@@ -226,25 +282,6 @@ def test_stars_have_the_sizes_that_are_printed():
     layout = UnitCell(design(stars={**stars, "rounding": layers}), EDGE).model.layout
     np.testing.assert_allclose(layout.arm_thickness, 0.3)
     np.testing.assert_allclose(layout.arm_width, 1.0)
-
-
-def test_triangles_that_bend_with_their_neighbours_repeat_too():
-    """Consistent bending of a distorted mesh: the supercell's energy is four times the cell's, whatever its state."""
-    fabric = {"fabric": {"bending": "consistent"}}
-    one, four = (UnitCell(design(9.0, 0.4, **fabric), EDGE, repeat=(n, n)) for n in (1, 2))
-    assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.mesh.triangles)
-    count = one.mesh.n_base
-    state = shaken(one, one.printed_state(), 0.2)
-    base, images = state.positions[:count], state.positions[count:]
-    lattice = np.repeat([[0, 0], [0, 1], [1, 0], [1, 1]], count, axis=0)
-    positions = np.vstack([np.tile(base, (4, 1)) + lattice @ images, 2.0 * images])
-    whole = State(positions, np.tile(state.directors, (4, 1)))
-    for name in ("plate", "folds"):
-        single, all_four = (
-            sum(part.energies(at.packed).sum() for part_name, part in cell.parts.items() if part_name.startswith(name))
-            for cell, at in ((one, state), (four, whole))
-        )
-        assert single > 0.0 and all_four == pytest.approx(4.0 * single, rel=1e-12)
 
 
 def test_directors_stay_orthogonal():

@@ -32,11 +32,3 @@ def test_a_connected_honeycomb_has_no_law_of_one_cell() -> None:
     assert comparison.stretches.min() > 0.99 and comparison.larger_stretches.min() < 0.8
     assert comparison.reason is not None
     assert comparison.reason.startswith("the motif has no law of one cell: 2 x 2 cells relax to ")
-
-
-def test_the_reason_is_one_line() -> None:
-    comparison = CellComparison(0.454, 0.389, np.array([0.9975, 0.9975]), np.array([0.7476, 0.9204]))
-    assert comparison.reason == (
-        "the motif has no law of one cell: 2 x 2 cells relax to 16.7 % less energy and contract to 0.748 and 0.920, "
-        "one cell to 0.998 and 0.998"
-    )

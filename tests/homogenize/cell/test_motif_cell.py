@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import replace
 
 import numpy as np
@@ -10,91 +9,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.state import State
-from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
-from asterism.homogenize.cell.motif_cell_mesh import motif_cell_mesh
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.free_cell_mesh import motif_cell_mesh
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.periodic_mesh import ImageNumbering, PeriodicMesh
-from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
+from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.rods.motif_graph import motif_graph
-from tests.discrete.plain import plain_energies
+from tests.homogenize.cells import TURN, cell_of, relaxed_cell, state_away
 from tests.homogenize.cells import design as star_design
-from tests.homogenize.cells import full, shaken
 from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import Pattern, diamonds, grid, honeycomb, motif_design, moved, parallel, stars, waves
-from tests.homogenize.stability import cell_stability, reduction_matrix, unfolded_hessian
 
-PATTERNS = {"grid": grid(), "diamonds": diamonds(), "honeycomb": honeycomb(6.0), "waves": waves()}
 EDGE = 3.0
-TURN = 0.3  # rad, of the tubes
-
-
-@functools.cache
-def relaxed(name: str) -> tuple[UnitCell, FlatCell]:
-    cell = UnitCell(motif_design(PATTERNS[name]), EDGE)
-    return cell, relax_flat_cell(cell)
-
-
-def state_of(name: str, tube: bool, size: float = 0.05) -> tuple[UnitCell, State]:
-    """A cell away from equilibrium; all joints turn, and those at the border have images."""
-    cell, flat = relaxed(name)
-    if not tube:
-        cell.set_flat()
-        return cell, shaken(cell, flat.state, size)
-    return cell, shaken(cell, rolled_state(cell, unrolled_flat_cell(flat, TURN), 0.03, TURN), size)
-
-
-CASES = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
-LONGER = ("honeycomb", "waves")
-NAMES = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONGER else name for name in PATTERNS]
-)
-
-
-@NAMES
-@CASES
-def test_derivatives(name: str, tube: bool) -> None:
-    cell, state = state_of(name, tube)
-    assert len(state.frames) == len(cell.joint_vertices) >= 1
-    direction = np.random.default_rng(5).normal(size=len(cell.free))
-    path = cell.path(state, direction)[0]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Elements, "energies", plain_energies)
-        slope = sum(part.energies(path(1e-30j).packed).sum().imag / 1e-30 for part in cell.parts.values())
-    assert cell.gradient(state) @ direction == pytest.approx(slope, rel=1e-10)
-    step = 1e-4
-    second = (cell.energy(path(step)) + cell.energy(path(-step)) - 2.0 * cell.energy(state)) / step**2
-    hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))
-    assert direction @ hessian @ direction == pytest.approx(second, rel=1e-4)
-    convex = np.linalg.eigvalsh(full(cell.pattern.lower(cell.hessian(state, 1.0))))
-    assert convex[0] > -1e-10 * convex[-1]
-
-
-@NAMES
-def test_rigid_motions_have_no_energy(name: str) -> None:
-    rng = np.random.default_rng(1)
-    cell, state = state_of(name, tube=False)
-    rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    rotation *= np.sign(np.linalg.det(rotation))
-    turned = state.rotated(rotation, np.zeros(3))
-    turned.positions[: cell.mesh.n_base] += [3.0, -20.0, 7.0]
-    assert cell.energy(turned) == pytest.approx(cell.energy(state), rel=1e-12)
-    flat = relaxed(name)[1]
-    stiffness = cell.pattern.product(cell.hessian(flat.state, 0.0), cell.rigid_modes(flat.state))
-    assert np.abs(stiffness).max() < 1e-6 * np.abs(cell.hessian(flat.state, 0.0)).max()
-
-    cell, state = state_of(name, tube=True)
-    cos, sin = np.cos(1.3), np.sin(1.3)
-    rotation = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
-    turned = state.rotated(rotation, np.zeros(3))
-    turned.positions[: cell.mesh.n_base, 0] += 11.0
-    turned.positions[cell.mesh.n_base :] = state.positions[cell.mesh.n_base :]
-    assert cell.energy(turned) == pytest.approx(cell.energy(state), rel=1e-12)
 
 
 def recut(mesh: PeriodicMesh, points: np.ndarray, rods: np.ndarray) -> PeriodicMesh:
@@ -122,12 +53,12 @@ def recut(mesh: PeriodicMesh, points: np.ndarray, rods: np.ndarray) -> PeriodicM
 def test_the_energy_does_not_depend_on_where_the_cell_is_cut(seed: int, tube: bool, name: str) -> None:
     """Every point and every rod of the cell stands for itself or for an image some cells away."""
     rng = np.random.default_rng(seed)
-    cell, state = state_of(name, tube)
+    cell, state = state_away(name, tube)
     mesh, n = cell.mesh, cell.mesh.n_base
     points, rods = rng.integers(-2, 3, size=(n, 2)), rng.integers(-2, 3, size=(len(mesh.rods), 2))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asterism.homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
-        other = UnitCell(motif_design(PATTERNS[name]), EDGE)
+        patch.setattr("asterism.homogenize.cell.free_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        other = cell_of(name)
     if tube:
         other.set_tube(cell.curvature, cell.angle)
 
@@ -155,7 +86,7 @@ def test_the_energy_does_not_depend_on_where_the_cell_is_cut(seed: int, tube: bo
 @settings(max_examples=4, deadline=None, derandomize=True)
 @given(x=st.floats(-30.0, 30.0), y=st.floats(-30.0, 30.0))
 def test_results_do_not_depend_on_where_the_motif_is_in_its_lattice(x: float, y: float) -> None:
-    expected = relaxed("diamonds")[1]
+    expected = relaxed_cell("diamonds")[1]
     flat = relax_flat_cell(UnitCell(motif_design(moved(diamonds(), (x, y))), EDGE))
     assert flat.energy == pytest.approx(expected.energy, rel=1e-7)
     np.testing.assert_allclose(flat.deformation, expected.deformation, atol=1e-6)
@@ -173,41 +104,10 @@ def test_results_do_not_depend_on_the_order_and_sense_of_the_lines(order: tuple[
     np.testing.assert_allclose(flat.deformation, expected.deformation, atol=1e-3)
 
 
-def test_supercells_have_four_times_the_energy_and_no_forces() -> None:
-    one, flat = relaxed("diamonds")
-    one.set_flat()
-    four = UnitCell(motif_design(diamonds()), EDGE, (2, 2))
-    cells, n = np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), one.mesh.n_base
-    images = flat.state.positions[n:]
-    positions = np.vstack([*(flat.state.positions[:n] + cell @ images for cell in cells), 2.0 * images])
-    state = State(positions, np.tile(flat.state.directors, (4, 1)), np.tile(flat.state.frames, (4, 1, 1)))
-    assert four.energy(state) == pytest.approx(4.0 * one.energy(flat.state), rel=1e-12)
-    assert np.linalg.norm(four.gradient(state)) < 1e-5
-    # the waves of one cell are those of the supercell
-    inner = reduction_matrix(four.images, np.ones(len(four.mesh.base)), len(four.edges))
-    values = np.linalg.eigvalsh((inner.T @ unfolded_hessian(four, state) @ inner).toarray())
-    stability = cell_stability(one, flat.state)
-    assert stability.supercell < 0.9 * stability.cell
-    assert np.abs(values / stability.supercell - 1.0).min() < 1e-6
-
-
-@pytest.mark.parametrize("name", ["grid", "diamonds"])
-def test_moment_is_the_slope_of_the_energy(name: str) -> None:
-    """Images of joints turn with the tube."""
-    cell, flat = relaxed(name)
-    step = 1e-4
-    ahead, here, behind = (
-        roll_cell(cell, unrolled_flat_cell(flat, TURN), 0.02 + side * step, TURN) for side in (1, 0, -1)
-    )
-    assert here.moment == pytest.approx((ahead.energy - behind.energy) / (2.0 * step), rel=1e-4)
-    again = rolled_state(cell, unroll(cell, here), 0.02, TURN)
-    np.testing.assert_allclose(again.frames, here.state.frames, atol=1e-6)
-
-
 @pytest.mark.parametrize("name", ["grid", "diamonds"])
 def test_the_linear_cell_is_that_of_slightly_curved_tubes(name: str) -> None:
     """The second derivative for a cylinder is the slope of the moment, by the print's curvature `hoop k`."""
-    cell, flat = relaxed(name)
+    cell, flat = relaxed_cell(name)
     linear = effective_stiffness(cell, flat)
     around = np.array([-np.sin(TURN), np.cos(TURN)])
     form = np.array([around[0] ** 2, around[1] ** 2, 2.0 * around[0] * around[1]])

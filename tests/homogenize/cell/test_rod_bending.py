@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
-from asterism.homogenize.cell.rod_bending import GAUSSIAN, completed_by_rods, rod_bending
+from asterism.homogenize.cell.motif_responses import GAUSSIAN, completed_by_rods, rod_bending
 from asterism.homogenize.cell.unit_cell import UnitCell
-from tests.homogenize.cell.test_motif_cell import EDGE, PATTERNS, recut, relaxed
+from tests.homogenize.cell.test_motif_cell import recut
 from tests.homogenize.cell.test_motif_closed_forms import stiff
+from tests.homogenize.cells import cell_of, relaxed_cell
 from tests.homogenize.linear_cell import effective_stiffness
-from tests.homogenize.motifs import Pattern, diamonds, motif_design, parallel
+from tests.homogenize.motifs import Pattern, diamonds, parallel
 
 
 @pytest.mark.slow
@@ -29,13 +30,13 @@ def test_rods_in_fabric_too_soft_to_count_are_the_linear_cell(pattern: Pattern) 
 @pytest.mark.parametrize("name", ["grid", "diamonds"])
 def test_the_work_of_gaussian_curvature_depends_on_the_cut_and_nothing_else_does(name: str) -> None:
     """Rods of a tense cell that stand for images elsewhere: another multiple of det K, the same tubes."""
-    cell, flat = relaxed(name)
+    cell, flat = relaxed_cell(name)
     mesh = cell.mesh
     points = np.zeros((mesh.n_base, 2), dtype=np.int64)
     rods = np.random.default_rng(2).integers(-2, 3, size=(len(mesh.rods), 2))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asterism.homogenize.cell.motif_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
-        other = UnitCell(motif_design(PATTERNS[name]), EDGE)
+        patch.setattr("asterism.homogenize.cell.free_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        other = cell_of(name)
     here, there = (
         effective_stiffness(one, state).stiffness for one, state in ((cell, flat), (other, relax_flat_cell(other)))
     )

@@ -246,11 +246,6 @@ def test_a_margin_that_takes_whole_stars_is_refused(border: dict) -> None:
         lay(border=border | {"tip_margin_mm": 20.0})
 
 
-def test_thousands_of_stars_take_a_fraction_of_a_second():
-    sheet = lay(border={"rectangle_mm": [1100, 1100]}, mesh={"edge_mm": 3})
-    assert 4000 < len(sheet.centres) < 5000
-
-
 @pytest.mark.parametrize(
     ("pins", "direction", "along"),
     [
@@ -346,11 +341,3 @@ def test_the_spacing_is_the_shorter_of_the_steps():
             stars={"length_mm": 5}, lattice={"kind": "custom", "vectors_mm": steps}, border={"rectangle_mm": [70, 70]}
         )
         assert sheet.spacing_mm == pytest.approx(14.0)
-
-
-@pytest.mark.parametrize("way", [1, -1])
-def test_borders_run_counterclockwise_whichever_way_they_are_drawn(way):
-    corners = [[-40, -30], [45, -35], [30, 40]]
-    sheet = lay(border={"polygon_mm": corners[::way]})
-    assert Polygon(sheet.outline).exterior.is_ccw
-    assert {*map(tuple, sheet.outline)} == {*map(tuple, corners)}

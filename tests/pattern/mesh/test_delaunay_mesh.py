@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.delaunay_mesh import delaunay_mesh
+from asterism.pattern.mesh.mesh import Mesh
 from tests.pattern.layouts import (
     L_SHAPE,
     RECTANGLE,
@@ -28,17 +30,18 @@ from tests.pattern.layouts import (
 from tests.pattern.mesh_rules import even_rods, obey, smallest_angle
 
 
+def sound(sheet: Layout, edge: float, angle: float) -> Mesh:
+    mesh = delaunay_mesh(sheet, edge)
+    obey(sheet, mesh)
+    assert mesh.kind == "delaunay" and even_rods(mesh) and smallest_angle(mesh) > angle
+    return mesh
+
+
 @pytest.mark.parametrize("n", [0, 1, 3])
 @pytest.mark.parametrize("length", [2.0, 5.5, 10.0, 13.0, 15.0])
 @pytest.mark.parametrize("edge", [3.0, 1.5])
 def test_hexagon_of_rings(n, length, edge):
-    sheet = rings(n, length)
-    mesh = delaunay_mesh(sheet, edge)
-    obey(sheet, mesh)
-    assert mesh.kind == "delaunay"
-    assert even_rods(mesh)
-    assert min(len(rod) for rod in mesh.rods) >= 3
-    assert smallest_angle(mesh) > 25
+    assert min(len(rod) for rod in sound(rings(n, length), edge, 25).rods) >= 3
 
 
 @pytest.mark.parametrize("edge", [3.0, 2.0, 1.0])
@@ -52,11 +55,7 @@ def test_edges_are_as_long_as_wished(edge):
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND])
 @pytest.mark.parametrize("length", [4.0, 10.0])
 def test_any_border(border, length):
-    sheet = stars_on(border, length, margin=0.5)
-    mesh = delaunay_mesh(sheet, 2.0)
-    obey(sheet, mesh)
-    assert even_rods(mesh)
-    assert smallest_angle(mesh) > 20
+    sound(stars_on(border, length, margin=0.5), 2.0, 20)
 
 
 def test_border_is_even():
@@ -67,26 +66,20 @@ def test_border_is_even():
 
 @pytest.mark.parametrize("directions", [(0.0, 120.0, 240.0), (45.0 * np.arange(8)).tolist(), (10.0, 80.0)])
 def test_any_arms(directions):
-    sheet = rings(1, 7.0, directions)
-    mesh = delaunay_mesh(sheet, 2.0)
-    obey(sheet, mesh)
-    assert even_rods(mesh)
-    assert smallest_angle(mesh) > 24
+    sound(rings(1, 7.0, directions), 2.0, 24)
 
 
 def test_tips_that_meet_share_a_vertex():
-    sheet = rings(1, D / 2, SIX)
-    mesh = delaunay_mesh(sheet, 2.0)
-    obey(sheet, mesh)
-    assert len({int(rod[-1]) for rod in mesh.rods}) == 30
-    nearly = rings(1, D / 2 - 2e-7, SIX)
-    assert len({int(rod[-1]) for rod in delaunay_mesh(nearly, 2.0).rods}) == 30
+    for miss in (0.0, 2e-7):
+        sheet = rings(1, D / 2 - miss, SIX)
+        mesh = delaunay_mesh(sheet, 2.0)
+        obey(sheet, mesh)
+        assert len({int(rod[-1]) for rod in mesh.rods}) == 30
 
 
 def test_tip_on_a_star_shares_its_vertex():
     sheet = layout(hexagon(3), lattice_points(1, D * unit([30.0, 90.0])), D)
-    mesh = delaunay_mesh(sheet, 2.0)
-    obey(sheet, mesh)
+    mesh = sound(sheet, 2.0, 20)
     assert len({int(rod[-1]) for rod in mesh.rods} & {*mesh.star_vertices.tolist()}) > 3
 
 
@@ -95,11 +88,8 @@ def test_small_gaps_are_refined(gap):
     """Between a tip and the next star, and between two tips."""
     for sheet in (rings(1, D - gap, [30.0]), rings(1, (D - gap) / 2, SIX)):
         sheet = layout(hexagon(3), sheet.centres, sheet.arm_length[0], [30.0] if len(sheet.arm_star) == 7 else SIX)
-        mesh = delaunay_mesh(sheet, 2.0)
-        obey(sheet, mesh)
-        assert even_rods(mesh)
         # a gap of a fortieth of an edge cannot have both even arms and round triangles
-        assert smallest_angle(mesh) > (20 if gap >= 0.2 else 5)
+        sound(sheet, 2.0, 20 if gap >= 0.2 else 5)
 
 
 def test_seeds():

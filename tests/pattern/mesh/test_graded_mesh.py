@@ -31,12 +31,14 @@ def heights(mesh):
     return 2.0 * triangle_areas(mesh.points, corner[on]) / length
 
 
-def sound(sheet, even, mesh):
-    """A mesh of the sheet with the even one's triangles, of which none is flat."""
+def sound(sheet, edge, kind="auto"):
+    """The even mesh of a sheet and the graded one, which has the same triangles, of which none is flat."""
+    even, mesh = (mesh_layout(sheet, edge, kind, graded=graded) for graded in (False, True))
     obey(sheet, mesh)
     assert np.array_equal(mesh.triangles, even.triangles)
     before, after = (triangle_angles(each.points, each.triangles).min(axis=1) for each in (even, mesh))
     assert (after >= np.minimum(MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE * before)).all()
+    return even, mesh
 
 
 def finer_at_arms(even, mesh):
@@ -48,9 +50,7 @@ def finer_at_arms(even, mesh):
 @pytest.mark.parametrize("length", [7.0, 10.0, 13.0])
 @pytest.mark.parametrize("kind", ["aligned", "delaunay"])
 def test_the_same_triangles_but_finer_at_the_arms(k, length, kind):
-    sheet = rings(1, length)
-    even, mesh = (mesh_layout(sheet, D / k, kind, graded=graded) for graded in (False, True))
-    sound(sheet, even, mesh)
+    even, mesh = sound(rings(1, length), D / k, kind)
     assert mesh.kind == kind and finer_at_arms(even, mesh)
 
 
@@ -58,9 +58,7 @@ def test_the_same_triangles_but_finer_at_the_arms(k, length, kind):
 @pytest.mark.parametrize("length", [6.0, 10.0, 13.0])
 @pytest.mark.parametrize("edge", [1.7, 2.4, 5.0])
 def test_any_outline_stays_aligned(border, length, edge):
-    sheet = stars_on(border, length, margin=0.5)
-    even, mesh = (mesh_layout(sheet, edge, graded=graded) for graded in (False, True))
-    sound(sheet, even, mesh)
+    even, mesh = sound(stars_on(border, length, margin=0.5), edge)
     assert mesh.kind == even.kind and (edge == 5.0 or mesh.kind == "aligned")
     assert edge == 5.0 or finer_at_arms(even, mesh)
     patches(mesh.triangles, mesh.points)
@@ -68,22 +66,19 @@ def test_any_outline_stays_aligned(border, length, edge):
 
 @pytest.mark.parametrize("gap", [0.0, 0.1, 0.5, 1.0])
 def test_arms_that_end_at_the_outline_or_just_inside(gap):
-    sheet = rings(1, 15.0 - gap)
     for kind in ("auto", "delaunay"):
-        sound(sheet, *(mesh_layout(sheet, 2.4, kind, graded=graded) for graded in (False, True)))
+        sound(rings(1, 15.0 - gap), 2.4, kind)
 
 
 @pytest.mark.parametrize("directions", [(0.0, 90.0, 180.0, 270.0), SIX])
 def test_squares_and_other_stars(directions):
     vectors = D * np.eye(2) if len(directions) == 4 else D * unit([30.0, 90.0])
-    sheet = layout(RECTANGLE, [[0.0, 0.0], vectors[0]], 7.0, directions, vectors=vectors)
-    sound(sheet, *(mesh_layout(sheet, 2.4, "aligned", graded=graded) for graded in (False, True)))
+    sound(layout(RECTANGLE, [[0.0, 0.0], vectors[0]], 7.0, directions, vectors=vectors), 2.4, "aligned")
 
 
 def test_pins_stay():
     pins = (pin([[3.3, 6.1], [40, 32], [40, 3.1], [-12, 14]]), pin(edges=(1, 2)))
-    sheet = stars_on(RECTANGLE, 8.0, pins=pins)
-    sound(sheet, *(mesh_layout(sheet, 2.4, "aligned", graded=graded) for graded in (False, True)))
+    sound(stars_on(RECTANGLE, 8.0, pins=pins), 2.4, "aligned")
 
 
 @pytest.mark.parametrize(
@@ -140,7 +135,7 @@ def test_any_polygon(data):
     assume(len(sheet.centres))
     edge, kind = data.draw(st.floats(1.5, 8.0)), data.draw(st.sampled_from(["auto", "delaunay"]))
     try:
-        even = mesh_layout(sheet, edge, kind)
+        mesh_layout(sheet, edge, kind)
     except MeshError:
         return
-    sound(sheet, even, mesh_layout(sheet, edge, kind, graded=True))
+    sound(sheet, edge, kind)

@@ -70,8 +70,3 @@ def test_refused(sheet, edge, kinds):
         with pytest.raises(MeshError) as caught:
             mesh_layout(sheet, edge, kind)
         assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("kind", BOTH)
-def test_fifty_thousand_points(kind):
-    assert len(mesh_layout(rings(9), 1.2, kind).points) > 50_000

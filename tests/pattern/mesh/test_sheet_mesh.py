@@ -15,17 +15,15 @@ from asterism.pattern.geometry.planar import (
     triangle_areas,
 )
 from asterism.pattern.mesh.sheet_mesh import coarse_outline, sheet_mesh
+from tests.pattern.layouts import unit
 
-HEXAGON = 67.0 * np.column_stack(
-    [np.cos(np.radians(30 + 60 * np.arange(6))), np.sin(np.radians(30 + 60 * np.arange(6)))]
-)
+HEXAGON = 67.0 * unit(30.0 + 60.0 * np.arange(6))
 RECTANGLE = np.array([[-69.0, -89.0], [69.0, -89.0], [69.0, 89.0], [-69.0, 89.0]])
 L_SHAPE = np.array([[0, 0], [120, 0], [120, 40], [40, 40], [40, 120], [0, 120.0]])
 
 
-def circle(count: int, radius: float = 60.0) -> np.ndarray:
-    angle = 2 * np.pi * np.arange(count) / count
-    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+def circle(count: int, radius: float = 60.0, centre: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+    return np.asarray(centre) + radius * unit(360.0 * np.arange(count) / count)
 
 
 @pytest.mark.parametrize("parts", [1, 2, 4])
@@ -101,15 +99,10 @@ def test_any_wavy_outline(seed: int, edge: float) -> None:
 PLATE = np.array([[-60.0, -40.0], [60.0, -40.0], [60.0, 40.0], [-60.0, 40.0]])
 
 
-def round_hole(count: int, radius: float, centre: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
-    angle = 2 * np.pi * np.arange(count) / count
-    return np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-
-
 @settings(max_examples=20)
 @given(st.integers(3, 40), st.floats(1.0, 25.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.booleans())
 def test_holes_are_left_out_and_angles_stay_large(n: int, radius: float, x: float, y: float, turned: bool) -> None:
-    hole = round_hole(n, radius, (x * (57.0 - radius), y * (37.0 - radius)))
+    hole = circle(n, radius, (x * (57.0 - radius), y * (37.0 - radius)))
     mesh = sheet_mesh(PLATE, 14.0, holes=[hole[::-1] if turned else hole])
     area = 9600.0 - polygon_area(hole)
     assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(area)
@@ -119,7 +112,7 @@ def test_holes_are_left_out_and_angles_stay_large(n: int, radius: float, x: floa
 
 
 def test_the_rim_has_the_sheet_to_its_left_and_names_its_edges() -> None:
-    holes = [round_hole(4, 10.0, (-30.0, 0.0)), round_hole(60, 12.0, (30.0, 5.0))]
+    holes = [circle(4, 10.0, (-30.0, 0.0)), circle(60, 12.0, (30.0, 5.0))]
     mesh = sheet_mesh(PLATE, 14.0, holes=holes, held_sides=[range(8, 68)])
     assert set(mesh.side[mesh.side < 8].tolist()) == set(range(8))
     around = mesh.side >= 8
@@ -133,7 +126,7 @@ def test_the_rim_has_the_sheet_to_its_left_and_names_its_edges() -> None:
 
 
 def test_points_on_the_edge_of_a_hole_are_held() -> None:
-    hole = round_hole(60, 12.0)
+    hole = circle(60, 12.0)
     held = np.array([hole[7], 0.5 * (hole[20] + hole[21]), [-40.0, 10.0]])
     mesh = sheet_mesh(PLATE, 14.0, held, holes=[hole])
     away = np.linalg.norm(mesh.points[:, None] - held, axis=2).min(axis=0)

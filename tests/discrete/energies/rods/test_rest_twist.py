@@ -9,10 +9,8 @@ import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature, rest_twist
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 RODS = ("rod_bending", "rod_twist", "rod_joints")
 STRETCH = (1.5, 1.1)
@@ -27,17 +25,16 @@ LINES: list[dict[str, Any]] = [
 
 
 def model(lines: list[dict[str, Any]] = LINES, edge_mm: float = 0.5, **plastic: Any) -> DiscreteModel:
-    design = Design.from_dict(
+    return model_of(
         {
             "rods": {"draw": lines},
             "border": {"rectangle_mm": (20.0, 20.0)},
             "fabric": {"stretch": STRETCH},
             "plastic": STIFF | plastic,
             "mesh": {"edge_mm": edge_mm},
-        }
+        },
+        edge_mm,
     )
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, edge_mm))
 
 
 def on_surface(of: DiscreteModel, curvature: np.ndarray) -> State:
