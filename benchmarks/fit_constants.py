@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +25,12 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import LawError
-from asterism.previews.model import FITTED, PARTS, PREVIEW_MODEL, PreviewModel, without
+from asterism.previews.model import PARTS, PREVIEW_MODEL, PreviewModel, without
 from benchmarks.frozen.draw import CHOSEN_ON, SEALED, WORKING, frozen
 from benchmarks.report import markdown, write_report
 from benchmarks.solved import NEAR, Solved
 
+FITTED = tuple(each.name for each in fields(PreviewModel) if each.name != "parts")
 FACTORS = (0.67, 1.5)
 MIN_GAIN_ERRORS = 2.0
 FLOOR_PERCENT = 0.3

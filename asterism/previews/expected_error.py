@@ -53,7 +53,7 @@ def expected_error(state: PreviewState) -> ExpectedError | None:
     >>> expected_error(Preview(gallery.load("dome")).state) is HELD_MANY
     True
     """
-    layout, values = state.layout, state.values
+    layout, values = state.layout, state.sheet.values
     if not layout.has_stars:
         return MOTIF if len(values.outside) <= MAX_FOREIGN_SHARE * values.places else None
     inverted = int(np.count_nonzero(layout.star_branch < 0))

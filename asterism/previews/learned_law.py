@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from asterism.homogenize.campaign.workers import CampaignProgress, default_jobs
 from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.motif_law import MotifLaw, problem_of_motif
-from asterism.homogenize.law.plan import CellTask, LawPlan, Sizes
+from asterism.homogenize.law.plan import Sizes
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.layout.layout import Layout
@@ -52,44 +51,28 @@ def learned_law(
             same, cells = before.plan, {tuple(each[name] for name in before.plan.names) for each in before.samples}
         except LawError:
             pass
-    own = replace(plan_for_design(design, sheet, same), held_out=0)
-    tasks = own.tasks_for_sizes(own.sizes_on(design, sheet), cells)
+    plan = replace(plan_for_design(design, sheet, same), held_out=0)
+    tasks = plan.tasks_for_sizes(plan.sizes_on(design, sheet), cells)
     records: list[SampleRecord] = []
+    solved_before = 0
+
+    def report(progress: CampaignProgress) -> None:
+        nonlocal solved_before
+        solved_before = solved_before if progress.last else progress.done
+        if progress.done < progress.total:
+            left = progress.seconds_left
+            seconds = "" if left is None else f", about {np.ceil(left):.0f} s"
+            number, count = progress.done - solved_before + 1, progress.total - solved_before
+            say(f"learning this fabric: cell {number} of {count}{seconds}")
+
     try:
-        records = learned(own, tasks, say, respond)
-        return fit_law(own, records)
+        folder = cells_folder()
+        records = run_campaign(plan, folder, default_jobs(), report=report, respond=respond, tasks=tasks)
+        if solved_before < len(records):
+            forget_oldest(folder)
+        return fit_law(plan, records)
     except CampaignError as error:
         if design.rods is None:
             raise LawError(f"{error}; {EXACT_ADVICE}") from None
         message = problem_of_motif(next((record.failed for record in records if record.failed), str(error)))
         raise LawError(f"{message}; {EXACT_ADVICE}", field=leading_field(message)) from None
-
-
-def learned(plan: LawPlan, tasks: Sequence[CellTask], say: Say, respond: SolveCell | None = None) -> list[SampleRecord]:
-    """Cells of a plan, from the user's folder or solved now.
-
-    Parameters
-    ----------
-    say : called with a line before each cell that is solved.
-    respond : as of `run_campaign`.
-
-    Raises
-    ------
-    CampaignError
-        The folder cannot be made, or a process has ended.
-    """
-    before = 0
-
-    def report(progress: CampaignProgress) -> None:
-        nonlocal before
-        before = before if progress.last else progress.done
-        if progress.done < progress.total:
-            left = progress.seconds_left
-            seconds = "" if left is None else f", about {np.ceil(left):.0f} s"
-            say(f"learning this fabric: cell {progress.done - before + 1} of {progress.total - before}{seconds}")
-
-    folder = cells_folder()
-    records = run_campaign(plan, folder, default_jobs(), report=report, respond=respond, tasks=tasks)
-    if before < len(records):
-        forget_oldest(folder)
-    return records

@@ -6,8 +6,6 @@ together, or the sites of the lattice of a motif.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
@@ -16,6 +14,7 @@ from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.symmetries import distances_of_images
 from asterism.previews.state import PreviewState
+from asterism.results.records.preview import OtherFormRecord
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
 MIN_STARS = 3
@@ -23,26 +22,7 @@ MIN_STARS = 3
 EQUAL_FORM_PERCENT = 2.0
 
 
-@dataclass(frozen=True)
-class OtherForm:
-    """A minimum of the sheet that is not the one shown.
-
-    Attributes
-    ----------
-    start : name of the start that led to it.
-    energy_n_mm : its energy.
-    gap : how far that is above the energy of the form shown, as a share of the energy at stake there.
-    distance_percent : rms distance of the star centres from the form shown, after the free motion and the symmetry
-        that bring them closest, in % of the diameter.
-    """
-
-    start: str
-    energy_n_mm: float
-    gap: float
-    distance_percent: float
-
-
-def other_forms(state: PreviewState) -> list[tuple[OtherForm, Trial]]:
+def other_forms(state: PreviewState) -> list[tuple[OtherFormRecord, Trial]]:
     """Each form with the trial that found it, the lowest one first.
 
     It is another form than the last equilibrium, and than those before it.
@@ -52,12 +32,17 @@ def other_forms(state: PreviewState) -> list[tuple[OtherForm, Trial]]:
     if len(minima) < 2 or len(layout.sample_points) < MIN_STARS:
         return []
     diameter_mm = diameter(state.shell.node_positions(shown.x))
-    known, forms = [(shown.x, _free(state, shown.x))], list[tuple[OtherForm, Trial]]()
+    known, forms = [(shown.x, _free(state, shown.x))], list[tuple[OtherFormRecord, Trial]]()
     for trial in minima:
         apart = [100.0 * _distance(state, form, trial.x, free) / diameter_mm for form, free in known]
         if min(apart) > EQUAL_FORM_PERCENT:
-            gap = (trial.energy - shown.energy) / shown.absolute_energy
-            forms.append((OtherForm(trial.name, trial.energy, gap, float(apart[0])), trial))
+            form = OtherFormRecord(
+                start=trial.name,
+                energy_n_mm=trial.energy,
+                gap=(trial.energy - shown.energy) / shown.absolute_energy,
+                distance_percent=float(apart[0]),
+            )
+            forms.append((form, trial))
             known.append((trial.x, _free(state, trial.x)))
     return forms
 
@@ -70,7 +55,7 @@ def _distance(state: PreviewState, first: Floats, second: Floats, free: FreeMoti
     def second_at(places: Floats) -> Floats:
         return np.asarray(space.locate(places).value @ second)
 
-    return float(distances_of_images(points, at @ first, second_at, state.symmetries, free).min())
+    return float(distances_of_images(points, at @ first, second_at, state.sheet.symmetries, free).min())
 
 
 def _free(state: PreviewState, x: Floats) -> FreeMotions:

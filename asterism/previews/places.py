@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.elements.tabulation import Evaluation
+from asterism.fem.elements.argyris import Evaluation
 from asterism.pattern.mesh.mesh import Mesh
 
 

@@ -34,7 +34,6 @@ from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.sheet_mesh import SheetMesh
 from asterism.previews.fields.star_places import StarPlaces
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 
 def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:
@@ -71,13 +70,19 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
     return beyond
 
 
+# radius of the softer spot at a pin, in edges of the shell: p. It and the tables follow from wedges of bare fabric:
+# pytest tests/asterism/previews/test_point_pins.py
+SPOT_RADIUS = 0.35
+# angles of the sheet at a pin in degrees; there, what the shell's vertex lacks in compliance, d - c, and the compliance
+# that a softness of one adds, g
+ANGLES_DEG = (45.0, 60.0, 90.0, 120.0, 150.0, 180.0, 270.0, 360.0)
+LACK = (2.90, 2.81, 2.53, 1.71, 1.48, 1.38, 0.97, 0.86)
+GAIN = (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74)
 # lower limit of the softness: the region around a pin is at most twice as stiff as the sheet
 MIN_SOFTNESS = -0.5
 
 
-def softness(
-    mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float, model: PreviewModel = PREVIEW_MODEL
-) -> Floats:
+def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> Floats:
     """(...,) softness s at printed points (..., 2) mm: the membrane stiffness is divided by 1 + s.
 
     Parameters
@@ -88,29 +93,21 @@ def softness(
     edge_mm : edge length h of the mesh of the exact model.
     """
     edges, angles = around(mesh, pins)
-    amounts = amounts_of(edges, angles, edge_mm, model)
+    amounts = amounts_of(edges, angles, edge_mm)
     total = np.zeros(points.shape[:-1])
     for pin, edge, amount in zip(pins, edges, amounts, strict=True):
-        total += amount * spot(pin, edge, points, model)
+        total += amount * spot(pin, edge, points)
     return np.maximum(total, MIN_SOFTNESS)
 
 
-def spot(pin: Floats, edge_mm: float, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+def spot(pin: Floats, edge_mm: float, points: Floats) -> Floats:
     """(...,) the Gaussian `exp(-r^2/(p L)^2)` at points (..., 2) mm around a pin (2,), with L = `edge_mm`."""
-    square = ((points - pin) ** 2).sum(axis=-1)
-    return np.asarray(np.exp(-square / (model.point_spot_radius * edge_mm) ** 2))
+    return np.asarray(np.exp(-((points - pin) ** 2).sum(axis=-1) / (SPOT_RADIUS * edge_mm) ** 2))
 
 
-def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n,) amplitudes A at pins; negative if h is long.
-
-    Parameters
-    ----------
-    edges : (n,) mm, edge lengths L of the shell at the pins.
-    angles_deg : (n,) angles alpha of the sheet at the pins.
-    edge_mm : edge length h of the exact model.
-    """
-    lack, gain = (np.interp(angles_deg, model.point_angles_deg, of) for of in (model.point_lack, model.point_gain))
+def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float) -> Floats:
+    """(n,) amplitudes A at pins with edges L (n,) mm of the shell and angles alpha (n,); negative if h is long."""
+    lack, gain = (np.interp(angles_deg, ANGLES_DEG, of) for of in (LACK, GAIN))
     return np.maximum((np.log(edges / edge_mm) - lack) / gain, MIN_SOFTNESS)
 
 
@@ -129,7 +126,17 @@ def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
 
 def softness_at_points(fields: Fields, at: StarPlaces) -> Fields:
     """The fields with reduced membrane stiffness around pins."""
-    return fields if at.softness is None else softened_fields(fields, at.softness)
+    return softened(fields, at.softness)
+
+
+def softened(fields: Fields, soft: Floats | None) -> Fields:
+    """The fields with the membrane stiffness divided by 1 + s, for a softness s (T, Q), from `softness`."""
+    if soft is None:
+        return fields
+    assert isinstance(fields.density, Density)
+    stiffness = np.array(fields.density.stiffness)
+    stiffness[..., :3, :3] /= (1.0 + soft)[..., None, None]
+    return replace(fields, density=replace(fields.density, stiffness=stiffness))
 
 
 def neo_hookean_fabric(fields: Fields, at: StarPlaces) -> Fields:
@@ -140,17 +147,3 @@ def neo_hookean_fabric(fields: Fields, at: StarPlaces) -> Fields:
     bare = 1.0 - np.asarray(at.weights.sum(axis=1)).reshape(at.shape)
     term = stretched_fabric(fields, np.asarray(fields.density.stiffness), bare)
     return replace(fields, density=replace(fields.density, term=term))
-
-
-def softened_fields(fields: Fields, soft: Floats) -> Fields:
-    """The fields with the membrane stiffness divided by 1 + s, for a softness s (T, Q), from `softness`."""
-    assert isinstance(fields.density, Density)
-    stiffness = softened(np.asarray(fields.density.stiffness), 1.0 / (1.0 + soft))
-    return replace(fields, density=replace(fields.density, stiffness=stiffness))
-
-
-def softened(stiffness: Floats, part: Floats) -> Floats:
-    """(..., 6, 6) stiffness with the membrane part multiplied by `part` (...,), and an unchanged bending part."""
-    out = stiffness.copy()
-    out[..., :3, :3] *= part[..., None, None]
-    return out

@@ -2,7 +2,7 @@
 
 `with_pattern` makes the sheet of an edited design; what the edit leaves as it is, is shared. Sheets of stars
 (`asterism.previews.sheet`) and of motifs of rods (`asterism.previews.motifs.motif_sheet`) differ in their values of the
-law, fields, weight and bumps, which subclasses give. All else, from supports to search and shape, is common to both.
+law, fields, weight and bumps, which subclasses give. All else, from mesh and supports to search and shape, is common.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ import numpy as np
 from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.argyris import Argyris, Tabulation
 from asterism.fem.elements.deformation import affine
-from asterism.fem.elements.tabulation import Tabulation
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
 from asterism.fem.supports.conditions import (
@@ -39,20 +38,19 @@ from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.pattern.mesh.sheet_mesh import SheetMesh, sheet_mesh
-from asterism.previews.model import PreviewModel
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.places import SheetLens, ShownSheet
 from asterism.previews.point_pins import softness
 
 # edge length of the shell's mesh, in spacings of the lattice
 EDGE_SPACINGS = 1.3
 MIN_TRIANGLES = 24
-# most triangles of the shell's mesh, unless the caller gives a number
-MAX_TRIANGLES = 600
+EQUILATERAL = 0.25 * 3.0**0.5  # area of a triangle over its squared edge
 
 
 @dataclass(eq=False)
 class PrintSheet(ABC):
-    """A printed sheet with its law, its mesh and its finite elements. Once made, it does not change.
+    """A printed sheet with its law, its mesh and its finite elements; made by `of`. Once made, it does not change.
 
     Attributes
     ----------
@@ -64,11 +62,12 @@ class PrintSheet(ABC):
     space : C1 quintic elements on these triangles.
     table : shape functions at the quadrature points.
     shells : for each step a shell of this print, and the pins of its supports. Sheets of one print share them.
-    softnesses : around the supported points, for each edge of the exact model's mesh; shared likewise.
     shown_edge : least edge of the triangles to show, over the spacing of the lattice.
+    most_triangles : of the shell's mesh, unless the caller gives a number.
     """
 
     shown_edge: ClassVar[float]
+    most_triangles: ClassVar[int]
 
     design: Design
     layout: Layout
@@ -79,7 +78,34 @@ class PrintSheet(ABC):
     space: Argyris
     table: Tabulation
     shells: dict[int, tuple[tuple[PinSet, ...], Shell]] = field(default_factory=dict, kw_only=True)
-    softnesses: dict[float, Floats | None] = field(default_factory=dict, kw_only=True)
+
+    @classmethod
+    def of(
+        cls, design: Design, layout: Layout, law: Any, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
+    ) -> Self:
+        """The sheet of a design with its layout and its law.
+
+        Parameters
+        ----------
+        triangles : approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long, within
+            limits of the number of triangles.
+
+        Raises
+        ------
+        MeshError
+            The outline cannot be meshed.
+        """
+        usual = layout.area_mm2 / (EQUILATERAL * (EDGE_SPACINGS * design.lattice.spacing_mm) ** 2)
+        count = triangles or np.clip(usual, MIN_TRIANGLES, cls.most_triangles)
+        edge = float(np.sqrt(layout.area_mm2 / count / EQUILATERAL))
+        mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups, layout.holes)
+        space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
+        return cls(design, layout, law, model, triangles, mesh, space, space.tabulate(QUADRATURE_ORDER))
+
+    @property
+    def points(self) -> Floats:
+        """(T Q, 2) mm, the quadrature points."""
+        return self.table.points.reshape(-1, 2)
 
     @property
     @abstractmethod
@@ -127,10 +153,12 @@ class PrintSheet(ABC):
         return new
 
     def _follow(self, before: Self) -> None:
-        """Take over what the new pattern leaves as it is: the triangles to show, if a shape was asked for."""
+        """Take over what the new pattern leaves as it is, such as the triangles to show, if a shape was asked for."""
         meshes = [(each.mesh, each.usual_edge_mm) for each in (before.design, self.design)]
-        if "shown" in vars(before) and before.has_rods_of(self.layout) and meshes[0] == meshes[1]:
-            self.shown = replace(before.shown, lens=before.shown.lens.renewed(self))
+        if meshes[0] == meshes[1]:
+            self.pin_softness = before.pin_softness
+            if "shown" in vars(before) and before.has_rods_of(self.layout):
+                self.shown = replace(before.shown, lens=before.shown.lens.renewed(self))
 
     @abstractmethod
     def has_rods_of(self, layout: Layout) -> bool:
@@ -172,14 +200,12 @@ class PrintSheet(ABC):
         mesh = mesh_layout(self.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
         return ShownSheet(mesh, self.lens(mesh.points))
 
-    @property
+    @cached_property
     def pin_softness(self) -> Floats | None:
         """(T, Q) softness around supported points; None if the sheet has none."""
         pins, edge = self.layout.in_plane_pin_points, self.design.usual_edge_mm
-        if edge not in self.softnesses:
-            pulls = self.layout.is_supported_in_plane and len(pins) > 0
-            self.softnesses[edge] = softness(self.mesh, pins, self.table.points, edge, self.model) if pulls else None
-        return self.softnesses[edge]
+        pulls = self.layout.is_supported_in_plane and len(pins) > 0
+        return softness(self.mesh, pins, self.table.points, edge) if pulls else None
 
     def shell(self, fields: Fields, step: int) -> Shell:
         """The shell with the supports up to a step.
@@ -250,27 +276,3 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
             its = facets[np.isin(sheet.side, pin.edges)]
             active.append(EdgeSupport(its, placement, directions, shift=shift, name=name))
     return active
-
-
-def elements_of(
-    layout: Layout, edge_mm: float, triangles: int | None, most: int = MAX_TRIANGLES
-) -> tuple[SheetMesh, Argyris, Tabulation]:
-    """Mesh, elements and shape functions of the sheet of a layout.
-
-    Parameters
-    ----------
-    edge_mm : about the length of the edges if `triangles` is None, within limits of the number of triangles.
-    triangles : approximate number of triangles.
-    most : triangles if their number is not given.
-
-    Raises
-    ------
-    MeshError
-        The outline cannot be meshed.
-    """
-    equilateral = np.sqrt(3.0) / 4.0  # area over the squared edge
-    count = triangles or np.clip(layout.area_mm2 / (equilateral * edge_mm**2), MIN_TRIANGLES, most)
-    edge = float(np.sqrt(layout.area_mm2 / count / equilateral))
-    mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups, layout.holes)
-    space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
-    return mesh, space, space.tabulate(QUADRATURE_ORDER)

@@ -12,8 +12,8 @@ reaches.
 
 - `perturb_along_softest_mode` starts on both sides of the minimum, along its softest mode.
 - `buckle` starts a sheet that its supports hold narrower than its natural size from caps and arcs: such a sheet
-  buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others.
-- `buckle_soft` does the same for a sheet that has soft modes: these need not point to the other forms either.
+  buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others. Soft
+  modes need not point to the other forms either.
 - `is_inverted` detects sheets that lie completely on the wrong side of their supports.
 
 **Near-zero modes** are motions of the sheet that cost little energy. A mode with the eigenvalue `s_i` (N/mm^3) of the
@@ -27,7 +27,7 @@ One near-zero mode is common: the rotation of a tube's axis. A sheet with two ne
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,37 +94,34 @@ def is_narrow(means: MeanFields) -> bool:
 
 
 def buckle(
-    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
+    shell: Shell,
+    factor: Factor,
+    equilibrium: ShellEquilibrium,
+    means: MeanFields,
+    guesses: Sequence[SimpleShape],
+    is_soft: bool,
 ) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that caps and a few arcs, taken from the guesses, lead to."""
+    """The lowest of a minimum and of those that caps and a few arcs, taken from the guesses, lead to.
+
+    For a soft sheet these are the tightest cap and arcs in three directions.
+    """
     builder = GuessBuilder(shell, factor, means.centre, means.stretch)
-    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
-    tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
-    guessed = [builder.relax_in_plane(builder.bend(shape)) for shape in tried]
-    others = _followed(shell, factor, equilibrium, [(start.x, start.shape.name) for start in guessed])
-    low = min(others, key=lambda other: other.energy)
-    if not low.is_minimum and low.energy < equilibrium.energy:
-        others.append(follow(shell, low.x, factor, low.guess))
-    return lowest(shell, factor, equilibrium, others)
-
-
-def buckle_soft(
-    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
-) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that the tightest cap and arcs in three directions lead to."""
     caps = [shape for shape in guesses if shape.name == "cap"]
     arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
-    family = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
-    tightest = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
-    builder = GuessBuilder(shell, factor, means.centre, means.stretch)
-    tried = tightest + family[:: max(len(family) // ARC_GUESSES, 1)]
-    starts = sorted((builder.relax_in_plane(builder.bend(shape)) for shape in tried), key=lambda start: start.energy)
-    promising = [
-        (start.x, start.shape.name)
-        for start in starts
-        if start.energy - starts[0].energy <= (MAX_ENERGY_RATIO - 1.0) * abs(starts[0].energy)
-    ]
-    others = _followed(shell, factor, equilibrium, promising, max_iterations=SOFT_ITERATIONS)
+    if is_soft:
+        caps = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
+        arcs = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
+    tried = caps + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
+    relaxed, most = [builder.relax_in_plane(builder.bend(shape)) for shape in tried], MAX_FURTHER_ITERATIONS
+    if is_soft:
+        relaxed.sort(key=lambda guess: guess.energy)
+        limit, most = (MAX_ENERGY_RATIO - 1.0) * abs(relaxed[0].energy), SOFT_ITERATIONS
+        relaxed = [guess for guess in relaxed if guess.energy - relaxed[0].energy <= limit]
+    starts = ((guess.x, guess.shape.name) for guess in relaxed)
+    others = _followed(shell, factor, equilibrium, starts, max_iterations=most)
+    low = min(others, key=lambda other: other.energy)
+    if not is_soft and not low.is_minimum and low.energy < equilibrium.energy:
+        others.append(follow(shell, low.x, factor, low.guess))
     return lowest(shell, factor, equilibrium, others)
 
 
@@ -132,7 +129,7 @@ def _followed(
     shell: Shell,
     factor: Factor,
     equilibrium: ShellEquilibrium,
-    starts: Sequence[tuple[Floats, str]],
+    starts: Iterable[tuple[Floats, str]],
     patient: bool = False,
     max_iterations: int = MAX_FURTHER_ITERATIONS,
 ) -> list[ShellEquilibrium]:
@@ -249,9 +246,7 @@ def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetT
     is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT)
     if is_soft:
         equilibrium = perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
-    if not is_narrow(means):
-        return equilibrium
-    return (buckle_soft if is_soft else buckle)(shell, factor, equilibrium, means, guesses)
+    return buckle(shell, factor, equilibrium, means, guesses, is_soft) if is_narrow(means) else equilibrium
 
 
 def _lowest_free(

@@ -24,25 +24,26 @@ from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.other_forms import OtherForm, other_forms
+from asterism.previews.other_forms import other_forms
 from asterism.previews.places import Places
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.sheets import keep_print, preview_layout, sheet_for
 from asterism.previews.shown_shape import shown_shape
 from asterism.previews.solve import (
     at_form,
-    carried,
     followed,
+    kept_form,
+    printed,
     respond,
     restarted,
     state_from_guesses,
-    state_without_search,
     with_near_zero_modes,
     with_sheet,
 )
 from asterism.previews.state import PreviewState
 from asterism.previews.summary import summary
 from asterism.process.listeners import Say, ignore_line
+from asterism.results.records.preview import OtherFormRecord
 from asterism.shape.shape import Shape
 
 
@@ -213,7 +214,7 @@ class Preview:
     @property
     def law(self) -> Any:
         """The law of the material, a `StarLaw` or a `MotifLaw`."""
-        return self.state.law
+        return self.state.sheet.law
 
     @property
     def sheet(self) -> Any:
@@ -231,19 +232,14 @@ class Preview:
         return self.state.equilibrium
 
     @property
-    def forms(self) -> list[OtherForm]:
+    def forms(self) -> list[OtherFormRecord]:
         """Other minima of the last search, the lowest one first; `show_form` shows one of them."""
         return [form for form, _ in other_forms(self.state)]
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """The positions of printed points in space.
+        """The positions of printed points (n, 2) mm in space, for x of a `Stage` or for the state that is shown.
 
         They are in the pose of the shell, whereas `shape` turns free sheets upright.
-
-        Parameters
-        ----------
-        points : (n, 2) mm, or a single point.
-        x : degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default.
 
         Raises
         ------
@@ -253,12 +249,9 @@ class Preview:
         return PointLens(self, points)(x)
 
     def lens(self, points: Floats) -> PointLens:
-        """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.
+        """A function that computes the positions of fixed printed points, like `at`, but faster; raises its errors.
 
-        Raises
-        ------
-        ValueError
-            `points` has another form, or a point is outside of the sheet.
+        After an edit that keeps the print, only what depends on the changed stars is computed again.
 
         Examples
         --------
@@ -274,32 +267,21 @@ class Preview:
 
         The linear response starts from the last equilibrium. It requires that outline, lattice, gravity and supported
         points stay the same; the pins may have other positions in space. For other changes, or if the edit leads to no
-        minimum, the search starts again from initial guesses, in one stage. Only such a search lists other forms in
-        the summary.
-
-        With `keep_form`, a sheet of nearly the same size whose outline, lattice or supported points change also starts
-        from the old shape, which takes less time.
+        minimum, the search starts again from initial guesses, in one stage, and lists other forms in the summary.
 
         The edit begins at the first request for a stage; `update` requests all stages. If you stop after the first
         stage, the preview shows the linear response, and its summary states that this is not an equilibrium. The next
-        edit then starts from the last equilibrium again. If the edit fails or is interrupted before its first stage,
-        the preview keeps its state.
+        edit then starts from the last equilibrium again.
 
         Parameters
         ----------
-        design : the new design.
-        keep_form : start from the old shape in more cases, see above.
-
-        Yields
-        ------
-        The stages.
+        keep_form : a sheet of nearly the same size whose outline, lattice or supported points change also starts from
+            the old shape, which takes less time.
 
         Raises
         ------
-        DesignError, MeshError, LawError
-            As for a new preview. The preview keeps its state.
-        SearchLimitError
-            A stage takes longer than `max_seconds`. The preview keeps its state before the edit.
+        DesignError, MeshError, LawError, SearchLimitError
+            As for a new preview, which keeps its state before the edit.
         RuntimeError
             A later edit or a flip has begun before this edit was complete.
         TypeError
@@ -318,17 +300,17 @@ class Preview:
         before = self.state
         with one_blas_thread():
             self._begin()
-            state, response = self.state, None
-            sheet = self._sheet(design, state.model, before=state.sheet)
+            state = self.state
+            sheet = self._sheet(design, state.sheet.model, before=state.sheet)
             if sheet.space is state.sheet.space:
-                state, response = respond(self._on_same_print(sheet), self._clock)
+                state = respond(with_sheet(state, sheet, self._clock), self._clock)
             else:
-                kept = self._kept_form(sheet) if keep_form else None
+                kept = kept_form(state, sheet, self._clock) if keep_form else None
                 state = kept or self._searched(sheet, state.side)
             self.state = state
             self._edits += 1
             number = self._edits
-        if response is not None:
+        if state.response is not None:
             yield Stage("linear", self.state.x.copy())
             if self._edits != number:
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
@@ -337,7 +319,7 @@ class Preview:
                 # the search overwrites the factor: if it is interrupted, the state must record that
                 self.state = replace(self.state, is_factor_resting=False)
                 try:
-                    self.state = followed(self.state, response, self._clock)
+                    self.state = followed(self.state, self._clock)
                 except BaseException:
                     if self._watch.has_stopped:
                         self.state = replace(before, is_factor_resting=False)
@@ -409,9 +391,9 @@ class Preview:
         """The equilibrium of a design near degrees of freedom x (N, 3) of the shell."""
         self._begin()
         self._edits += 1
-        sheet = self._sheet(design, self.state.model, before=self.state.sheet)
+        sheet = self._sheet(design, self.state.sheet.model, before=self.state.sheet)
         same = sheet.space is self.state.sheet.space
-        state = self._on_same_print(sheet) if same else self._printed(sheet)
+        state = (with_sheet if same else printed)(self.state, sheet, self._clock)
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
@@ -433,7 +415,7 @@ class Preview:
 
     @one_blas_thread()
     def shape(self) -> Shape:
-        """The shape, with the bumps of the stars, and its summary, as for files and pictures."""
+        """The shape, with the bumps of the stars, and its summary."""
         self.state = state = with_near_zero_modes(self.state, self._clock)
         with self._clock("shown"):
             shape = shown_shape(state)
@@ -482,23 +464,6 @@ class Preview:
         keep_print(sheet)
         return state
 
-    def _printed(self, sheet: PrintSheet) -> PreviewState:
-        """The state of a sheet before a search."""
-        with self._clock("shell"):
-            return state_without_search(sheet, self.state.side, self.state.watch)
-
-    def _kept_form(self, sheet: PrintSheet) -> PreviewState | None:
-        """The state of a new sheet, started from the old shape; None if that is impossible."""
-        printed = self._printed(sheet)
-        with self._clock("shell"):
-            x = carried(self.state, printed)
-        return None if x is None else at_form(printed, x, self._clock)
-
-    def _on_same_print(self, sheet: PrintSheet) -> PreviewState:
-        """The state of another sheet of the same print, at its present equilibrium."""
-        with self._clock("fields"):
-            return with_sheet(self.state, sheet)
-
 
 def preview(
     design: Design,
@@ -510,26 +475,13 @@ def preview(
 ) -> Shape:
     """Compute the homogenised shape of a design: with the bumps of its stars, or with the rods of its motif.
 
-    Parameters
-    ----------
-    design : from `load_design`, `new` or `Design.from_dict`.
-    law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
-        material where it covers the stars, or else one of cells that are solved now and kept.
-    side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
-    say : called with a line of text at the beginning of each stage.
-    model : constants of the preview model.
-    plan : layout of the design; computed by default.
+    Parameters are those of `Preview`, which keeps its state for edits, and so are the errors.
 
     Returns
     -------
     The shape. Its `summary` holds the certificate (`is_minimum`), the stars outside the range of the law, the estimated
     error, and the whole design. The principal axes of a free sheet lie along x, y and z. `point_fields["bump_mm"]`
     holds the vectors from the smooth surface to the shape.
-
-    Raises
-    ------
-    DesignError, MeshError, LawError
-        As for `Preview`, which keeps its state for edits.
     """
     begin = time.perf_counter()
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
@@ -537,19 +489,7 @@ def preview(
 
 
 class PointLens:
-    """Fixed printed points on the sheet of a preview, followed over edits; `Preview.lens` makes one.
-
-    After an edit that keeps the print, only what depends on the changed stars is computed again.
-
-    Attributes
-    ----------
-    points : (n, 2) mm, on the sheet.
-
-    Raises
-    ------
-    ValueError
-        These are no points, or one is off the sheet.
-    """
+    """Fixed printed points (n, 2) mm on the sheet of a preview, followed over edits; `Preview.lens` makes one."""
 
     def __init__(self, preview: Preview, points: Floats) -> None:
         self._preview, self._lens = preview, preview.sheet.lens(points)

@@ -16,8 +16,7 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.arm_shares import arm_shares
-from asterism.previews.arms import Arms
+from asterism.previews.arms import FABRIC_BEYOND_TIP, Arms, arm_shares
 from asterism.previews.bumps import corrugation_heights, flattening
 from asterism.previews.fields.free_sides import free_normals
 from asterism.previews.fields.rim_arms import rim_curvature_share
@@ -25,12 +24,14 @@ from asterism.previews.fields.sheet_fields import sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.model import PreviewModel
 from asterism.previews.places import Places, SheetLens
-from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of
+from asterism.previews.print_sheet import PrintSheet
 from asterism.results.words import PlacedWarning, star_numbers
 from asterism.shape.design_warnings import site_warnings, sizing_warnings
 
+# how far back along an arm its star is, in spacings: half way to the next one (`fields/rosette.py`)
+ARM_SETBACK = 0.5
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
 
@@ -58,29 +59,26 @@ class StarShares:
     def at(cls, points: Floats, design: Design, layout: Layout, model: PreviewModel) -> StarShares:
         """The shares of a design's stars at printed points (n, 2) mm."""
         lattice, cells = design.lattice, StarCells(layout, design.lattice, model)
-        shares = cells.shares(points)
-        back = model.arm_setback * lattice.spacing_mm
-        along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
-        normals, curls = free_normals(layout, points, model), not layout.is_supported_in_plane
+        back = ARM_SETBACK * lattice.spacing_mm
+        along = tuple((arm, Shares(cells, points - back * arm)) for arm in lattice.arm_directions)
+        normals, curls = free_normals(layout, points), not layout.is_supported_in_plane
         part = rim_curvature_share(layout, lattice.arm_directions, model) if curls else None
-        return cls(cells, shares, along, normals, part)
+        return cls(cells, Shares(cells, points), along, normals, part)
 
 
 @dataclass(eq=False)
 class Sheet(PrintSheet):
-    """A printed sheet of stars; made by `sheet_of`.
-
-    Attributes
-    ----------
-    stars : shares of the stars at the quadrature points.
-
-    For the others, see `PrintSheet`.
-    """
+    """A printed sheet of stars."""
 
     shown_edge = 1 / 6
+    most_triangles = 600
 
     law: StarLaw
-    stars: StarShares
+
+    @cached_property
+    def stars(self) -> StarShares:
+        """Shares of the stars at the quadrature points."""
+        return StarShares.at(self.points, self.design, self.layout, self.model)
 
     @cached_property
     def values(self) -> StarValues:
@@ -92,13 +90,10 @@ class Sheet(PrintSheet):
         return StarLens(self, points)
 
     def _follow(self, before: Self) -> None:
-        layout = self.layout
-        if not np.array_equal(layout.centres, before.layout.centres):
-            self.stars = StarShares.at(self.table.points.reshape(-1, 2), self.design, layout, self.model)
-        if before.has_rods_of(layout):
-            self.arms = before.arms.with_layout(layout)
-        elif (arms := before.arms.with_lengths(layout, self.space)) is not None:
-            self.arms = arms
+        if np.array_equal(self.layout.centres, before.layout.centres):
+            self.stars = before.stars
+        if before.has_rods_of(self.layout):
+            self.arms = before.arms
         super()._follow(before)
 
     def has_rods_of(self, layout: Layout) -> bool:
@@ -108,7 +103,7 @@ class Sheet(PrintSheet):
     @cached_property
     def arms(self) -> Arms:
         """Arms of the stars, for shells of this sheet."""
-        return Arms(self.layout, self.space, self.model)
+        return Arms(self.layout, self.space)
 
     def fields(self, values: StarValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
@@ -146,7 +141,7 @@ class Sheet(PrintSheet):
         """Mean height of the plastic. Where the outline cuts a star's cell, it is spread over the rest of the cell."""
         covered = self.stars.shares.wide.T @ self.table.weights.ravel()
         volume = np.bincount(self.layout.arm_star, [rod.volume_mm3 for rod in self.layout.graph.rods], len(covered))
-        return lambda points: np.asarray(self.stars.cells.shares(points).wide @ (volume / covered))
+        return lambda points: np.asarray(Shares(self.stars.cells, points).wide @ (volume / covered))
 
     def doubts(self) -> Iterator[str]:
         """Stars that the law does not describe."""
@@ -194,12 +189,12 @@ class StarLens(SheetLens):
         super().__init__(sheet, points)
         self._waves = sheet.law.waves(self.points - sheet.layout.lattice_origin)
         far = sheet.layout.distance_to_supports(self.points)
-        self._stays = np.minimum(far / (sheet.model.fabric_beyond_tip * sheet.layout.spacing_mm), 1.0)
+        self._stays = np.minimum(far / (FABRIC_BEYOND_TIP * sheet.layout.spacing_mm), 1.0)
         self._follow_stars(sheet)
 
     def _follow_stars(self, sheet: Sheet) -> None:
         """Compute everything that depends on the stars or on the positions of the pins in space."""
-        self._shares = sheet.stars.cells.shares(self.points)
+        self._shares = Shares(sheet.stars.cells, self.points)
         self._nearest = cKDTree(sheet.layout.centres).query(self.points)[1]
         self._arm_shares = arm_shares(sheet.arms, self.points)
 
@@ -216,33 +211,15 @@ class StarLens(SheetLens):
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth, sheet = self._smooth(x), self.sheet
-        values, model = sheet.values, sheet.model
-        if "bumps" not in model.parts:
+        values, parts = sheet.values, sheet.model.parts
+        if "bumps" not in parts:
             return Places(smooth, np.zeros_like(smooth.places))
         weights = self._shares(values.sizes[:, 0])
-        curvature = 2.0 * smooth.mean_curvature
-        rim = self._nearest, sheet.layout.spacing_mm, model
-        heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
+        rim = 2.0 * smooth.mean_curvature, self._nearest, sheet.layout.spacing_mm
+        heights = self._stays * corrugation_heights(self._waves, values, weights, *rim)
         if sheet.layout.pins:
-            heights *= flattening(values, weights, smooth.area, model)
-        moves = self._arm_shares.along @ sheet.arms.moves(x)
-        return Places(smooth, smooth.moved(moves) + heights[:, None] * smooth.normals)
-
-
-def sheet_of(
-    design: Design, layout: Layout, law: StarLaw, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
-) -> Sheet:
-    """The sheet of a design with stars, its layout and its law.
-
-    Parameters
-    ----------
-    triangles : approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long.
-
-    Raises
-    ------
-    MeshError
-        The outline cannot be meshed.
-    """
-    mesh, space, table = elements_of(layout, EDGE_SPACINGS * design.lattice.spacing_mm, triangles)
-    stars = StarShares.at(table.points.reshape(-1, 2), design, layout, model)
-    return Sheet(design, layout, law, model, triangles, mesh, space, table, stars)
+            heights *= flattening(values, weights, smooth.area)
+        bumps = heights[:, None] * smooth.normals
+        if "arms that keep their length" in parts:
+            bumps += smooth.moved(self._arm_shares.along @ sheet.arms.moves(x))
+        return Places(smooth, bumps)

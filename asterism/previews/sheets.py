@@ -16,11 +16,13 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.model import PreviewModel
-from asterism.previews.print_sheet import MAX_TRIANGLES, PrintSheet
-from asterism.previews.sheet import sheet_of
+from asterism.previews.print_sheet import PrintSheet
+from asterism.previews.sheet import Sheet
 
-# prints that are kept: a fine sheet takes about 30 MB
+# prints that are kept, the last one used at the end: a fine sheet takes about 30 MB
 KEPT_PRINTS = 2
+# sheets with more triangles are not kept
+MAX_KEPT_TRIANGLES = Sheet.most_triangles
 
 _kept: list[PrintSheet] = []
 
@@ -42,11 +44,7 @@ def preview_layout(design: Design) -> Layout:
 
 
 def sheet_for(design: Design, plan: Layout, law: Any, triangles: int | None, model: PreviewModel) -> PrintSheet:
-    """The sheet of a design with its layout and law, on the mesh of a kept print if one serves.
-
-    Parameters
-    ----------
-    triangles : approximate number of triangles of the shell's mesh; None for the default.
+    """The sheet of a design with its layout and law, on the mesh of a kept print if one serves; see `PrintSheet.of`.
 
     Raises
     ------
@@ -55,34 +53,24 @@ def sheet_for(design: Design, plan: Layout, law: Any, triangles: int | None, mod
     TypeError
         The law is not one of such a pattern.
     """
+    kind: type[PrintSheet] = Sheet
     if design.rods is None:
         check_type(law, StarLaw, "load_law reads one from a file")
     else:
         check_type(law, MotifLaw, "load_law reads the law of a motif from its file")
-    if (kept := kept_print(design, plan, triangles, model)) is not None:
-        return kept.with_pattern(design, plan, law)
-    if design.rods is None:
-        return sheet_of(design, plan, law, triangles, model)
-    from asterism.previews.motifs.motif_sheet import motif_sheet_of  # designs of stars do without it
-
-    return motif_sheet_of(design, plan, law, triangles, model)
+        from asterism.previews.motifs.motif_sheet import MotifSheet as kind  # designs of stars do without it
+    kept = kept_print(design, plan, triangles, model)
+    return kind.of(design, plan, law, triangles, model) if kept is None else kept.with_pattern(design, plan, law)
 
 
 def keep_print(sheet: PrintSheet) -> None:
     """Keep the print of a sheet in place of the one that was used least recently; very fine sheets are not kept."""
-    if sheet.space.mesh.nelements <= MAX_TRIANGLES:
+    if sheet.space.mesh.nelements <= MAX_KEPT_TRIANGLES:
         same = kept_print(sheet.design, sheet.layout, sheet.asked_triangles, sheet.model)
         _kept[:] = [*(each for each in _kept if each is not same), sheet][-KEPT_PRINTS:]
 
 
 def kept_print(design: Design, plan: Layout, triangles: int | None, model: PreviewModel) -> PrintSheet | None:
     """The kept sheet with the mesh, elements and supported places that a preview of a design would have, or None."""
-    for sheet in reversed(_kept):
-        if (triangles, model) == (sheet.asked_triangles, sheet.model) and sheet.is_same_print(design, plan):
-            return sheet
-    return None
-
-
-def forget_prints() -> None:
-    """Forget all prints, so that the next preview computes everything."""
-    _kept.clear()
+    alike = (each for each in reversed(_kept) if (triangles, model) == (each.asked_triangles, each.model))
+    return next((each for each in alike if each.is_same_print(design, plan)), None)

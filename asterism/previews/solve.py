@@ -14,13 +14,13 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.evidence import ShellEquilibrium
-from asterism.fem.search.linear_response import Response, linear_response
+from asterism.fem.search.linear_response import linear_response
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.relax import factorise, follow, softest_shell_modes
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.search_minima import SheetTraits, apply_supports, find_equilibrium
-from asterism.previews.state import PreviewState, ShownResponse
+from asterism.previews.state import PreviewState
 
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"
@@ -60,38 +60,38 @@ def state_from_guesses(sheet: PrintSheet, side: Side, clock: Clock, watch: Calla
             with clock("pins"):
                 equilibrium = apply_supports(shell, factor, equilibrium.x, was_free)
         was_free = len(shell.fixed_points) == 0
-    equilibrium = replace(equilibrium, x=shell.shifted_to_ground(equilibrium.x))
-    return PreviewState(sheet, side, shell, equilibrium, equilibrium, factor, watch)
+    equilibrium = replace(equilibrium, state=shell.shifted_to_ground(equilibrium.x))
+    return PreviewState(sheet, side, shell, equilibrium, factor, watch)
 
 
-def state_without_search(sheet: PrintSheet, side: Side, watch: Callable[[], None]) -> PreviewState:
-    """The state of a sheet with all of its supports, at the printed sheet in place of an equilibrium.
+def printed(state: PreviewState, sheet: PrintSheet, clock: Clock) -> PreviewState:
+    """The state of another sheet with all of its supports, at the printed sheet in place of an equilibrium.
 
     Raises
     ------
     DesignError, LawError
         As for `state_from_guesses`.
     """
-    shell = sheet.shell(sheet.fields(sheet.values), sheet.layout.pin_steps[-1])
-    x = shell.flat
-    printed = ShellEquilibrium(x, shell.strains(x), {}, np.inf, 0.0, False, np.empty(0), "printed")
-    factor = WatchedFactor(shell.factor(), watch)
-    return PreviewState(sheet, side, shell, printed, printed, factor, watch, is_factor_resting=False)
+    with clock("shell"):
+        shell = sheet.shell(sheet.fields(sheet.values), sheet.layout.pin_steps[-1])
+        x = shell.flat
+        start = ShellEquilibrium(x, np.inf, np.inf, 0.0, strains=shell.strains(x), energies={}, guess="printed")
+        factor = WatchedFactor(shell.factor(), state.watch)
+    return PreviewState(sheet, state.side, shell, start, factor, state.watch, is_factor_resting=False)
 
 
-def carried(state: PreviewState, new: PreviewState) -> Floats | None:
-    """(N, 3) positions of the dofs of another sheet where the resting equilibrium of a state takes its points.
-
-    None if the other sheet reaches far beyond that one.
-    """
-    space, x = state.sheet.space, state.resting.x
+def kept_form(state: PreviewState, sheet: PrintSheet, clock: Clock) -> PreviewState | None:
+    """The state of another sheet, started from the resting equilibrium of a state; None if it reaches far beyond."""
+    new, space = printed(state, sheet, clock), state.sheet.space
     try:
-        return np.asarray(new.sheet.space.interpolate(lambda points: space.locate(points).jets(x)))
+        with clock("shell"):
+            x = sheet.space.interpolate(lambda points: space.locate(points).jets(state.resting.x))
     except ValueError:
         return None
+    return at_form(new, x, clock)
 
 
-def with_sheet(state: PreviewState, sheet: PrintSheet) -> PreviewState:
+def with_sheet(state: PreviewState, sheet: PrintSheet, clock: Clock) -> PreviewState:
     """The state with another sheet of the same print: another pattern, and pins at other places in space.
 
     Its equilibrium is still that of the old sheet.
@@ -103,39 +103,36 @@ def with_sheet(state: PreviewState, sheet: PrintSheet) -> PreviewState:
     LawError
         The rest metric is not positive definite.
     """
-    fields = sheet.fields(sheet.values)
-    shell = state.shell.with_fields(fields, sheet.loads() if sheet.design.gravity.on else None)
-    if not state.sheet.has_pins_of(sheet.layout):
-        shell = shell.with_target(sheet.support_target())
+    with clock("fields"):
+        shell = state.shell.with_fields(sheet.fields(sheet.values), sheet.loads() if sheet.design.gravity.on else None)
+        if not state.sheet.has_pins_of(sheet.layout):
+            shell = shell.with_target(sheet.support_target())
     return replace(state, sheet=sheet, shell=shell)
 
 
-def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response | None]:
-    """The state after the linear response of its resting equilibrium to a change, and that response.
+def respond(state: PreviewState, clock: Clock) -> PreviewState:
+    """The state with the linear response of its resting equilibrium to a change.
 
-    The response is None if the factor had lost the resting equilibrium, and that is unstable after the change: the
-    state is then a new equilibrium.
+    If the factor had lost the resting equilibrium, and that is unstable after the change, it is a new equilibrium.
     """
     resting, shell, factor = state.resting, state.shell, state.factor
     if not state.is_factor_resting:
         state = replace(state, is_factor_resting=factorise(shell, resting.x, factor))
     if not state.is_factor_resting:
-        return restarted(state, clock), None
+        return restarted(state, clock)
     with clock("linear response"):
-        response = linear_response(shell, resting.x, factor)
-    shown = ShownResponse(shell, resting, response, shell.shifted_to_ground(response.x))
-    return replace(state, result=shown), response
+        return replace(state, response=linear_response(shell, resting.x, factor))
 
 
-def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewState:
-    """The state at the equilibrium that the linear response leads to, or from guesses if that is no minimum."""
-    start = response.x, state.factor, EDIT_START, response.strains
+def followed(state: PreviewState, clock: Clock) -> PreviewState:
+    """The state at the equilibrium that its linear response leads to, or from guesses if that is no minimum."""
+    response = state.response
+    assert response is not None
     with clock("equilibrium"):
-        equilibrium = follow(state.shell, *start)
+        equilibrium = follow(state.shell, response.x, state.factor, EDIT_START, response.strains)
     if not equilibrium.is_minimum:
         return restarted(state, clock)
-    equilibrium = replace(equilibrium, x=state.shell.shifted_to_ground(equilibrium.x))
-    return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
+    return _resting(state, equilibrium)
 
 
 def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
@@ -148,28 +145,31 @@ def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
 
     The state is that from guesses if x leads to no minimum.
     """
-    start = state.shell.constrain(x), state.factor, FORM_START
     with clock("equilibrium"):
-        equilibrium = follow(state.shell, *start)
+        equilibrium = follow(state.shell, state.shell.constrain(x), state.factor, FORM_START)
     if not equilibrium.is_minimum:
         return restarted(state, clock)
-    x = state.shell.shifted_to_ground(equilibrium.x)
     trials = state.resting.trials
-    equilibrium = replace(equilibrium, x=x, trials=trials if len(trials) > 1 else equilibrium.trials)
-    return replace(state, result=equilibrium, resting=equilibrium, is_factor_resting=True)
+    return _resting(state, replace(equilibrium, trials=trials if len(trials) > 1 else equilibrium.trials))
+
+
+def _resting(state: PreviewState, equilibrium: ShellEquilibrium) -> PreviewState:
+    """The state at an equilibrium, on the ground."""
+    equilibrium = replace(equilibrium, state=state.shell.shifted_to_ground(equilibrium.x))
+    return replace(state, resting=equilibrium, is_factor_resting=True, response=None)
 
 
 def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
     """The state whose equilibrium has its softest modes, if it is a minimum; edits do not wait for them."""
-    shown = state.equilibrium
-    if not shown.is_minimum:
+    resting = state.resting
+    if not state.equilibrium.is_minimum:
         return state
     if not state.is_factor_resting:  # an edit that changes nothing was interrupted
-        state = replace(state, is_factor_resting=factorise(state.shell, shown.x, state.factor))
-    if not len(shown.soft_modes):
+        state = replace(state, is_factor_resting=factorise(state.shell, resting.x, state.factor))
+    if not len(resting.soft_modes):
         with clock("soft modes"):
-            stiffness, _ = softest_shell_modes(state.shell, shown.x, state.factor)
-        state = replace(state, result=replace(shown, soft_modes=stiffness))
+            stiffness, _ = softest_shell_modes(state.shell, resting.x, state.factor)
+        state = replace(state, resting=replace(resting, soft_modes=stiffness))
     return state
 
 

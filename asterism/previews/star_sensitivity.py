@@ -42,7 +42,7 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
     ValueError
         The state shows no equilibrium.
     """
-    if state.equilibrium is not state.resting:
+    if state.response is not None:
         raise ValueError("sensitivities belong to an equilibrium, not to a linear response")
     shell, x = state.shell, state.resting.x
     if not state.is_factor_resting:
@@ -53,7 +53,7 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
     changes: list[Floats] = []
     order: list[int] = []
     for stars in _colours(state):
-        fields = state.sheet.fields(_mixed(state.values, changed, stars))
+        fields = state.sheet.fields(_mixed(state.sheet.values, changed, stars))
         difference = stress_under(shell, x, fields) - before
         owner = cKDTree(state.layout.centres[stars]).query(points)[1].reshape(difference.shape[:2])
         for number, star in enumerate(stars):
@@ -78,11 +78,11 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
         sizes, stars = known.copy(), stars.model_copy(update={"rounding": None})
     before = known[:, column]
     steps = np.full(len(before), SIZE_STEPS[column]) * (1.0 if column == 0 else before)
-    top = state.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
+    top = state.sheet.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
     steps = np.where(before + steps > top, -steps, steps)
     sizes[:, column] = before + steps
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
-    return star_values(changed, layout(changed), state.law, state.model), steps
+    return star_values(changed, layout(changed), state.sheet.law, state.sheet.model), steps
 
 
 def _colours(state: PreviewState) -> list[np.ndarray]:
@@ -92,7 +92,7 @@ def _colours(state: PreviewState) -> list[np.ndarray]:
 
 
 def _mixed(values: StarValues, changed: StarValues, stars: np.ndarray) -> StarValues:
-    """The values with those of some stars from others."""
+    """The values that fields depend on, with those of some stars from others."""
 
     def mix(of_all: Floats, of_some: Floats) -> Floats:
         result = of_all.copy()
@@ -102,8 +102,6 @@ def _mixed(values: StarValues, changed: StarValues, stars: np.ndarray) -> StarVa
     return replace(
         values,
         value={name: mix(value, changed.value[name]) for name, value in values.value.items()},
-        corrugation=mix(values.corrugation, changed.corrugation),
         sizes=mix(values.sizes, changed.sizes),
-        tip_heights=mix(values.tip_heights, changed.tip_heights),
         anisotropy=mix(values.anisotropy, changed.anisotropy),
     )

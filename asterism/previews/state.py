@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -26,43 +25,7 @@ from asterism.fem.search.relax import energies_by_part
 from asterism.fem.shell.shell import Shell
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.symmetries import Symmetry
-from asterism.previews.model import PreviewModel
 from asterism.previews.print_sheet import PrintSheet
-
-
-@dataclass(frozen=True, eq=False)
-class ShownResponse:
-    """A linear response, with the evidence that it is no equilibrium.
-
-    Attributes
-    ----------
-    shell : after the edit.
-    resting : the equilibrium before the edit.
-    response : the response to the edit.
-    x : (N, 3) mm, positions of the dofs, on the ground.
-    """
-
-    shell: Shell
-    resting: ShellEquilibrium
-    response: Response
-    x: Floats
-
-    @cached_property
-    def evidence(self) -> ShellEquilibrium:
-        """Energies and gradient at the response. It is a minimum only if the edit changes nothing."""
-        shell, resting, x = self.shell, self.resting, self.response.x
-        gradient = float(np.linalg.norm(shell.gradient(x)))
-        return replace(
-            resting,
-            x=self.x,
-            strains=self.response.strains,
-            energies=energies_by_part(shell, x),
-            gradient_norm=gradient,
-            definite=resting.definite and gradient <= resting.tolerance,
-            soft_modes=np.empty(0),
-            trials=(),
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,31 +37,46 @@ class PreviewState:
     sheet : the print with its law, its mesh and its model.
     side : to which the edges were asked to go.
     shell : with the supports of all steps.
-    result : what is shown: an equilibrium or, after the first stage of an edit, the linear response.
     resting : the last equilibrium, from which edits go on.
     factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
     watch : called at least once in each Newton iteration; an error that it raises ends the search.
     is_factor_resting : whether the factor holds the Hessian at `resting`.
+    response : after the first stage of an edit, the linear response, which is shown in place of `resting`.
     """
 
     sheet: PrintSheet
     side: Side
     shell: Shell
-    result: ShellEquilibrium | ShownResponse
     resting: ShellEquilibrium
     factor: Factor
     watch: Callable[[], None]
     is_factor_resting: bool = True
+    response: Response | None = None
 
-    @property
+    @cached_property
     def x(self) -> Floats:
         """(N, 3) mm, positions of the shell's dofs as shown."""
-        return self.result.x
+        return self.resting.x if self.response is None else self.shell.shifted_to_ground(self.response.x)
 
-    @property
+    @cached_property
     def equilibrium(self) -> ShellEquilibrium:
-        """What is shown, with its certificate; a linear response is no minimum."""
-        return self.result.evidence if isinstance(self.result, ShownResponse) else self.result
+        """What is shown, with its certificate; a linear response is a minimum only if the edit changes nothing."""
+        shell, resting, response = self.shell, self.resting, self.response
+        if response is None:
+            return resting
+        gradient = float(np.linalg.norm(shell.gradient(response.x)))
+        definite = resting.definite and gradient <= resting.tolerance
+        return replace(
+            resting,
+            state=self.x,
+            strains=response.strains,
+            energy=shell.energy(response.x),
+            energies=energies_by_part(shell, response.x),
+            gradient_norm=gradient,
+            definite=definite,
+            soft_modes=resting.soft_modes if definite else np.empty(0),
+            trials=(),
+        )
 
     @property
     def design(self) -> Design:
@@ -109,26 +87,6 @@ class PreviewState:
     def layout(self) -> Layout:
         """Its layout."""
         return self.sheet.layout
-
-    @property
-    def law(self) -> Any:
-        """The law of its material, a `StarLaw` or a `MotifLaw`."""
-        return self.sheet.law
-
-    @property
-    def values(self) -> Any:
-        """The law at its stars, `StarValues`, or at the sizes of its rods, `MotifFieldValues`."""
-        return self.sheet.values
-
-    @property
-    def model(self) -> PreviewModel:
-        """The constants of the preview."""
-        return self.sheet.model
-
-    @property
-    def symmetries(self) -> list[Symmetry]:
-        """Motions of the print that map the design to itself."""
-        return self.sheet.symmetries
 
     @property
     def is_supported(self) -> bool:

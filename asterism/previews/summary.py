@@ -10,7 +10,7 @@ from asterism.previews.expected_error import expected_error
 from asterism.previews.other_forms import other_forms
 from asterism.previews.state import PreviewState
 from asterism.previews.warnings import overstretched_stars, preview_warnings
-from asterism.results.records.preview import LawOriginRecord, OtherFormRecord, PreviewRecord, TrialRecord
+from asterism.results.records.preview import LawOriginRecord, PreviewRecord, TrialRecord
 from asterism.shape.measures import sample_vertices, shape_numbers
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
@@ -22,7 +22,7 @@ EQUAL_AXES_DEG = 2.0
 def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> PreviewRecord:
     """The record of a preview's shape. Keys that it shares with the record of an exact shape have the same meaning."""
     equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
-    law, values, mesh = state.law, state.values, state.sheet.shown.mesh
+    law, values, mesh = state.sheet.law, state.sheet.values, state.sheet.shown.mesh
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][sample_vertices(layout, shape)])
     across, height = diameter(shape.positions), shape.height_mm
     surface = shape.positions, shape.triangles
@@ -49,7 +49,7 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
             TrialRecord(**{name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")})
             for trial in equilibrium.trials
         ],
-        other_forms=[OtherFormRecord(**vars(form)) for form, _ in (other_forms(state) if equilibrium.trials else ())],
+        other_forms=[form for form, _ in (other_forms(state) if equilibrium.trials else ())],
         expected_rms_percent=error and error.distance,
         expected_height_percent=error and error.height * across / height if height else None,
         law=LawOriginRecord(
@@ -87,7 +87,7 @@ def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[flo
         return []
     along = np.array([np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))])
     axes: list[float] = []
-    for symmetry in state.symmetries:
+    for symmetry in state.sheet.symmetries:
         x, y = symmetry.turn @ along
         image = float(np.degrees(np.arctan2(y, x)) % 180.0)
         if all(abs((image - known + 90.0) % 180.0 - 90.0) > EQUAL_AXES_DEG for known in axes):

@@ -307,7 +307,7 @@ class Engine:
             if self._printed is not None:
                 self._send(Rested(seq, None, exact_cost(self._printed).seconds))
             return
-        if preview.state.result is not preview.state.resting:
+        if preview.state.response is not None:
             return  # a linear response
         if self._owes_search:
             preview.search_again()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from asterism.previews.other_forms import OtherForm
 from asterism.previews.session import Preview
+from asterism.results.records.preview import OtherFormRecord
 from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
 from asterism.studio.messages import Form, Notice, ShapeSummary, sites_of
@@ -29,7 +29,7 @@ SUMMARY_KEYS = (
 )
 
 
-def rest_summary(seq: int, preview: Preview, shape: Shape, others: Sequence[OtherForm]) -> ShapeSummary:
+def rest_summary(seq: int, preview: Preview, shape: Shape, others: Sequence[OtherFormRecord]) -> ShapeSummary:
     """Numbers and warnings of the shape that a preview shows, and its other forms."""
     sites = preview.sheet.layout.sheet_sites
     notices = [

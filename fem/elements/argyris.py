@@ -12,23 +12,48 @@ centred and scaled, and a dof of derivative order k is the derivative times a le
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from skfem import ElementTriArgyris, MeshTri
+import scipy.sparse as sp
+from jaxtyping import Float, Int
+from scipy.sparse.csgraph import connected_components
+from skfem import ElementTriArgyris, ElementTriP1, MeshTri
 from skfem.assembly.dofs import Dofs
 from skfem.quadrature import get_quadrature
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
-from asterism.fem.elements.monomials import monomials, polynomials, powers
-from asterism.fem.elements.printed_mesh import checked_mesh
-from asterism.fem.elements.tabulation import Evaluation, Tabulation
+from asterism.fem.elements.deformation import affine, flat
+from asterism.fem.elements.monomials import POWERS, monomials, polynomials
 
 JetMap = Callable[[Floats], Floats]
 ORDERS = np.array([0, 1, 1, 2, 2, 2])  # order of derivative of the vertex dofs: value, 1, 2, 11, 22, 12
-POWERS = powers(5)  # exponents of the 21 monomials up to degree 5
 MAX_OUTSIDE = 0.3  # heights of a triangle, largest distance of a point outside the mesh
 MIN_DEPTH = 1e-6  # heights of a triangle, depth from which on a point is in this triangle only
+
+
+@dataclass(frozen=True)
+class Tabulation:
+    """Scalar basis functions of T triangles at Q quadrature points each; lengths are printed mm.
+
+    Attributes
+    ----------
+    dofs : (T, m) scalar dofs of each triangle's stencil, the same for the three components of the position.
+    values : (T, Q, m).
+    gradients : (T, Q, m, 2) derivatives 1, 2.
+    hessians : (T, Q, m, 3) derivatives 11, 22, 12.
+    weights : (T, Q) mm^2 of printed area.
+    points : (T, Q, 2) mm.
+    """
+
+    dofs: Int[np.ndarray, "T m"]
+    values: Float[np.ndarray, "T Q m"]
+    gradients: Float[np.ndarray, "T Q m 2"]
+    hessians: Float[np.ndarray, "T Q m 3"]
+    weights: Float[np.ndarray, "T Q"]
+    points: Float[np.ndarray, "T Q 2"]
 
 
 class Argyris:
@@ -36,7 +61,7 @@ class Argyris:
 
     Parameters
     ----------
-    mesh : mesh of scikit-fem in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
+    mesh : mesh of scikit-fem in printed mm; see `checked_mesh`.
 
     Attributes
     ----------
@@ -69,10 +94,6 @@ class Argyris:
     (array([0.4  , 0.3  , 0.008]), array([0. , 0. , 0.1]))
     """
 
-    smooth = True
-    mid_normals = True
-    degree = 5
-
     def __init__(self, mesh: MeshTri) -> None:
         self.mesh = mesh = checked_mesh(mesh)
         numbers = Dofs(mesh, ElementTriArgyris())
@@ -104,11 +125,11 @@ class Argyris:
         dofs = np.empty((count, 21, 21))
         for k in range(3):
             vertex = mesh.t[k]
-            table = monomials(POWERS, self._local(triangles, mesh.p.T[vertex]))
+            table = monomials(self._local(triangles, mesh.p.T[vertex]))
             scale = (self.vertex_scale[vertex] / self._scale)[:, None] ** ORDERS
             dofs[:, 6 * k : 6 * k + 6] = np.swapaxes(table * scale[:, None], 1, 2)
             edge = mesh.t2f[k]
-            first = monomials(POWERS, self._local(triangles, self._midpoints[edge]))[..., 1:3]
+            first = monomials(self._local(triangles, self._midpoints[edge]))[..., 1:3]
             scale = self._lengths[edge] / self._scale
             dofs[:, 18 + k] = np.einsum("tma,ta,t->tm", first, self.normals[edge], scale)
         return dofs
@@ -121,7 +142,7 @@ class Argyris:
 
         Points (n, 2) in printed mm may lie outside their triangles (n,); the polynomials are extrapolated.
         """
-        table = monomials(POWERS, self._local(triangles, points)) / (self._scale[:, None, None] ** ORDERS)[triangles]
+        table = monomials(self._local(triangles, points)) / (self._scale[:, None, None] ** ORDERS)[triangles]
         return self.dofs[triangles], np.matmul(np.swapaxes(self.coefficients[triangles], 1, 2), table)
 
     def tabulate(self, order: int) -> Tabulation:
@@ -135,9 +156,7 @@ class Argyris:
         count, per = self.mesh.nelements, len(share)
         points = np.moveaxis(self.mesh.mapping().F(local), 0, 2)
         at = self._local(np.repeat(np.arange(count), per), points.reshape(-1, 2))
-        table = (
-            monomials(POWERS, at).reshape(count, per, len(POWERS), 6) / (self._scale[:, None] ** ORDERS)[:, None, None]
-        )
+        table = monomials(at).reshape(count, per, len(POWERS), 6) / (self._scale[:, None] ** ORDERS)[:, None, None]
         # a single matrix product for each triangle
         table = np.matmul(np.swapaxes(self.coefficients, 1, 2)[:, None], table)
         return Tabulation(
@@ -149,8 +168,15 @@ class Argyris:
             points=np.ascontiguousarray(points),
         )
 
-    def penalty(self, modulus: Floats | float = 1.0) -> None:
-        """None, since C1 functions have no slope jumps."""
+    @cached_property
+    def flat(self) -> Floats:
+        """(N, 3) mm, coefficients of the printed sheet in the plane z = 0."""
+        return self.interpolate(flat().jets)
+
+    @cached_property
+    def ones(self) -> Floats:
+        """(N,) coefficients of the function one."""
+        return np.ascontiguousarray(self.interpolate(affine(np.zeros((3, 2)), (1.0, 0.0, 0.0)).jets)[:, 0])
 
     def interpolate(self, jets: JetMap) -> Floats:
         """(N, 3) coefficients of the interpolant of a map of the printed sheet into space.
@@ -158,26 +184,39 @@ class Argyris:
         `jets` maps printed points (n, 2) mm to (n, 6, 3): position and derivatives 1, 2, 11, 22, 12.
         """
         count = self.mesh.nvertices
-        table = jets(np.concatenate([self.mesh.p.T, self._midpoints]) if self.mid_normals else self.mesh.p.T)
+        table = jets(np.concatenate([self.mesh.p.T, self._midpoints]))
         out = np.empty((self.size, 3))
         out[self.vertex_dofs] = table[:count] * self._vertex_scales[..., None]
-        if self.mid_normals:
-            slopes = np.matmul(self.normals[:, None], table[count:, 1:3])[:, 0]
-            out[self.edge_dofs] = slopes * self._lengths[:, None]
+        slopes = np.matmul(self.normals[:, None], table[count:, 1:3])[:, 0]
+        out[self.edge_dofs] = slopes * self._lengths[:, None]
         return out
 
     def locate(self, points: Floats) -> Evaluation:
-        """Evaluation of value, gradient and Hessian at printed points (n, 2) mm; ValueError outside the sheet."""
-        points = np.asarray(points, dtype=float)
-        triangles = triangles_at(self.mesh, points)
-        local = self._local(triangles, points)
+        """Evaluation at printed points (n, 2) mm; ValueError outside the sheet."""
+        return Evaluation(self, np.asarray(points, dtype=float))
 
-        def jets(x: Floats) -> Floats:
-            out = np.empty((len(points), 6, x.shape[1]))
-            polynomials(self.degree, np.matmul(self.coefficients, x[self.dofs]), self._scale, triangles, local, out)
-            return out
 
-        return Evaluation(lambda: self.jets(triangles, points), self.size, jets)
+class Evaluation:
+    """Evaluation of the functions of a space at n printed points (n, 2) mm."""
+
+    def __init__(self, space: Argyris, points: Floats) -> None:
+        self._space, self._points = space, points
+        self._triangles = triangles_at(space.mesh, points)
+        self._local = space._local(self._triangles, points)
+
+    def jets(self, x: Floats) -> Floats:
+        """(n, 6, k) value and derivatives 1, 2, 11, 22, 12 of functions with coefficients x (N, k)."""
+        space, out = self._space, np.empty((len(self._points), 6, x.shape[1]))
+        factors = np.matmul(space.coefficients, x[space.dofs])
+        polynomials(factors, space._scale, self._triangles, self._local, out)
+        return out
+
+    @cached_property
+    def value(self) -> sp.csr_matrix:
+        """(n, N) matrix from coefficients to values."""
+        dofs, jets = self._space.jets(self._triangles, self._points)
+        ends = dofs.shape[1] * np.arange(len(dofs) + 1)
+        return sp.csr_matrix((jets[..., 0].ravel(), dofs.ravel(), ends), shape=(len(dofs), self._space.size))
 
 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
@@ -229,3 +268,38 @@ def _search(slopes, origin, points, triangles, depth):  # type: ignore[no-untype
                 break
         triangles[p], depth[p] = best, deepest
         last = best
+
+
+def checked_mesh(mesh: MeshTri) -> MeshTri:
+    """The mesh with the corners of every triangle in ascending order, which fixes the direction of its edges.
+
+    Vertices, triangles and edges keep their numbers, and named boundaries their edges.
+
+    Raises
+    ------
+    ValueError
+        A triangle is curved, degenerate or not finite; a vertex belongs to no triangle; an edge has more than two
+        triangles; or the mesh is not connected.
+    """
+    if mesh.elem is not ElementTriP1:
+        raise ValueError("mesh: triangles must have straight edges, as those of MeshTri")
+    if mesh.t.size == 0:
+        raise ValueError("mesh: has no triangles")
+    if not np.isfinite(mesh.p).all():
+        raise ValueError("mesh: a vertex is not finite")
+    size, t = mesh.p.shape[1], mesh.t
+    unused = np.flatnonzero(np.bincount(t.ravel(), minlength=size) == 0)
+    if len(unused):
+        raise ValueError(f"mesh: vertex {unused[0]} belongs to no triangle")
+    side1, side2 = (mesh.p[:, t[k]] - mesh.p[:, t[0]] for k in (1, 2))
+    degenerate = np.flatnonzero(side1[0] * side2[1] == side1[1] * side2[0])
+    if len(degenerate):
+        raise ValueError(f"mesh: triangle {degenerate[0]} has no area")
+    crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
+    if len(crowded):
+        raise ValueError(f"mesh: edge {crowded[0]} has more than two triangles")
+    edges = sp.coo_array((np.ones(mesh.facets.shape[1]), tuple(mesh.facets)), shape=(size, size))
+    pieces = connected_components(edges, directed=False, return_labels=False)
+    if pieces > 1:
+        raise ValueError(f"mesh: has {pieces} pieces that are not connected")
+    return mesh if (np.diff(t, axis=0) > 0).all() else replace(mesh, t=np.sort(t, axis=0), sort_t=True)

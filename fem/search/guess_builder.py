@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import stiffen
-from asterism.fem.elements.tabulation import Evaluation
+from asterism.fem.elements.argyris import Evaluation
 from asterism.fem.search.simple_shapes import Plane, SimpleShape, similar
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.rigid import span_a_plane

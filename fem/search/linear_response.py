@@ -66,7 +66,7 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
         return _response_to_moved_supports(shell, x, start - x, factor)
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)
-    gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.external_gradient(start))
+    gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.load_gradient)
     move = shell.move(np.zeros_like(start), newton_step(shell, start, factor, gradient))
     largest = float(np.abs(move).max())
     limit = MAX_STEP * shell.extent
@@ -77,7 +77,7 @@ def _response_to_moved_supports(shell: Shell, x: Floats, moved: Floats, factor: 
     """The response of the equilibrium x (N, 3) to supports that move by `moved` (N, 3), and to changed fields."""
     strains = shell.strains(x)
     _, stress, stiffness = shell.density(strains)
-    forces = shell.assembly.forces(x, stress) + shell.external_gradient(x)
+    forces = shell.assembly.forces(x, stress) + shell.load_gradient
     forces = forces + shell.assembly.product(shell.assembly.tangent(x, stiffness, stress), moved)
     move = shell.move(moved, newton_step(shell, x, factor, shell.restrict(forces)))
     return Response(x + move, shell, x, strains)
@@ -114,8 +114,5 @@ def stress_responses(shell: Shell, x: Floats, factor: Factor, changes: Iterable[
     gradients = [shell.restrict(shell.assembly.forces(x, change)) for change in changes]
     if not gradients:
         return np.zeros((*x.shape, 0))
-    steps = -np.asarray(factor.solve(np.column_stack(gradients)))
-    rigid = shell.rigid_modes(x)
-    steps = steps - rigid @ (rigid.T @ steps)
-    zero = np.zeros_like(x)
+    steps, zero = newton_step(shell, x, factor, np.column_stack(gradients)), np.zeros_like(x)
     return np.stack([shell.move(zero, step) for step in steps.T], axis=-1)

@@ -29,14 +29,13 @@ well and the matrix itself is definite, both are zero.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import stiffen
+from asterism.equilibrium.newton.minimise import Minimum
 from asterism.fem.shell.shell import Shell, tensile_part
 
 # the next step uses the same matrix if all three limits hold
@@ -65,31 +64,6 @@ MIN_SHIFT = 0.05  # 1: below it the shift is set to zero
 MAX_SHIFTS = 6  # shifts that are tried in one step
 
 
-@dataclass
-class Mixed:
-    """Where the iteration stopped.
-
-    Attributes
-    ----------
-    x : (N, 3).
-    strains : (T, Q, 6) the mixed strains; at the end those of x, unless every regularised matrix was refused.
-    residual : 2-norm over the free unknowns of the gradient at x, N.
-    converged : the residual is at most the tolerance.
-    blended : number of matrices without part of the compressive stress.
-    history : residuals of all iterations.
-    """
-
-    x: Floats
-    strains: Floats
-    residual: float
-    converged: bool
-    iterations: int
-    factorisations: int
-    blended: int
-    history: list[float] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
-
-
 def mixed_newton(
     shell: Shell,
     x: Floats,
@@ -98,7 +72,7 @@ def mixed_newton(
     strains: Floats | None = None,
     max_iterations: int = 30,
     known: Sequence[Floats] = (),
-) -> Mixed:
+) -> Minimum:
     """Iterate to a stationary point from a state x that meets the supports.
 
     Parameters
@@ -109,65 +83,51 @@ def mixed_newton(
     strains : (T, Q, 6) mixed strains at x. By default they are zero, which is better for an initial guess.
     max_iterations : largest number of iterations.
     known : (N, 3) each, stationary points. A state that comes near one of them goes on from there.
+
+    Returns
+    -------
+    Where the iteration stopped: state, gradient norm, counts; its energy and its Hessian are not computed.
     """
-    clock = Clock()
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
-    result = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
-    extent = shell.extent
-    matrix = Regularised(shell, factor, clock)
+    result, extent = Minimum(x, np.nan, np.inf, tolerance), shell.extent
+    matrix = Regularised(shell, factor)
     moved, step_size = 0.0, np.inf
     for number in range(max_iterations + 1):
-        near = [each for each in known if np.abs(result.x - each).max() <= KNOWN_DISTANCE * extent]
+        near = [each for each in known if np.abs(result.state - each).max() <= KNOWN_DISTANCE * extent]
         if near:
-            result.x, known = near[0], ()
-        with clock("strains"):
-            e = shell.strains(result.x)
+            result.state, known = near[0], ()
+        e = shell.strains(result.state)
         if near:
-            result.strains = e
-        with clock("law"):
-            _, stress, stiffness = shell.density(result.strains)
-        external = shell.external_gradient(result.x)
-        predicted = stress + np.matmul(stiffness, (e - result.strains)[..., None])[..., 0]
-        stress_of_x = predicted if shell.density.quadratic else shell.density(e)[1]
-        with clock("forces"):
-            forces = shell.assembly.forces(result.x, predicted)
-        gradient = shell.restrict(forces + external)
-        exact = (
-            gradient
-            if stress_of_x is predicted
-            else shell.restrict(shell.assembly.forces(result.x, stress_of_x) + external)
-        )
-        residual_before, result.residual = result.residual, float(np.linalg.norm(exact))
-        result.history.append(result.residual)
+            eps = e
+        _, stress, stiffness = shell.density(eps)
+        predicted = stress + np.matmul(stiffness, (e - eps)[..., None])[..., 0]
+        gradient = shell.restrict(shell.assembly.forces(result.state, predicted) + shell.load_gradient)
+        exact = gradient
+        if not shell.density.quadratic:
+            exact = shell.restrict(shell.assembly.forces(result.state, shell.density(e)[1]) + shell.load_gradient)
+        residual_before, result.gradient_norm = result.gradient_norm, float(np.linalg.norm(exact))
         result.iterations = number
-        result.converged = result.residual <= tolerance
-        if result.converged or number == max_iterations or not np.isfinite(result.residual):
+        if result.converged or number == max_iterations or not np.isfinite(result.gradient_norm):
             break
         if (
             matrix.changed
-            or result.residual > min(REUSE_RESIDUAL_RATIO * residual_before, REUSE_TOLERANCES * tolerance)
+            or result.gradient_norm > min(REUSE_RESIDUAL_RATIO * residual_before, REUSE_TOLERANCES * tolerance)
             or step_size > REUSE_STEP * extent
         ):
             if number == 0 or moved > MAX_MOVE_PER_SUPPORT * extent or not shell.is_rigid_invariant:
-                with clock("support"):
-                    support, moved = shell.support(result.x), 0.0
-            accepted = matrix.factorise(
-                result.x, stiffness, stress, support, result.residual < MAX_RESIDUAL_RATIO * residual_before
-            )
-            result.factorisations, result.blended = matrix.factorisations, matrix.blended
+                support, moved = shell.support(result.state), 0.0
+            falls = result.gradient_norm < MAX_RESIDUAL_RATIO * residual_before
+            accepted = matrix.factorise(result.state, stiffness, stress, support, falls)
+            result.factorisations = matrix.factorisations
             if not accepted:
-                return result
-        with clock("solve"):
-            direction = -factor.solve(gradient)
-        step = shell.move(np.zeros_like(result.x), direction)
+                break
+        step = shell.move(np.zeros_like(result.state), -factor.solve(gradient))
         step_size = float(np.abs(step).max())
         length = MAX_STEP * extent / max(step_size, MAX_STEP * extent)
         step_size *= length
         moved += step_size
-        with clock("strains"):
-            result.strains = e + length * shell.assembly.strain_changes(result.x, step)
-        result.x = result.x + length * step
-    result.strains = e
+        eps = e + length * shell.assembly.strain_changes(result.state, step)
+        result.state = result.state + length * step
     return result
 
 
@@ -177,16 +137,15 @@ class Regularised:
     Attributes
     ----------
     factorisations : number of factorisations, refused ones included.
-    blended : number of accepted matrices without part of the compressive stress.
     """
 
-    def __init__(self, shell: Shell, factor: Factor, clock: Clock) -> None:
-        self._shell, self._factor, self._clock = shell, factor, clock
+    def __init__(self, shell: Shell, factor: Factor) -> None:
+        self._shell, self._factor = shell, factor
         size = shell.extent
         self._unit = float(shell.density.stiffness[..., 3, 3].mean()) * (np.pi / size) ** 4
         self._blend = self._shift = 0.0
         self._soft = False
-        self.factorisations = self.blended = 0
+        self.factorisations = 0
 
     @property
     def changed(self) -> bool:
@@ -213,8 +172,7 @@ class Regularised:
                 (blend0, matrix0), (blend1, matrix1) = computed
                 return matrix0 + (blend - blend0) / (blend1 - blend0) * (matrix1 - matrix0)
             kept_stress = (1.0 - blend) * stress + blend * tensile_part(stress) if blend else stress
-            with self._clock("tangent"):
-                computed.append((blend, self._shell.tangent(x, stiffness, kept_stress)))
+            computed.append((blend, self._shell.tangent(x, stiffness, kept_stress)))
             return computed[-1][1]
 
         if falls and self._blend and not self._shift and self._accepts(tangent(0.0), support):
@@ -231,12 +189,10 @@ class Regularised:
             self._shift, self._soft = 0.0, False
             self._blend = min(max(BLEND_GROWTH * self._blend, FIRST_BLEND), 1.0)
             data = tangent(self._blend)
-        self.blended += self._blend > 0.0
         return True
 
     def _accepts(self, data: Floats, support: Ints) -> bool:
         held = data + self._shift * self._shell.mass_entries if self._shift else data.copy()
         stiffen(self._shell.pattern, held, support)
         self.factorisations += 1
-        with self._clock("factorisation"):
-            return bool(self._factor.factorise(held))
+        return bool(self._factor.factorise(held))

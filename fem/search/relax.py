@@ -6,10 +6,8 @@ Hessian is not positive definite is a saddle; the search leaves it along its low
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -78,9 +76,7 @@ def relax(
             return relax(shell, factor, side, shapes, max_guesses, soft_modes, symmetries)
         finally:
             factor.close()
-    begin = time.perf_counter()
     kinds, turned = initial_guesses(shell, factor, side, None if shapes is None else list(shapes), symmetries)
-    seconds = {"starts": time.perf_counter() - begin}
     results: list[ShellEquilibrium] = []
     chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:MAX_TURNED_GUESSES]
     for guess in sorted(chosen, key=lambda guess: guess.energy):
@@ -103,13 +99,8 @@ def relax(
     if best.is_minimum:
         if best is not results[-1]:
             factorise(shell, best.x, factor)
-        begin = time.perf_counter()
         best = replace(best, soft_modes=softest_shell_modes(shell, best.x, factor, soft_modes)[0])
-        seconds["soft modes"] = time.perf_counter() - begin
-    for each in results:
-        for part, spent in each.seconds.items():
-            seconds[part] = seconds.get(part, 0.0) + spent
-    return replace(best, trials=tuple(trial for each in results for trial in each.trials), seconds=seconds)
+    return replace(best, trials=tuple(trial for each in results for trial in each.trials))
 
 
 def follow(
@@ -137,23 +128,15 @@ def follow(
     tolerance = GRADIENT_TOLERANCE * shell.force_scale
     given = [strains]  # for the first state only
 
-    def iterate(state: Any) -> Minimum:
+    def iterate(state: Floats) -> Minimum:
         strains, most = given.pop() if given else None, MAX_ITERATIONS if patient else max_iterations
-        end = mixed_newton(shell, state, factor, tolerance, strains, most, known)
-        return Minimum(
-            end.x, np.nan, end.residual, tolerance, iterations=end.iterations, factorisations=end.factorisations
-        )
+        return mixed_newton(shell, state, factor, tolerance, strains, most, known)
 
-    equilibrium = find_minimum(
-        shell,
-        x,
-        factor,
-        tolerance,
-        iterate,
-        SADDLE_STEP * shell.extent,
-        max_iterations=MAX_DESCENT_ITERATIONS if patient else 0,
-    )
-    return _evidence(shell, equilibrium, name)
+    most, step = MAX_DESCENT_ITERATIONS if patient else 0, SADDLE_STEP * shell.extent
+    end = find_minimum(shell, x, factor, tolerance, iterate, step, max_iterations=most)
+    trial = Trial(name, end.energy, end.is_minimum, end.iterations, end.state)
+    strains, energies = shell.strains(end.state), energies_by_part(shell, end.state)
+    return ShellEquilibrium(**vars(end), strains=strains, energies=energies, guess=name, trials=(trial,))
 
 
 def is_collapsing(shell: Shell, result: ShellEquilibrium) -> bool:
@@ -206,26 +189,6 @@ def energies_by_part(shell: Shell, x: Floats) -> dict[str, float]:
     """Parts of the energy in N mm as in `Shell.energies`, with the part of Gaussian curvature as `gaussian`."""
     energies, gaussian = shell.energies(x), shell.gaussian_energy(x)
     return energies | ({"sheet": energies["sheet"] - gaussian, "gaussian": gaussian} if gaussian else {})
-
-
-def _evidence(shell: Shell, point: Minimum, name: str) -> ShellEquilibrium:
-    x = point.state
-    return ShellEquilibrium(
-        x=x,
-        strains=shell.strains(x),
-        energies=energies_by_part(shell, x),
-        gradient_norm=point.gradient_norm,
-        tolerance=point.tolerance,
-        definite=point.definite,
-        soft_modes=np.empty(0),
-        guess=name,
-        trials=(Trial(name, point.energy, point.is_minimum, point.iterations, x),),
-        iterations=point.iterations,
-        factorisations=point.factorisations,
-        saddles_left=point.saddles_left,
-        fallbacks=point.fallbacks,
-        seconds=point.seconds,
-    )
 
 
 def _promising(offered: Sequence[InitialGuess], kinds: Sequence[InitialGuess]) -> list[InitialGuess]:

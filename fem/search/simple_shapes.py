@@ -14,7 +14,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.compiled import formula, loop
-from asterism.fem.elements.space import Space
+from asterism.fem.elements.argyris import Argyris
 
 # takes printed points (n, 2) to (n, 6, 2): points in the plane and derivatives 1, 2, 11, 22, 12
 Plane = Callable[[Floats], Floats]
@@ -43,7 +43,6 @@ class SimpleShape:
     An arc of curvature 0.1/mm on a square of 2 mm: its edges are `10 (1 - cos 0.1)` mm above the centre line.
 
     >>> from skfem import MeshTri
-    >>> from asterism.fem.elements.argyris import Argyris
     >>> space = Argyris(MeshTri().scaled(2.0))
     >>> x = SimpleShape("arc", 0.1).positions(space, np.array([1.0, 1.0]), stretch=1.0)
     >>> round(float(x[space.vertex_dofs[:, 0], 2].max()), 4), round(float(10 * (1 - np.cos(0.1))), 4)
@@ -55,11 +54,11 @@ class SimpleShape:
     angle: float = 0.0
     across: float = 0.0
 
-    def positions(self, space: Space, centre: Floats, stretch: float) -> Floats:
+    def positions(self, space: Argyris, centre: Floats, stretch: float) -> Floats:
         """(N, 3) mm, the shape of a sheet scaled by `stretch`, with the printed point `centre` (2,) at the origin."""
         return self.over(space, similar(centre, stretch))
 
-    def over(self, space: Space, plane: Plane) -> Floats:
+    def over(self, space: Argyris, plane: Plane) -> Floats:
         """(N, 3) mm, the shape of a sheet that `plane` has deformed within its plane."""
         along = np.cos(self.angle), np.sin(self.angle)
 

@@ -17,8 +17,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.compiled import loop
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.fem.elements.tabulation import Tabulation
+from asterism.fem.elements.argyris import Tabulation
 from asterism.fem.shell import koiter
 
 
@@ -94,52 +95,17 @@ class Assembly:
         return np.asarray(low @ flat + low.T @ flat - data[self.pattern.diagonal] * flat).reshape(-1, 3)
 
     @cached_property
-    def mass(self) -> sp.csr_matrix:
-        """(N, N) mm^2, mass matrix of the basis functions."""
+    def mass(self) -> Floats:
+        """(nnz,) mm^2, entries of the mass matrix of the basis functions, for each component of the position."""
         values = self._values
         i, j = np.tril_indices(self.dofs.shape[1])
         blocks = np.matmul(np.swapaxes(self.weights[..., None] * values, 1, 2), values)[:, i, j]
         first = np.minimum(self.dofs[:, i], self.dofs[:, j])
-        data = np.bincount((self._starts[first] + self._places).ravel(), blocks.ravel(), len(self._keys))
-        low = sp.csc_matrix((data, self._keys % self.size, self._starts), shape=(self.size, self.size))
-        return sp.csr_matrix(low + low.T - sp.diags_array(low.diagonal()))
-
-    def gather(self, matrix: sp.csr_matrix) -> Floats:
-        """(nnz,) entries of a symmetric matrix (3 N, 3 N) in the pattern.
-
-        Raises
-        ------
-        ValueError
-            An entry of the matrix is not in the pattern.
-        """
-        low = sp.tril(matrix).tocoo()
-        column, dof = low.col // 3, low.row // 3
-        place = self._place(column, dof)
-        entry = self.pattern.indptr[low.col] + 3 * place - low.col % 3 + low.row % 3
-        entry[place == 0] = (self.pattern.indptr[low.col] + low.row - low.col)[place == 0]
-        return np.bincount(entry, low.data, self.pattern.nnz).astype(float)
-
-    def _place(self, column: Ints, row: Ints) -> Ints:
-        """Position of scalar entries within their columns."""
-        keys = column.astype(np.int64) * self.size + row
-        index = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
-        if (self._keys[index] != keys).any():
-            raise ValueError("the matrix couples dofs of triangles that share no stencil")
-        return index - self._starts[column]
-
-    def expand(self, matrix: sp.csr_matrix) -> Floats:
-        """(nnz,) entries, in the pattern, of a symmetric matrix (N, N) that acts on each component of the position.
-
-        Raises
-        ------
-        ValueError
-            An entry of the matrix is not in the pattern.
-        """
-        low = sp.tril(matrix).tocoo()
-        place = self._place(low.col, low.row)
-        data = np.zeros(self.pattern.nnz)
+        scalar = np.bincount((self._starts[first] + self._places).ravel(), blocks.ravel(), len(self._keys))
+        column = self._keys // self.size
+        place, data = np.arange(len(column)) - self._starts[column], np.zeros(self.pattern.nnz)
         for d in range(3):
-            data[self.pattern.indptr[3 * low.col + d] + 3 * place] += low.data
+            data[self.pattern.indptr[3 * column + d] + 3 * place] = scalar
         return data
 
 
@@ -156,3 +122,74 @@ def _scalar_pattern(dofs: Ints, size: int) -> tuple[Ints, Ints, Ints]:
     starts = np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size)
     places = number[size:].reshape(pair_keys.shape) - starts[low]
     return keys, starts, places.astype(np.int32)
+
+
+class MatrixReduction:
+    """Computes `T' H T` for symmetric matrices H in a given pattern.
+
+    Parameters
+    ----------
+    pattern : sparsity pattern of H, of size n.
+    columns : (n, k) the map T from the free unknowns.
+
+    Attributes
+    ----------
+    pattern : sparsity pattern of `T' H T`, of size k.
+    """
+
+    def __init__(self, pattern: SparsePattern, columns: sp.csr_matrix) -> None:
+        self._map: sp.csr_matrix | None = None
+        self.pattern = pattern
+        size = columns.shape[1]
+        if size == columns.shape[0] and (columns != sp.identity(size, format="csr")).nnz == 0:
+            return
+        column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
+        count = np.diff(columns.indptr)
+        total = size + int((count[pattern.indices].astype(np.int64) * count[column]).sum())
+        # all diagonal entries with value zero, then the products
+        keys, source, weight = np.empty(total, dtype=np.int64), np.zeros(total, dtype=np.int32), np.zeros(total)
+        keys[:size] = np.arange(size, dtype=np.int64) * (size + 1)
+        _products(
+            pattern.indices, column, columns.indptr, columns.indices, columns.data,
+            size, keys[size:], source[size:], weight[size:],
+        )  # fmt: skip
+        order = np.argsort(keys, kind="stable")  # fast, since long runs are sorted
+        keys = keys[order]
+        starts = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
+        keys = keys[starts]
+        lower = sp.csc_matrix(
+            (
+                np.ones(len(keys)),
+                (keys % size).astype(np.int32),
+                np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size).astype(np.int32),
+            ),
+            shape=(size, size),
+        )
+        self.pattern = SparsePattern.from_lower(lower)
+        self._map = sp.csr_matrix((weight[order], source[order], np.r_[starts, total]), shape=(len(keys), pattern.nnz))
+
+    def __call__(self, data: Floats) -> Floats:
+        """Entries of `T' H T` in its pattern, from the entries (nnz,) of H."""
+        return data if self._map is None else self._map @ data
+
+
+@loop
+def _products(row, column, indptr, indices, values, size, keys, source, weight):  # type: ignore[no-untyped-def]
+    """Write all products `T_ri T_cj` of entries (r, c) of a lower triangle: key in `T' H T`, entry number, product.
+
+    An entry off the diagonal stands for two entries of the symmetric matrix.
+    """
+    k = 0
+    for entry in range(row.size):
+        r, c = row[entry], column[entry]
+        for a in range(indptr[r], indptr[r + 1]):
+            for b in range(indptr[c], indptr[c + 1]):
+                i, j = indices[a], indices[b]
+                product = values[a] * values[b]
+                if i == j and r != c:
+                    product *= 2.0
+                if i != j and r == c:
+                    product *= 0.5
+                keys[k] = min(i, j) * size + max(i, j)
+                source[k], weight[k] = entry, product
+                k += 1

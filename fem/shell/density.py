@@ -5,7 +5,7 @@ With `e = (E11, E22, 2 E12, K11, K22, 2 K12)` and `z = (K11 - K22)/2 + i K12`,
     W(e) = w_0 + s . e + e . A e / 2 + c3 Re[z^3 exp(-6 i phi)] / (1 + |z|^2/z_s^2) + w(e).
 
 - A is a symmetric 6 x 6 stiffness: membrane, bending and their coupling. For an isotropic plate A is Koiter's energy
-  (Ciarlet 2005, "An introduction to differential geometry", section 4.1), see `isotropic` and `on_metric`.
+  (Ciarlet 2005, "An introduction to differential geometry", section 4.1), see `isotropic`.
 - s is the prestress and w_0 the energy at zero strain.
 - The c3 term is the lowest invariant of a lattice with sixfold symmetry, whose lines are at the angle phi: if the
   sheet turns by an angle, z turns by twice and z^3 by six times this angle. So some axes of rolling are preferred.
@@ -235,35 +235,3 @@ def isotropic(
         out[..., first, first + 1] = out[..., first + 1, first] = nu * modulus
         out[..., first + 2, first + 2] = 0.5 * (1.0 - nu) * modulus
     return out
-
-
-def on_metric(stiffness: Floats, metric: Floats) -> Floats:
-    """(..., 6, 6) stiffness per coordinate area and for coordinate strains, of a material given on its rest metric.
-
-    Parameters
-    ----------
-    stiffness : (..., 6, 6) per area of the rest metric, for strains in an orthonormal frame of it whose first vector is
-        along the first coordinate.
-    metric : (..., 3) rest metric a11, a22, a12.
-
-    Notes
-    -----
-    The strains transform to the frame, and the area is multiplied by `sqrt(det a)`.
-    """
-    a11, a22, a12 = np.moveaxis(np.asarray(metric, dtype=float), -1, 0)
-    area = np.sqrt(a11 * a22 - a12**2)
-    zero = np.zeros_like(a11)
-    # orthonormal vectors in coordinates
-    v = (1.0 / np.sqrt(a11), zero)
-    w = (-a12 / (np.sqrt(a11) * area), np.sqrt(a11) / area)
-    transform = np.stack(
-        [
-            np.stack([v[0] ** 2, v[1] ** 2, v[0] * v[1]], axis=-1),
-            np.stack([w[0] ** 2, w[1] ** 2, w[0] * w[1]], axis=-1),
-            np.stack([2.0 * v[0] * w[0], 2.0 * v[1] * w[1], v[0] * w[1] + v[1] * w[0]], axis=-1),
-        ],
-        axis=-2,
-    )
-    both = np.zeros((*a11.shape, 6, 6))
-    both[..., :3, :3] = both[..., 3:, 3:] = transform
-    return np.asarray(area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", both, stiffness, both))

@@ -2,15 +2,14 @@
 
 The total energy of a state x, over the printed domain, is
 
-    Pi(x) = int W(E, K) dA  -  progress sum(loads * x)  +  progress sum_i P_i(x)  +  jumps(x),
+    Pi(x) = int W(E, K) dA  -  progress sum(loads * x),
 
-with the strains E and K of `fem.shell.koiter`, the density W of `fem.shell.density`, dead loads, further conservative
-potentials P_i, and a penalty on slope jumps if the space is not C1. An equilibrium is a zero of the gradient over the
-free unknowns q; it is stable if the Hessian over q is positive definite.
+with the strains E and K of `fem.shell.koiter`, the density W of `fem.shell.density`, and dead loads. An equilibrium is
+a zero of the gradient over the free unknowns q; it is stable if the Hessian over q is positive definite.
 
 A state is `x` (N, 3), the coefficients of the position in the basis of the space. The supports write it as
-`x = T q + c(progress)` with n free unknowns q (`fem.supports.conditions.Reduction`). In a space with derivatives among
-its dofs only some rows of `x` are positions: those whose coefficient in the constant function one is not zero.
+`x = T q + c(progress)` with n free unknowns q (`fem.supports.conditions.Reduction`). Only some rows of `x` are
+positions: those whose coefficient in the constant function one is not zero. The others are derivatives.
 """
 
 from __future__ import annotations
@@ -19,20 +18,18 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.equilibrium.compiled import loop
 from asterism.equilibrium.errors import BackendError
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
-from asterism.fem.elements.space import Space, constant, flat_positions
-from asterism.fem.shell.assembly import Assembly
+from asterism.fem.elements.argyris import Argyris
+from asterism.fem.shell.assembly import Assembly, MatrixReduction
 from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields
 from asterism.fem.supports.conditions import Condition, Reduction, impose_conditions
@@ -41,38 +38,125 @@ from asterism.fem.supports.rigid import admissible_motions, neutral_motions, spa
 # 1: stiffness of a rigid motion over the sum of its absolute terms, below which the motion is neutral. Rounding leaves
 # 1e-13, and up to 1e-10 on nearly degenerate triangles; the weight gives a swinging sheet about 1e-6.
 MAX_NEUTRAL_STIFFNESS = 3e-10
-QUADRATURE_ORDER = (
-    6  # degree, exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
-)
+# degree, exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
+QUADRATURE_ORDER = 6
 PRINTED_REST = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])  # rest values (a/2, b) of the printed sheet
 
 
-class SupportedSheet:
-    """States of a printed sheet that meet its supports.
+class Shell:
+    """Total energy of a supported and loaded shell, with its gradient and Hessian over the free unknowns.
+
+    A shell is never changed: `with_fields`, `at_progress` and `with_target` return another one, which shares the
+    discretisation and the pattern of the Hessian.
 
     Parameters
     ----------
     space : discretisation of the printed sheet.
+    fields : rest metric, rest curvature and density.
     conditions : supports, see `fem.supports.conditions`.
+    loads : (N, 3) N, dead loads of `fem.supports.loads`.
+    order : polynomial degree that the quadrature integrates exactly.
 
     Attributes
     ----------
     flat : (N, 3) mm, the printed sheet.
     reduction : map from the free unknowns to the states.
-    progress : share of the way from the printed to the target positions that moved supports have gone, 0 to 1.
+    points : (T, Q, 2) mm, quadrature points, where the fields are evaluated.
+    density : energy density at these points.
+    gaussian_modulus : (T, Q) N mm, see `fem.shell.fields.Fields`.
+    pattern : sparsity pattern of the Hessian over the free unknowns.
+    force_scale : N, membrane stiffness times the square root of the area; tolerances refer to it.
+    progress : share of fields, loads and moved supports that acts; 1 unless they are applied in steps.
 
     Raises
     ------
+    fem.shell.fields.FieldError
+        A field is not finite, or the rest metric or the density is not admissible.
     fem.supports.conditions.ConditionError
         A support cannot be met.
+    ValueError
+        The loads have another shape, or are not finite.
+
+    Examples
+    --------
+    A unit square that shrinks to 0.9 of its size: at the shrunken state energy and gradient vanish.
+
+    >>> from skfem import MeshTri
+    >>> from asterism.fem.shell.density import isotropic
+    >>> from asterism.fem.shell.fields import of_stretch
+    >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
+    >>> shell = Shell(Argyris(MeshTri()), of_stretch(sheet, 0.9))
+    >>> x = 0.9 * shell.flat
+    >>> bool(shell.energy(x) < 1e-12 and np.abs(shell.gradient(x)).max() < 1e-12)
+    True
     """
 
-    def __init__(self, space: Space, conditions: Sequence[Condition] = ()) -> None:
-        self.space = space
-        self.flat = flat_positions(space)
-        self._ones = constant(space)
+    def __init__(
+        self,
+        space: Argyris,
+        fields: Fields,
+        conditions: Sequence[Condition] = (),
+        loads: Floats | None = None,
+        order: int = QUADRATURE_ORDER,
+    ) -> None:
+        self.space, self.order, self.progress = space, order, 1.0
+        self.flat, self._ones = space.flat, space.ones
         self.reduction: Reduction = impose_conditions(space, conditions)
-        self.progress = 1.0
+        tabulation = space.tabulate(order)
+        self.assembly = Assembly(tabulation, space.size)
+        self.points = self.assembly.points
+        self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
+        self.pattern: SparsePattern = self._reduced.pattern
+        self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
+        self._set_fields(fields)
+
+    def with_fields(self, fields: Fields, loads: Floats | None = None) -> Shell:
+        """The shell with other fields and, if given, other loads (N, 3) N; this shell is unchanged.
+
+        Space, assembly, supports and the pattern of the Hessian are shared, so a factor of one serves both.
+
+        Raises
+        ------
+        fem.shell.fields.FieldError
+            A field is not admissible.
+        ValueError
+            The loads have another shape, or are not finite.
+        """
+        new = copy(self)
+        if loads is not None:
+            new.loads = self._checked_loads(loads)
+        new._set_fields(fields)
+        return new
+
+    def at_progress(self, progress: float) -> Shell:
+        """The shell with this share of its fields, loads and moved supports, 0 to 1; this shell is unchanged."""
+        new = copy(self)
+        new.progress = progress
+        return new
+
+    def with_target(self, target: Floats) -> Shell:
+        """The shell with another target (3N,) mm of its supports, see `Reduction.target`; this shell is unchanged."""
+        new = copy(self)
+        new.reduction = replace(self.reduction, target=target)
+        return new
+
+    def _checked_loads(self, loads: Floats) -> Floats:
+        loads = np.asarray(loads, dtype=float)
+        if loads.shape != (self.space.size, 3) or not np.isfinite(loads).all():
+            raise ValueError(
+                f"loads must be finite, shape ({self.space.size}, 3), as of fem.supports.loads: got {loads.shape}"
+            )
+        return loads
+
+    def _set_fields(self, fields: Fields) -> None:
+        """Evaluate the fields at the quadrature points; all of them are checked before one is set."""
+        target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
+        density: Density = fields.densities(self.points)
+        self._target, self.density, self.gaussian_modulus = target, density, gaussian
+        for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):  # cached properties of the old fields
+            self.__dict__.pop(name, None)
+        stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
+        self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
 
     def constrain(self, x: Floats) -> Floats:
         """(N, 3) the state with the free unknowns of x that meets the supports at this progress."""
@@ -135,228 +219,6 @@ class SupportedSheet:
         motions = admissible_motions(x, self._ones, self.reduction.map, self.reduction.free)
         return np.asarray(np.linalg.qr(motions)[0])
 
-
-class ReducedMass:
-    """The operator `T' (M x I) T`, applied without assembling it.
-
-    Parameters
-    ----------
-    scalar : (N, N) mm^2, mass matrix M of one component.
-    reduction : supports, with the map T (3N, n).
-    """
-
-    def __init__(self, scalar: sp.csr_matrix, reduction: Reduction) -> None:
-        self._scalar, self._reduction = scalar, reduction
-
-    def __matmul__(self, vectors: Floats) -> Floats:
-        """(n, k) product with vectors (n, k)."""
-        full = np.asarray(self._reduction.map @ vectors)
-        product = self._scalar @ full.reshape(len(full) // 3, -1)
-        return np.asarray(self._reduction.transposed @ product.reshape(full.shape))
-
-
-class MatrixReduction:
-    """Computes `T' H T` for symmetric matrices H in a given pattern.
-
-    Parameters
-    ----------
-    pattern : sparsity pattern of H, of size n.
-    columns : (n, k) the map T from the free unknowns.
-
-    Attributes
-    ----------
-    pattern : sparsity pattern of `T' H T`, of size k.
-    """
-
-    def __init__(self, pattern: SparsePattern, columns: sp.csr_matrix) -> None:
-        self._map: sp.csr_matrix | None = None
-        self.pattern = pattern
-        size = columns.shape[1]
-        if size == columns.shape[0] and (columns != sp.identity(size, format="csr")).nnz == 0:
-            return
-        column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
-        count = np.diff(columns.indptr)
-        total = size + int((count[pattern.indices].astype(np.int64) * count[column]).sum())
-        # all diagonal entries with value zero, then the products
-        keys, source, weight = np.empty(total, dtype=np.int64), np.zeros(total, dtype=np.int32), np.zeros(total)
-        keys[:size] = np.arange(size, dtype=np.int64) * (size + 1)
-        _products(
-            pattern.indices, column, columns.indptr, columns.indices, columns.data,
-            size, keys[size:], source[size:], weight[size:],
-        )  # fmt: skip
-        order = np.argsort(keys, kind="stable")  # fast, since long runs are sorted
-        keys = keys[order]
-        starts = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
-        keys = keys[starts]
-        lower = sp.csc_matrix(
-            (
-                np.ones(len(keys)),
-                (keys % size).astype(np.int32),
-                np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size).astype(np.int32),
-            ),
-            shape=(size, size),
-        )
-        self.pattern = SparsePattern.from_lower(lower)
-        self._map = sp.csr_matrix((weight[order], source[order], np.r_[starts, total]), shape=(len(keys), pattern.nnz))
-
-    def __call__(self, data: Floats) -> Floats:
-        """Entries of `T' H T` in its pattern, from the entries (nnz,) of H."""
-        return data if self._map is None else self._map @ data
-
-
-@loop
-def _products(row, column, indptr, indices, values, size, keys, source, weight):  # type: ignore[no-untyped-def]
-    """Write all products `T_ri T_cj` of entries (r, c) of a lower triangle: key in `T' H T`, entry number, product.
-
-    An entry off the diagonal stands for two entries of the symmetric matrix.
-    """
-    k = 0
-    for entry in range(row.size):
-        r, c = row[entry], column[entry]
-        for a in range(indptr[r], indptr[r + 1]):
-            for b in range(indptr[c], indptr[c + 1]):
-                i, j = indices[a], indices[b]
-                product = values[a] * values[b]
-                if i == j and r != c:
-                    product *= 2.0
-                if i != j and r == c:
-                    product *= 0.5
-                keys[k] = min(i, j) * size + max(i, j)
-                source[k], weight[k] = entry, product
-                k += 1
-
-
-class Potential(Protocol):
-    """Conservative load whose force depends on the state, such as `fem.supports.end_moment.EndMoment`."""
-
-    def energy(self, positions: Floats) -> float:
-        """N mm, at a state (N, 3)."""
-
-    def gradient(self, positions: Floats) -> Floats:
-        """(N, 3) N."""
-
-    def hessian(self, positions: Floats) -> sp.csr_matrix:
-        """(3N, 3N) N/mm."""
-
-
-class Shell(SupportedSheet):
-    """Total energy of a supported and loaded shell, with its gradient and Hessian over the free unknowns.
-
-    A shell is never changed: `with_fields`, `at_progress` and `with_target` return another one, which shares the
-    discretisation and the pattern of the Hessian.
-
-    Parameters
-    ----------
-    space : discretisation of the printed sheet.
-    fields : rest metric, rest curvature and density.
-    conditions : supports, see `fem.supports.conditions`.
-    loads : (N, 3) N, dead loads of `fem.supports.loads`.
-    potentials : further conservative loads.
-    order : polynomial degree that the quadrature integrates exactly.
-
-    Attributes
-    ----------
-    points : (T, Q, 2) mm, quadrature points, where the fields are evaluated.
-    density : energy density at these points.
-    gaussian_modulus : (T, Q) N mm, see `fem.shell.fields.Fields`.
-    pattern : sparsity pattern of the Hessian over the free unknowns.
-    force_scale : N, membrane stiffness times the square root of the area; tolerances refer to it.
-    progress : share of fields, loads and moved supports that acts; 1 unless they are applied in steps.
-
-    Raises
-    ------
-    fem.shell.fields.FieldError
-        A field is not finite, or the rest metric or the density is not admissible.
-    fem.supports.conditions.ConditionError
-        A support cannot be met.
-    ValueError
-        The loads have another shape, or are not finite.
-
-    Examples
-    --------
-    A unit square that shrinks to 0.9 of its size: at the shrunken state energy and gradient vanish.
-
-    >>> import numpy as np
-    >>> from skfem import MeshTri
-    >>> from asterism.fem.elements.argyris import Argyris
-    >>> from asterism.fem.shell.density import Density, isotropic
-    >>> from asterism.fem.shell.fields import of_stretch
-    >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
-    >>> shell = Shell(Argyris(MeshTri()), of_stretch(sheet, 0.9))
-    >>> x = 0.9 * shell.flat
-    >>> bool(shell.energy(x) < 1e-12 and np.abs(shell.gradient(x)).max() < 1e-12)
-    True
-    """
-
-    def __init__(
-        self,
-        space: Space,
-        fields: Fields,
-        conditions: Sequence[Condition] = (),
-        loads: Floats | None = None,
-        potentials: Sequence[Potential] = (),
-        order: int = QUADRATURE_ORDER,
-    ) -> None:
-        super().__init__(space, conditions)
-        self.potentials, self.order = tuple(potentials), order
-        tabulation = space.tabulate(order)
-        self.assembly = Assembly(tabulation, space.size)
-        self.points = self.assembly.points
-        self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
-        self.pattern: SparsePattern = self._reduced.pattern
-        self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
-        self._set_fields(fields)
-
-    def with_fields(self, fields: Fields, loads: Floats | None = None) -> Shell:
-        """The shell with other fields and, if given, other loads (N, 3) N; this shell is unchanged.
-
-        Space, assembly, supports and the pattern of the Hessian are shared, so a factor of one serves both.
-
-        Raises
-        ------
-        fem.shell.fields.FieldError
-            A field is not admissible.
-        ValueError
-            The loads have another shape, or are not finite.
-        """
-        new = copy(self)
-        if loads is not None:
-            new.loads = self._checked_loads(loads)
-        new._set_fields(fields)
-        return new
-
-    def at_progress(self, progress: float) -> Shell:
-        """The shell with this share of its fields, loads and moved supports, 0 to 1; this shell is unchanged."""
-        new = copy(self)
-        new.progress = progress
-        return new
-
-    def with_target(self, target: Floats) -> Shell:
-        """The shell with another target (3N,) mm of its supports, see `Reduction.target`; this shell is unchanged."""
-        new = copy(self)
-        new.reduction = replace(self.reduction, target=target)
-        return new
-
-    def _checked_loads(self, loads: Floats) -> Floats:
-        loads = np.asarray(loads, dtype=float)
-        if loads.shape != (self.space.size, 3) or not np.isfinite(loads).all():
-            raise ValueError(
-                f"loads must be finite, shape ({self.space.size}, 3), as of fem.supports.loads: got {loads.shape}"
-            )
-        return loads
-
-    def _set_fields(self, fields: Fields) -> None:
-        """Evaluate the fields at the quadrature points; all of them are checked before one is set."""
-        target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
-        density: Density = fields.densities(self.points)
-        penalty = self.space.penalty(density.stiffness[..., 3, 3].mean(axis=1))
-        self._target, self.density, self.gaussian_modulus = target, density, gaussian
-        self._penalty = None if penalty is None else (penalty, self.assembly.expand(penalty))
-        for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):  # cached properties of the old fields
-            self.__dict__.pop(name, None)
-        stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
-        self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
-
     @property
     def rest(self) -> Floats:
         """(T, Q, 6) rest values of `(a/2, b)` at this progress; those of the printed sheet at progress 0."""
@@ -371,16 +233,11 @@ class Shell(SupportedSheet):
     def energies(self, x: Floats) -> dict[str, float]:
         """Parts of the total energy, N mm.
 
-        `sheet`: strain energy; `loads`: potential of the dead loads, zero at `support_level`; `potentials`; `jumps`:
-        penalty of the discretisation. Parts that the problem does not have are left out.
+        `sheet`: strain energy; `loads`: potential of the dead loads, zero at `support_level`, if there are any.
         """
         out = {"sheet": float((self.assembly.weights * self.density.energies(self.strains(x))).sum())}
         if self.loads.any():
             out["loads"] = -self.progress * float((self.loads * self.translated(x, -self.support_level)).sum())
-        if self.potentials:
-            out["potentials"] = self.progress * sum(each.energy(x) for each in self.potentials)
-        if self._penalty is not None:
-            out["jumps"] = 0.5 * float((x * (self._penalty[0] @ x)).sum())
         return out
 
     def gaussian_energy(self, x: Floats) -> float:
@@ -394,31 +251,19 @@ class Shell(SupportedSheet):
         """Total energy in N mm; not finite if the surface is degenerate somewhere."""
         return sum(self.energies(x).values())
 
-    def external_gradient(self, x: Floats) -> Floats:
-        """(N, 3) N, gradient of all parts of the energy except the strain energy."""
-        out = self._load_gradient(x)
-        return out if self._penalty is None else out + self._penalty[0] @ x
-
-    def _load_gradient(self, x: Floats) -> Floats:
-        """(N, 3) N, gradient of dead loads and potentials."""
-        out = -self.progress * self.loads
-        for potential in self.potentials:
-            out = out + self.progress * potential.gradient(x)
-        return np.asarray(out)
+    @property
+    def load_gradient(self) -> Floats:
+        """(N, 3) N, gradient of the potential of the dead loads."""
+        return -self.progress * self.loads
 
     def gradient(self, x: Floats) -> Floats:
         """(n,) N, gradient of the total energy over the free unknowns."""
         _, stress, _ = self.density(self.strains(x))
-        return self.restrict(self.assembly.forces(x, stress) + self.external_gradient(x))
+        return self.restrict(self.assembly.forces(x, stress) + self.load_gradient)
 
     def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
         """(nnz,) N/mm, tangent over the free unknowns for a given stiffness (T, Q, 6, 6) and stress (T, Q, 6)."""
-        data = self.assembly.tangent(x, stiffness, stress)
-        for potential in self.potentials:
-            data += self.progress * self.assembly.gather(potential.hessian(x))
-        if self._penalty is not None:
-            data += self._penalty[1]
-        return self._reduced(data)
+        return self._reduced(self.assembly.tangent(x, stiffness, stress))
 
     def hessian(self, x: Floats, blend: float = 0.0) -> Floats:
         """(nnz,) N/mm, Hessian over the free unknowns.
@@ -432,20 +277,19 @@ class Shell(SupportedSheet):
         return self.tangent(x, stiffness, stress)
 
     @cached_property
-    def mass(self) -> ReducedMass:
-        """Mass matrix of the printed sheet over the free unknowns, with unit density: mm^2."""
-        return ReducedMass(self.assembly.mass, self.reduction)
+    def mass(self) -> sp.csc_matrix:
+        """(n, n) mm^2, mass matrix of the printed sheet over the free unknowns, with unit density."""
+        return self.pattern.full(self.mass_entries)
 
     @cached_property
     def mass_entries(self) -> Floats:
         """(nnz,) mm^2, the mass matrix in the pattern of the Hessian."""
-        return self._reduced(self.assembly.expand(self.assembly.mass))
+        return self._reduced(self.assembly.mass)
 
     @cached_property
     def _flat_tangent(self) -> Floats:
         stress = np.zeros((*self.assembly.weights.shape, 6))
-        data = self.assembly.tangent(self.flat, self.density.stiffness, stress)
-        return data if self._penalty is None else data + self._penalty[1]
+        return self.assembly.tangent(self.flat, self.density.stiffness, stress)
 
     @cached_property
     def _flat_lower(self) -> sp.csc_matrix:
@@ -477,7 +321,7 @@ class Shell(SupportedSheet):
     @property
     def is_rigid_invariant(self) -> bool:
         """Whether every rigid motion leaves the energy unchanged: there are neither supports nor loads."""
-        return self.is_free and not self.loads.any() and not self.potentials
+        return self.is_free and not self.loads.any()
 
     def rigid_modes(self, x: Floats) -> Floats:
         """(n, k) orthonormal: the rigid motions that leave the energy unchanged to second order."""
@@ -491,7 +335,7 @@ class Shell(SupportedSheet):
         largest = float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
         min_stiffness += MAX_NEUTRAL_STIFFNESS * largest
         return neutral_motions(
-            motions, self.pattern.product(data, motions), self.restrict(self._load_gradient(x)), min_stiffness
+            motions, self.pattern.product(data, motions), self.restrict(self.load_gradient), min_stiffness
         )
 
     def support(self, x: Floats) -> Ints:

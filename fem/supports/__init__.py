@@ -1,1 +1,1 @@
-"""Supports and loads of the shell: essential conditions by elimination, dead loads, end moments."""
+"""Supports and loads of the shell: essential conditions by elimination, dead loads."""

@@ -8,10 +8,9 @@ Each support gives linear equations for the position and its derivatives at prin
 They are solved for the dofs that they determine (`fem.supports.elimination`).
 Redundant equations are dropped; contradictory equations are an error.
 
-A C1 space with derivatives at its vertices (Argyris) gets equations for the value and its first and second derivative
-along the curve. A clamp adds the slope and its derivative along the curve, and the slope at the edge midpoint if this
-is a dof. On straight edges these equations determine the whole polynomial along the edge. A space that is not C1 gets
-equations at its nodes along the edge, and a clamp at as many Gauss points as its slope has degrees of freedom.
+An edge gives equations at its ends for the value and its first and second derivative along the curve. A clamp adds the
+slope and its derivative along the curve, and the slope at the edge midpoint. On straight edges these equations
+determine the whole polynomial along the edge.
 
 A clamp fixes the tangent plane and leaves the stretch across the edge free: `n . dx/dnu = 0`, with n the normal of the
 target and nu the normal of the edge in the printed plane.
@@ -28,9 +27,9 @@ import scipy.sparse as sp
 from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import Deformation, flat
-from asterism.fem.elements.space import Space
-from asterism.fem.supports.edge_curve import EdgeCurve, edge_curve, left
+from asterism.fem.supports.edge_curve import edge_curve, left
 from asterism.fem.supports.elimination import Contradiction, eliminate
 
 VERTEX_TOLERANCE_MM = 1e-6  # mm, largest distance of a mesh vertex from the point that it stands for
@@ -102,7 +101,6 @@ class Reduction:
     map : (3N, n).
     free : (n,) entries of X.ravel() that are q.
     printed, target : (3N,) mm, constants for the supports at their printed and at their target positions.
-    redundant : number of equations that follow from others.
     normals : (k, 3) target normals of clamped edges; the printed normals are (0, 0, 1).
     """
 
@@ -110,7 +108,6 @@ class Reduction:
     free: Ints
     printed: Floats
     target: Floats
-    redundant: int
     normals: Floats = field(default_factory=lambda: np.empty((0, 3)))
 
     @cached_property
@@ -131,7 +128,7 @@ class Reduction:
         return positions.ravel()[self.free]
 
 
-def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reduction:
+def impose_conditions(space: Argyris, conditions: Sequence[Condition]) -> Reduction:
     """The affine map from the free unknowns to the positions.
 
     Raises
@@ -146,21 +143,13 @@ def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reductio
         if isinstance(condition, PointSupport):
             rows = _point_rows(space.mesh, condition)
         else:
-            rows = _edge_equations(
-                space,
-                condition.facets,
-                condition.placement,
-                condition.directions,
-                condition.clamped,
-                condition.corner_deg,
-                condition.shift,
-            )
+            rows = _edge_rows(space.mesh, condition)
         parts.append(rows)
         names += [condition.name] * len(rows.triangles)
     size = 3 * space.size
     if not names:
         zero = np.zeros(size)
-        return Reduction(sp.identity(size, format="csr"), np.arange(size), zero, zero, 0)
+        return Reduction(sp.identity(size, format="csr"), np.arange(size), zero, zero)
     rows = Rows.joined(parts)
     extent = float(np.ptp(space.mesh.p, axis=1).max())
     try:
@@ -173,7 +162,7 @@ def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reductio
             f"{names[error.row]}: contradicts {against} at ({x:.4g}, {y:.4g}) mm by {error.miss:.3g} mm"
         ) from None
     normals = np.concatenate([np.empty((0, 3)), *(_normals(c, space.mesh) for c in conditions)])
-    return Reduction(solved.map, solved.free, solved.constant[:, 0], solved.constant[:, 1], solved.redundant, normals)
+    return Reduction(solved.map, solved.free, solved.constant[:, 0], solved.constant[:, 1], normals)
 
 
 def vertices_at(mesh: MeshTri, points: Floats) -> Ints:
@@ -281,7 +270,7 @@ class Rows:
             return cls(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 6, 3)), np.empty((0, 2)))
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
-    def matrix(self, space: Space) -> sp.csr_matrix:
+    def matrix(self, space: Argyris) -> sp.csr_matrix:
         """(R, 3N) coefficients of the dofs; those below MIN_COEFFICIENT are dropped."""
         dofs, jets = space.jets(self.triangles, self.points)
         table = np.matmul(jets, self.weights)
@@ -291,45 +280,18 @@ class Rows:
         return sp.csr_matrix((table[row, dof, component], (row, columns)), shape=(len(dofs), 3 * space.size))
 
 
-def _edge_equations(
-    space: Space,
-    facets: Ints,
-    placement: Deformation,
-    directions: Floats,
-    clamped: bool,
-    corner_deg: float,
-    shift: EdgeShift | None = None,
-) -> Rows:
-    """Equations of supported mesh edges; arguments as in `fem.supports.conditions.EdgeSupport`."""
-    curve = edge_curve(space.mesh, facets, corner_deg)
-    triangles = space.mesh.f2t[0, facets]
-    rows = _vertex_rows if space.smooth else _node_rows
-    moved = shift or _no_shift
-    return Rows.joined(list(rows(space, curve, triangles, placement, np.asarray(directions), clamped, moved)))
-
-
-def _no_shift(points: Floats, middles: Floats, tangents: Floats) -> Floats:
-    return np.zeros((len(points), 3, 3))
-
-
-def _vertex_rows(
-    space: Space,
-    curve: EdgeCurve,
-    triangles: Ints,
-    placement: Deformation,
-    directions: Floats,
-    clamped: bool,
-    shift: EdgeShift,
-) -> list[Rows]:
-    """Equations of a C1 space, for the dofs at the ends and midpoints of the edges."""
+def _edge_rows(mesh: MeshTri, edge: EdgeSupport) -> Rows:
+    """Equations of supported mesh edges, for the dofs at their ends and midpoints."""
+    curve, placement = edge_curve(mesh, edge.facets, edge.corner_deg), edge.placement
+    triangles, middles = mesh.f2t[0, edge.facets], curve.ends.mean(axis=1)
     parts = []
     for end in (0, 1):
         points, tangents, bends = curve.ends[:, end], curve.tangents[:, end], curve.curvatures[:, end]
         value, along, bend, across, twist = _line_jets(tangents, bends)
-        moved = shift(points, curve.ends.mean(axis=1), tangents)
-        fixed = [jet[:, :, None] * direction for direction in directions for jet in (value, along, bend)]
-        shifts = [moved[:, order] @ direction for direction in directions for order in range(3)]
-        if clamped:
+        moved = np.zeros((len(points), 3, 3)) if edge.shift is None else edge.shift(points, middles, tangents)
+        fixed = [jet[:, :, None] * direction for direction in edge.directions for jet in (value, along, bend)]
+        shifts = [moved[:, order] @ direction for direction in edge.directions for order in range(3)]
+        if edge.clamped:
             normal = placement.normal(points)[:, None]
             normal_rate = placement.normal_turn(points, tangents)[:, None]
             fixed += [across[:, :, None] * normal, twist[:, :, None] * normal + across[:, :, None] * normal_rate]
@@ -337,43 +299,13 @@ def _vertex_rows(
         if fixed:
             repeated = np.tile(triangles, len(fixed)), np.tile(points, (len(fixed), 1))
             parts.append(Rows.at(*repeated, np.concatenate(fixed), placement, np.concatenate(shifts)))
-    if clamped and space.mid_normals:
-        parts.append(_slope_rows(curve, 0.5, triangles, placement))
-    return parts
-
-
-def _node_rows(
-    space: Space,
-    curve: EdgeCurve,
-    triangles: Ints,
-    placement: Deformation,
-    directions: Floats,
-    clamped: bool,
-    shift: EdgeShift,
-) -> list[Rows]:
-    """Equations of a continuous space, at the nodes and Gauss points of the edges."""
-    parts = []
-    for share in np.linspace(0.0, 1.0, space.degree + 1):
-        points, tangents = curve.along(share)
-        value = _line_jets(tangents, np.zeros(len(points)))[0]
-        moved = shift(points, curve.ends.mean(axis=1), tangents)[:, 0]
-        for direction in directions:
-            parts.append(Rows.at(triangles, points, value[:, :, None] * direction, placement, moved @ direction))
-    if clamped:
-        for root in np.polynomial.legendre.leggauss(space.degree)[0]:
-            parts.append(_slope_rows(curve, 0.5 * (root + 1.0), triangles, placement))
-    return parts
-
-
-def _slope_rows(curve: EdgeCurve, share: float, triangles: Ints, placement: Deformation) -> Rows:
-    """Equations of a clamp: the slope across the chord at a share of it.
-
-    On plates with a closed form, the slope across the chord gives smaller errors than the slope across the curve.
-    """
-    chord = curve.ends[:, 1] - curve.ends[:, 0]
-    points = curve.ends[:, 0] + share * chord
-    across = _line_jets(chord / np.linalg.norm(chord, axis=1, keepdims=True), np.zeros(len(chord)))[3]
-    return Rows.at(triangles, points, across[:, :, None] * placement.normal(points)[:, None], placement)
+    if edge.clamped:
+        # on plates with a closed form, the slope across the chord gives smaller errors than that across the curve
+        chord = curve.ends[:, 1] - curve.ends[:, 0]
+        across = _line_jets(chord / np.linalg.norm(chord, axis=1, keepdims=True), np.zeros(len(chord)))[3]
+        normal = placement.normal(middles)[:, None]
+        parts.append(Rows.at(triangles, middles, across[:, :, None] * normal, placement))
+    return Rows.joined(parts)
 
 
 def _line_jets(tangents: Floats, bends: Floats) -> tuple[Floats, ...]:

@@ -34,18 +34,6 @@ class EdgeCurve:
     tangents: Floats
     curvatures: Floats
 
-    def along(self, share: float) -> tuple[Floats, Floats]:
-        """Points (E, 2) mm and unit tangents (E, 2) at a share of the chord, with arcs as parabolas over it."""
-        chord = self.ends[:, 1] - self.ends[:, 0]
-        normal = left(chord)
-        bend = self.curvatures.mean(axis=1)[:, None]
-        points = self.ends[:, 0] + share * chord
-        # the left side of the chord is the inner side of a curve that turns left
-        length = np.linalg.norm(chord, axis=1, keepdims=True)
-        points = points - 0.5 * bend * length * share * (1.0 - share) * normal
-        tangents = chord - 0.5 * bend * length * (1.0 - 2.0 * share) * normal
-        return points, tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
-
 
 def left(vectors: Floats) -> Floats:
     """(..., 2) vectors rotated by 90 degrees to the left."""

@@ -25,13 +25,11 @@ class Elimination:
     map : (n, len(free)); rows of the free unknowns are those of the identity.
     constant : (n, k), one column for each right-hand side.
     free : numbers of the unknowns that are kept, sorted.
-    redundant : number of equations that follow from others.
     """
 
     map: sp.csr_matrix
     constant: Floats
     free: Ints
-    redundant: int
 
 
 class Contradiction(ValueError):
@@ -63,8 +61,8 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     `x0 + x1 = 2`, twice, leaves x1 and x2 free:
 
     >>> solved = eliminate(sp.csr_matrix([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0]]), np.array([[2.0], [4.0]]), 1e-9)
-    >>> solved.free.tolist(), solved.redundant
-    ([1, 2], 1)
+    >>> solved.free.tolist()
+    [1, 2]
     >>> (solved.map @ np.array([0.5, 7.0]) + solved.constant[:, 0]).round(6)
     array([1.5, 0.5, 7. ])
     """
@@ -84,7 +82,6 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     size = matrix.shape[1]
     constant = np.zeros((size, right.shape[1]))
     eliminated = np.zeros(size, dtype=bool)
-    redundant = int(empty.sum())
     rows_out: list[Ints] = []
     columns_out: list[Ints] = []
     entries_out: list[Floats] = []
@@ -99,7 +96,6 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         if not miss.max() <= tolerance:  # nan too
             worst = np.unravel_index(miss.argmax(), miss.shape)
             raise Contradiction(int(rows[worst]), float(miss[worst]))
-        redundant += rows.size - len(rows) * len(solved.pivots)
         pivots = columns[:, solved.pivots]
         eliminated[pivots] = True
         constant[pivots] = solved.given @ given
@@ -114,7 +110,7 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     entries_out.append(np.ones(len(free)))
     where = (np.concatenate(rows_out), number[np.concatenate(columns_out)])
     mapping = sp.csr_matrix((np.concatenate(entries_out), where), shape=(size, len(free)))
-    return Elimination(mapping, constant, free, redundant)
+    return Elimination(mapping, constant, free)
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport
-from asterism.fem.supports.loads import point_load
 from tests.fem.hexagons import density, hexagon, radius
+from tests.fem.loads import point_load
 
 
 def dome(amount: float) -> Fields:

@@ -6,11 +6,11 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.find_minimum import is_definite_on_support
+from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import Deformation
-from asterism.fem.elements.space import Space
 from asterism.fem.search.mixed_newton import mixed_newton
 from asterism.fem.search.relax import GRADIENT_TOLERANCE
-from asterism.fem.shell.density import Density, isotropic, on_metric
+from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
 
@@ -19,6 +19,38 @@ def material(modulus: float, thickness: float, poisson: float) -> Floats:
     """(6, 6) of a plate."""
     plane = modulus / (1.0 - poisson**2)
     return isotropic(plane * thickness, plane * thickness**3 / 12.0, poisson)
+
+
+def on_metric(stiffness: Floats, metric: Floats) -> Floats:
+    """(..., 6, 6) stiffness per coordinate area and for coordinate strains, of a material given on its rest metric.
+
+    Parameters
+    ----------
+    stiffness : (..., 6, 6) per area of the rest metric, for strains in an orthonormal frame of it whose first vector is
+        along the first coordinate.
+    metric : (..., 3) rest metric a11, a22, a12.
+
+    Notes
+    -----
+    The strains transform to the frame, and the area is multiplied by `sqrt(det a)`.
+    """
+    a11, a22, a12 = np.moveaxis(np.asarray(metric, dtype=float), -1, 0)
+    area = np.sqrt(a11 * a22 - a12**2)
+    zero = np.zeros_like(a11)
+    # orthonormal vectors in coordinates
+    v = (1.0 / np.sqrt(a11), zero)
+    w = (-a12 / (np.sqrt(a11) * area), np.sqrt(a11) / area)
+    transform = np.stack(
+        [
+            np.stack([v[0] ** 2, v[1] ** 2, v[0] * v[1]], axis=-1),
+            np.stack([w[0] ** 2, w[1] ** 2, w[0] * w[1]], axis=-1),
+            np.stack([2.0 * v[0] * w[0], 2.0 * v[1] * w[1], v[0] * w[1] + v[1] * w[0]], axis=-1),
+        ],
+        axis=-2,
+    )
+    both = np.zeros((*a11.shape, 6, 6))
+    both[..., :3, :3] = both[..., 3:, 3:] = transform
+    return np.asarray(area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", both, stiffness, both))
 
 
 def of_metric(stiffness: Floats, metric) -> Fields:
@@ -31,15 +63,12 @@ def stepped(shell: Shell, start: Floats, shares: Sequence[float], exact: bool = 
 
     `exact` : each Hessian is positive definite.
     """
-    loads, moments = shell.loads, [(moment, moment.moment) for moment in shell.potentials]
-    factor, x, strains = shell.factor(), start, None
+    loads, factor, x, strains = shell.loads, shell.factor(), start, None
     for share in shares:
         shell.loads = share * loads
-        for moment, full in moments:
-            moment.moment = share * full
         found = mixed_newton(shell, x, factor, GRADIENT_TOLERANCE * shell.force_scale, strains)
         assert found.converged
-        x, strains = found.x, found.strains
+        x, strains = found.state, shell.strains(found.state)
         if exact:
             assert stable(shell, x)
         yield x
@@ -55,7 +84,7 @@ def at(shell: Shell, x: Floats, *points: tuple[float, float]) -> Floats:
     return np.asarray(shell.space.locate(np.array(points)).value @ x)
 
 
-def guess(space: Space, place: Callable[[Floats], Floats], step: float) -> Floats:
+def guess(space: Argyris, place: Callable[[Floats], Floats], step: float) -> Floats:
     """(N, 3) dofs of a map of printed points (n, 2) to (n, 3), its derivatives by differences over `step` mm."""
     one, two = step * np.eye(2)
 

@@ -13,10 +13,12 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import distance_to_segment, nearest_segment
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.holes import in_holes
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+
+# spacings; a side is supported by points nearer to it than this; origin unknown
+RIM_PIN_DISTANCE = 0.5
 
 
-def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+def free_normals(layout: Layout, points: Floats) -> Floats:
     """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero at supported sides and in holes.
 
     A side is supported along its length, or at a point if supports fix at least two points of the sheet along the
@@ -30,8 +32,8 @@ def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_M
     normal[layout.supported_edges] = 0.0
     pins = layout.in_plane_pin_points
     if len(pins) > 1:
-        near = model.rim_pin_distance * layout.spacing_mm
+        near = RIM_PIN_DISTANCE * layout.spacing_mm
         held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
         side = edges.straight_sides
         normal[np.isin(side, side[held])] = 0.0
-    return np.where(in_holes(layout, points, model)[:, None], 0.0, normal[nearest])
+    return np.where(in_holes(layout, points)[:, None], 0.0, normal[nearest])

@@ -11,7 +11,7 @@ at the border, the border is half a spacing away; if the rim ahead has room for 
 away. With the distance x from the star to the border along its arm, in spacings, the arm carries this share of its
 natural curvature into the rim:
 
-    (x - rim_arm_start) / (rim_arm_full - rim_arm_start), limited to the range from 0 to 1.
+    (x - RIM_ARM_START) / (RIM_ARM_FULL - RIM_ARM_START), limited to the range from 0 to 1.
 
 If an arm leads to another star, the rim beside it takes the share `rim_arm_among`.
 
@@ -28,7 +28,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fem.shell.fields import Fields
 from asterism.homogenize.law.anisotropy import BENDING_POISSON
 from asterism.pattern.geometry.planar import distance_along
@@ -38,6 +38,12 @@ from asterism.previews.fields.star_cells import MIN_STAR_SHARE, beside, stars_sh
 from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+
+# border distances in spacings at which an arm carries nothing, without room ahead, and all, with room for a whole cell
+RIM_ARM_START = 0.5
+RIM_ARM_FULL = 1.5
+# an arm is a last one if the next star is further away by this, in spacings; origin unknown
+LAST_ARM_MARGIN = 0.3
 
 
 def rim_arms(fields: Fields, at: StarPlaces) -> Fields:
@@ -56,13 +62,13 @@ def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel 
     ----------
     directions : (N, 2) unit vectors of the arms.
     """
-    start, full = model.rim_arm_start, model.rim_arm_full
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
         to_rings = [distance_along(layout.centres, along, ring) for ring in layout.edges.rings]
         width = np.min(to_rings, axis=0) / layout.spacing_mm
-        last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape), model)
-        part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), model.rim_arm_among)
+        last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape))
+        room = np.clip((width - RIM_ARM_START) / (RIM_ARM_FULL - RIM_ARM_START), 0.0, 1.0)
+        part[:, k] = np.where(last, room, model.rim_arm_among)
     return part
 
 
@@ -94,10 +100,8 @@ def arm_curvature(
     return np.asarray(near[:, None] * deviator)
 
 
-def are_last_arms(
-    layout: Layout, centres: Floats, directions: Floats, model: PreviewModel = PREVIEW_MODEL
-) -> np.ndarray:
-    """(n,) bool, whether arms end at the rim: the site ahead has no star.
+def are_last_arms(layout: Layout, centres: Floats, directions: Floats) -> Bools:
+    """(n,) whether arms end at the rim: the site ahead has no star.
 
     Parameters
     ----------
@@ -108,4 +112,4 @@ def are_last_arms(
     steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
     sites = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
     to_star = cKDTree(layout.centres).query(centres + ahead)[0]
-    return np.asarray(to_star > sites.query(ahead)[0] + model.last_arm_margin * layout.spacing_mm)
+    return np.asarray(to_star > sites.query(ahead)[0] + LAST_ARM_MARGIN * layout.spacing_mm)

@@ -17,6 +17,8 @@ from asterism.fem.shell.fields import Fields
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.previews.fields.star_places import StarPlaces
 
+# saturation curvature of the sixfold term over the natural one; origin unknown
+SATURATION = 3.0
 # lower limit of the saturation curvature, as a turn over one spacing
 MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM
 
@@ -24,11 +26,11 @@ MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM
 def roll_axis(fields: Fields, at: StarPlaces) -> Fields:
     """The fields with the sixfold term."""
     assert isinstance(fields.density, Density)
-    model, natural = at.model, 0.5 * np.abs(at.mean("kappa")) * at.lam**2
+    natural = 0.5 * np.abs(at.mean("kappa")) * at.lam**2
     density = replace(
         fields.density,
-        sixfold=model.sixfold_factor * (1.0 + 1.0 / model.sixfold_saturation**2) * at.mean("c3") / at.lam**6,
+        sixfold=at.model.sixfold_factor * (1.0 + 1.0 / SATURATION**2) * at.mean("c3") / at.lam**6,
         orientation=np.zeros(at.shape),
-        saturation=np.maximum(model.sixfold_saturation * natural, MIN_SATURATION_TURN_RAD / at.spacing_mm),
+        saturation=np.maximum(SATURATION * natural, MIN_SATURATION_TURN_RAD / at.spacing_mm),
     )
     return replace(fields, density=density)

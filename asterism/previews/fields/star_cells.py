@@ -16,10 +16,11 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.equilibrium.compiled import formula, loop
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # weight of a grid point outside of the sheet; it only matters in tongues that are narrower than the step of the grid
@@ -56,99 +57,29 @@ class CellGrid:
         first = cells.min(axis=0) - 1
         star = np.full(cells.max(axis=0) - first + 2, len(cells))
         star[tuple((cells - first).T)] = np.arange(len(cells))
-        self.owner, self.count = np.empty(shape, dtype=np.int64), np.empty(shape)
-        self.ends = np.empty(shape, dtype=np.int64)
-        vectors = lattice.vectors
-        at = self.origin - np.asarray(lattice.origin_mm)
-        lattice_of = at, np.linalg.inv(vectors), vectors, first, star
-        _fill(step, *lattice_of, self.origin, layout.edges.start, layout.edges.end, self.owner, self.count, self.ends)
+        points = self.origin + step * np.moveaxis(np.indices(shape), 0, -1).reshape(-1, 2)
+        nearest = np.clip(lattice.sites.nearest(points) - first, 0, np.array(star.shape) - 1)
+        self.owner = star[tuple(nearest.T)].reshape(shape)
+        self.count = np.where(self._inside(layout.edges, shape), 1.0, MIN_SHARE_OFF_SHEET)
+        changes = (np.diff(self.owner, axis=1) != 0) | (np.diff(self.count, axis=1) != 0.0)
+        ends = np.full(shape, shape[1])
+        ends[:, :-1][changes] = np.nonzero(changes)[1] + 1
+        self.ends = np.ascontiguousarray(np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1])
 
-
-@loop
-def _fill(step, at, inverse, vectors, first, star, origin, edge_start, edge_end, owner, count, ends):  # type: ignore[no-untyped-def]
-    _fill_owners(at, step, inverse, vectors, first, star, owner)
-    _fill_count(origin, step, edge_start, edge_end, count)
-    _fill_ends(owner, count, ends)
-
-
-@formula
-def _fill_owners(origin, step, inverse, vectors, first, star, owner):  # type: ignore[no-untyped-def]
-    """Set the owner of each grid point: the star at the nearest of the four lattice points around it.
-
-    Four candidates are enough, since the triangles of a shortest lattice basis are not obtuse. `star` holds the number
-    of each star at its lattice indices minus `first`, with a frame of bare cells around.
-    """
-    corner, square = np.empty((4, 2)), np.empty(4)
-    for k in range(4):
-        for a in range(2):
-            corner[k, a] = (k // 2) * vectors[0, a] + (k % 2) * vectors[1, a]
-        square[k] = corner[k, 0] ** 2 + corner[k, 1] ** 2
-    for i in range(owner.shape[0]):
-        x = origin[0] + i * step
-        for j in range(owner.shape[1]):
-            y = origin[1] + j * step
-            u, v = x * inverse[0, 0] + y * inverse[1, 0], x * inverse[0, 1] + y * inverse[1, 1]
-            low_u, low_v = np.floor(u), np.floor(v)
-            dx = (u - low_u) * vectors[0, 0] + (v - low_v) * vectors[1, 0]
-            dy = (u - low_u) * vectors[0, 1] + (v - low_v) * vectors[1, 1]
-            best, least = 0, np.inf
-            for k in range(4):
-                far = square[k] - 2.0 * (corner[k, 0] * dx + corner[k, 1] * dy)
-                if far < least:
-                    best, least = k, far
-            row = min(max(int(low_u) + best // 2 - first[0], 0), star.shape[0] - 1)
-            column = min(max(int(low_v) + best % 2 - first[1], 0), star.shape[1] - 1)
-            owner[i, j] = star[row, column]
-
-
-@formula
-def _fill_count(origin, step, edge_start, edge_end, count):  # type: ignore[no-untyped-def]
-    """Set the weight of each point on the sheet whose edges run from (N, 2) to (N, 2).
-
-    These are intersected with two lines for each row of the grid, directly below and above the row.
-    """
-    edges = edge_start.shape[0]
-    crossings = np.empty(edges)
-    for i in range(count.shape[0]):
-        for j in range(count.shape[1]):
-            count[i, j] = 1.0
+    def _inside(self, edges: SheetEdges, shape: Ints) -> Bools:
+        """(n, m) whether the points are on the sheet: between crossings of its edges with lines beside their rows."""
+        inside = np.ones(shape, dtype=bool)
         for side in (-OUTLINE_TOLERANCE, OUTLINE_TOLERANCE):
-            x, filled = origin[0] + (i + side) * step, 0
-            for k in range(edges):
-                x1, y1 = edge_start[k]
-                x2, y2 = edge_end[k]
-                if (x1 <= x) != (x2 <= x):
-                    y = y1 + (x - x1) / (x2 - x1) * (y2 - y1)
-                    place = filled
-                    while place > 0 and crossings[place - 1] > y:
-                        crossings[place] = crossings[place - 1]
-                        place -= 1
-                    crossings[place] = y
-                    filled += 1
-            j = 0
-            for k in range(0, filled, 2):
-                below, above = (
-                    (crossings[k] - origin[1]) / step + OUTLINE_TOLERANCE,
-                    (crossings[k + 1] - origin[1]) / step - OUTLINE_TOLERANCE,
-                )
-                while j < count.shape[1] and j <= below:
-                    count[i, j] = MIN_SHARE_OFF_SHEET
-                    j += 1
-                while j < count.shape[1] and j < above:
-                    j += 1
-            while j < count.shape[1]:
-                count[i, j] = MIN_SHARE_OFF_SHEET
-                j += 1
-
-
-@formula
-def _fill_ends(owner, count, ends):  # type: ignore[no-untyped-def]
-    columns = owner.shape[1]
-    for i in range(owner.shape[0]):
-        ends[i, columns - 1] = columns
-        for j in range(columns - 2, -1, -1):
-            same = owner[i, j] == owner[i, j + 1] and count[i, j] == count[i, j + 1]
-            ends[i, j] = ends[i, j + 1] if same else j + 1
+            x = self.origin[0] + (np.arange(shape[0]) + side) * self.step
+            row, edge = np.nonzero((edges.start[:, 0] <= x[:, None]) != (edges.end[:, 0] <= x[:, None]))
+            start, along = edges.start[edge], (edges.end - edges.start)[edge]
+            place = (start[:, 1] + (x[row] - start[:, 0]) / along[:, 0] * along[:, 1] - self.origin[1]) / self.step
+            passed = np.zeros((2, *shape), dtype=np.int16)
+            np.add.at(passed[0], (row, np.floor(place + OUTLINE_TOLERANCE).astype(int) + 1), 1)
+            np.add.at(passed[1], (row, np.ceil(place - OUTLINE_TOLERANCE).astype(int)), 1)
+            safely, nearly = passed.cumsum(axis=2, dtype=np.int16)
+            inside &= (safely % 2 == 1) & (safely == nearly)
+        return inside
 
 
 # resolution of the grid
@@ -194,36 +125,25 @@ class Shares:
         long = long_arms(length, self._cells.spacing_mm, self._cells.model)
         if (long == 1.0).all():
             return self.wide
-        like, row, wide, narrow, total = self._both
-        part = ((self.wide @ long) / total)[row]
-        return sp.csr_matrix((wide * part + narrow * (1.0 - part), like.indices, like.indptr), shape=like.shape)
+        both, row = self._both
+        part = (self.wide @ long / np.maximum(stars_share(self.wide), MIN_SHARE_OFF_SHEET))[row]
+        data = both.data.real * part + both.data.imag * (1.0 - part)
+        return sp.csr_matrix((data, both.indices, both.indptr), shape=both.shape)
 
     @cached_property
-    def _both(self) -> tuple[sp.csr_matrix, Ints, Floats, Floats, Floats]:
-        """A matrix with the entries of both, the row and both values of each entry, and (n,) all wide shares.
+    def _both(self) -> tuple[sp.csr_matrix, Ints]:
+        """(n, S) wide shares as the real part and narrow ones as the imaginary part, and the row of each entry.
 
-        Edits change the lengths only: the entries of the sum stay where they are.
+        Edits change the lengths only: the entries stay where they are.
         """
-        like = sp.csr_matrix(self.wide + self.narrow)
-        like.sort_indices()
-        row, place = _entries(like)
-        wide, narrow = np.zeros((2, len(row)))
-        for matrix, values in ((self.wide, wide), (self.narrow, narrow)):
-            values[np.searchsorted(place, _entries(matrix)[1])] = matrix.data
-        total = np.maximum(self.wide @ np.ones(like.shape[1]), MIN_SHARE_OFF_SHEET)
-        return like, row, wide, narrow, total
+        both = sp.csr_matrix(self.wide + 1j * self.narrow)
+        return both, np.repeat(np.arange(both.shape[0]), np.diff(both.indptr))
 
 
 def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) interpolation between the smallest width (0) and the largest (1), for lengths (n,) and a spacing in mm."""
     shortest = MIN_WIDTH / model.smoothing_per_arm
     return np.clip((length / spacing - shortest) / max(HALF_WAY - shortest, 1e-9), 0.0, 1.0)
-
-
-def _entries(matrix: sp.csr_matrix) -> tuple[Ints, Ints]:
-    """(m,) row of each entry, and its place in the matrix, counted row by row."""
-    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    return row, row * matrix.shape[1] + matrix.indices
 
 
 def stars_share(weights: sp.csr_matrix) -> Floats:
@@ -267,10 +187,6 @@ class StarCells:
         self._stars = len(layout.centres)
         step = min(lattice.spacing_mm / GRID_POINTS_PER_SPACING, self.widths_mm[1] / 1.5)
         self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.widths_mm[0])
-
-    def shares(self, points: Floats) -> Shares:
-        """The shares of the stars at printed points (n, 2) mm."""
-        return Shares(self, points)
 
     def weights(self, points: Floats, width: float) -> sp.csr_matrix:
         """(n, S) share of each star at points (n, 2) mm, for a width in mm."""

@@ -14,12 +14,16 @@ from asterism.homogenize.law.axes import law_coordinates
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
+from asterism.previews.fields.holes import CELL_RADIUS
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # quantities of the law that change their sign with the side of the plastic, beside c3
 MIRRORED = ("kappa", "offset_mm")
 # star sizes that differ by at most this part are equal
 EQUAL_SIZES = 0.01
+# share of the bending stiffness that the sixfold term may take away in one direction: cells of the paper's material
+# stay below
+MAX_SIXFOLD_SHARE = 0.7
 # if a larger share of the stars is not scale-separated, caps are among the initial guesses
 MAX_TIGHT_SHARE = 0.4
 
@@ -31,7 +35,7 @@ class StarValues:
     Attributes
     ----------
     value : each of the law's quantities, (S + 1,); the last entry is the bare fabric's. `c3` is bounded to
-        `max_sixfold_share` of `bending/|kappa|`.
+        `MAX_SIXFOLD_SHARE` of `bending/|kappa|`.
     corrugation : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature.
     side : (S + 1,) face of the fabric that carries each star: 1 above, -1 below; 1 for bare fabric.
     sizes : (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated.
@@ -97,8 +101,8 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
     corrugation = law.corrugation(design, *asked.T)
-    tip_heights = _tip_heights(design, law, asked[:, 0], corrugation, model)
-    c3, too_much = _bounded_sixfold(values.value, model.max_sixfold_share)
+    tip_heights = _tip_heights(design, law, asked[:, 0], corrugation)
+    c3, too_much = _bounded_sixfold(values.value)
     strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
     # a sheet with plastic below is the mirror image of one with plastic above: curvatures and heights change their sign
     side = np.append(layout.star_side, 1)
@@ -119,15 +123,15 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     )
 
 
-def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats, Bools]:
+def _bounded_sixfold(value: dict[str, Floats]) -> tuple[Floats, Bools]:
     """(n,) `c3`, limited to a share of the bending stiffness, and (n,) bool, where the limit applies."""
-    c3, limit = value["c3"], max_share * value["bending"]
+    c3, limit = value["c3"], MAX_SIXFOLD_SHARE * value["bending"]
     size = np.abs(c3 * value["kappa"])
     too_much = size > limit
     return np.where(too_much, c3 * limit / np.where(too_much, size, 1.0), c3), too_much
 
 
-def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floats, model: PreviewModel) -> Floats:
+def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floats) -> Floats:
     """`tip_heights` of stars, see `StarValues`.
 
     Parameters
@@ -136,7 +140,7 @@ def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floa
     corrugation : (n, 2, W) amplitudes of the law's waves, as in `StarValues`.
     """
     lattice = design.lattice
-    reach = np.minimum(length, model.cell_radius * lattice.spacing_mm)
+    reach = np.minimum(length, CELL_RADIUS * lattice.spacing_mm)
     arms = np.asarray(lattice.arm_directions)
     waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
     return np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -27,11 +28,10 @@ from asterism.pattern.design.materials import Fabric
 from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.curves import polyline
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.motifs.motif_cover import MotifFieldValues, bare_share, holes_within_cells, reach_mm
 from asterism.previews.motifs.rim_tension import Rims, rims_of
-from asterism.previews.point_pins import softened_fields
-from asterism.previews.print_sheet import EDGE_SPACINGS, PrintSheet, elements_of
+from asterism.previews.point_pins import softened
+from asterism.previews.print_sheet import PrintSheet
 
 
 def to_grain(fabric: Fabric) -> Floats:
@@ -76,8 +76,6 @@ def fabric_tension(fabric: Fabric, metric: Floats) -> Floats:
     return term(np.zeros((places.shape[1], 6)))[1][:, :3].reshape(metric.shape)
 
 
-# most triangles of the shell's mesh, unless the caller gives a number: motifs may be far finer than the sheet's form
-MAX_MOTIF_TRIANGLES = 150
 # width of the Gaussian over which bare fabric is smeared, over the side of a square with the area of a triangle
 SMOOTHING_EDGES = 0.2
 # of the motif's stiffness that remains on bare fabric, so that no direction is without any
@@ -92,21 +90,28 @@ ROD_SIZES = {"name", "thickness_mm", "width_mm"}
 
 @dataclass(eq=False)
 class MotifSheet(PrintSheet):
-    """A printed sheet of a motif; made by `motif_sheet_of`.
-
-    Attributes
-    ----------
-    bare : (T, Q) share of bare fabric at the quadrature points.
-    rims : the sides of the sheet and of its holes, at which the tension of the fabric bends it.
-
-    For the others, see `PrintSheet`.
-    """
+    """A printed sheet of a motif."""
 
     shown_edge = 1 / 3
+    most_triangles = 150  # motifs may be far finer than the sheet's form
 
     law: MotifLaw
-    bare: Floats
-    rims: Rims
+
+    @cached_property
+    def bare(self) -> Floats:
+        """(T, Q) share of bare fabric at the quadrature points."""
+        smoothing = SMOOTHING_EDGES * float(np.sqrt(self.layout.area_mm2 / len(self.mesh.triangles)))
+        share = bare_share(self.layout, reach_mm(self.design), smoothing, self.points)
+        return share.reshape(self.table.weights.shape)
+
+    @cached_property
+    def rims(self) -> Rims:
+        """The sides of the sheet and of its holes, at which the tension of the fabric bends it."""
+        return rims_of(self.design, self.layout, reach_mm(self.design))
+
+    def _follow(self, before: Self) -> None:
+        self.bare, self.rims = before.bare, before.rims
+        super()._follow(before)
 
     @cached_property
     def values(self) -> MotifFieldValues:
@@ -133,10 +138,7 @@ class MotifSheet(PrintSheet):
         LawError
             The rest metric is not positive definite: the sizes of the rods differ too much from place to place.
         """
-        shape = self.table.weights.shape
-        at = values.at(self.table.points.reshape(-1, 2))
-        stiffness, metric = at.stiffness.reshape(*shape, 6, 6), at.metric.reshape(*shape, 3)
-        curvature = at.curvature.reshape(*shape, 3)
+        stiffness, metric, curvature = self._at_points(values)
         if self.design.required_rods.side == "below":  # the mirror image
             mirror = np.repeat([1.0, -1.0], 3)
             stiffness, curvature = stiffness * mirror * mirror[:, None], -curvature
@@ -144,9 +146,7 @@ class MotifSheet(PrintSheet):
         if self.bare.any():
             stiffness, curvature = _beside_bare(stiffness, curvature, self.bare, self.design.fabric)
             density = Density(stiffness, term=bare_fabric(self.design.fabric, metric, self.bare))
-        fields = Fields(density, metric, curvature, self.gaussian(metric, stiffness))
-        if self.pin_softness is not None:
-            fields = softened_fields(fields, self.pin_softness)
+        fields = softened(Fields(density, metric, curvature, self.gaussian(metric, stiffness)), self.pin_softness)
         try:
             fields.rest(self.table.points)
         except FieldError as error:
@@ -155,10 +155,15 @@ class MotifSheet(PrintSheet):
             raise LawError(message, place_mm=(x, y), field="rods") from None
         return fields
 
+    def _at_points(self, values: MotifFieldValues) -> tuple[Floats, Floats, Floats]:
+        """Stiffness (T, Q, 6, 6), metric and rest curvature (T, Q, 3) of the motif at the quadrature points."""
+        at, shape = values.at(self.points), self.table.weights.shape
+        return at.stiffness.reshape(*shape, 6, 6), at.metric.reshape(*shape, 3), at.curvature.reshape(*shape, 3)
+
     def gaussian(self, metric: Floats, stiffness: Floats) -> Floats:
         """(T, Q) N mm, Gaussian modulus on a metric (T, Q, 3) with a stiffness (T, Q, 6, 6)."""
         tension = fabric_tension(self.design.fabric, metric).reshape(-1, 3)
-        modulus = self.rims.gaussian(tension, self.table.points.reshape(-1, 2)).reshape(self.bare.shape)
+        modulus = self.rims.gaussian(tension, self.points).reshape(self.bare.shape)
         low, high = gaussian_limits(stiffness[..., 3:, 3:])
         return np.asarray(np.clip(modulus, MAX_GAUSSIAN_FACTOR * low, MAX_GAUSSIAN_FACTOR * high))
 
@@ -186,15 +191,14 @@ class MotifSheet(PrintSheet):
     @property
     def _gaussian_share(self) -> float:
         """Largest Gaussian modulus over the one at which the bending energy becomes indefinite."""
-        at, shape = self.values.at(self.table.points.reshape(-1, 2)), self.bare.shape
-        stiffness = at.stiffness.reshape(*shape, 6, 6)
-        modulus = self.gaussian(at.metric.reshape(*shape, 3), stiffness)
+        stiffness, metric, _ = self._at_points(self.values)
+        modulus = self.gaussian(metric, stiffness)
         low, high = gaussian_limits(stiffness[..., 3:, 3:])
         return float(np.maximum(modulus / low, modulus / high).max())
 
     def plastic_mm(self) -> Callable[[Floats], Floats]:
         """Mean height of the plastic: as much as is printed, where the motif is."""
-        smeared = float(self.table.weights.ravel() @ self._motif_mm(self.table.points.reshape(-1, 2)))
+        smeared = float(self.table.weights.ravel() @ self._motif_mm(self.points))
         share = sum(rod.volume_mm3 for rod in self.layout.graph.rods) / smeared
         return lambda points: share * self._motif_mm(points)
 
@@ -210,28 +214,6 @@ class MotifSheet(PrintSheet):
             )
             total += thickness * width * length / area
         return total
-
-
-def motif_sheet_of(
-    design: Design, layout: Layout, law: MotifLaw, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
-) -> MotifSheet:
-    """The sheet of a design with a motif, its layout and its law.
-
-    Parameters
-    ----------
-    triangles : approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long, or longer.
-
-    Raises
-    ------
-    MeshError
-        The outline cannot be meshed.
-    """
-    edge = EDGE_SPACINGS * design.lattice.spacing_mm
-    mesh, space, table = elements_of(layout, edge, triangles, MAX_MOTIF_TRIANGLES)
-    smoothing = SMOOTHING_EDGES * float(np.sqrt(layout.area_mm2 / len(mesh.triangles)))
-    reach = reach_mm(design)
-    bare = bare_share(layout, reach, smoothing, table.points.reshape(-1, 2)).reshape(table.weights.shape)
-    return MotifSheet(design, layout, law, model, triangles, mesh, space, table, bare, rims_of(design, layout, reach))
 
 
 def _lines(design: Design) -> object:

@@ -9,12 +9,10 @@ import scipy.sparse as sp
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.bumps import flattening
+from asterism.previews.bumps import BUMP_STRAIN, flattening
+from asterism.previews.fields.holes import CELL_RADIUS
 from asterism.previews.fields.star_values import star_values
-from asterism.previews.model import PREVIEW_MODEL
 from tests.asterism.previews.laws import SPACING, plain_law
-
-HALF, REACH = PREVIEW_MODEL.bump_strain, PREVIEW_MODEL.cell_radius
 
 
 def of_stars(length: float):
@@ -27,7 +25,7 @@ def test_bumps_go_as_the_sheet_is_stretched_in_length() -> None:
     _, values = of_stars(8.0)
     weights, lam = sp.eye_array(len(values.sizes), format="csr"), values.value["lam"][:-1]
     for part, left in ((-0.5, 1.0), (0.0, 1.0), (1.0, 0.5), (3.0, 0.25)):
-        found = flattening(values, weights, (lam * (1.0 + part * HALF)) ** 2)
+        found = flattening(values, weights, (lam * (1.0 + part * BUMP_STRAIN)) ** 2)
         np.testing.assert_allclose(found, left)
 
 
@@ -35,6 +33,6 @@ def test_bumps_go_as_the_sheet_is_stretched_in_length() -> None:
 def test_tips_are_looked_for_within_the_cell(length: float) -> None:
     """Longer arms leave it, and the waves repeat."""
     design, values = of_stars(length)
-    law, reach = plain_law(), min(length, REACH * SPACING)
+    law, reach = plain_law(), min(length, CELL_RADIUS * SPACING)
     waves = law.waves(reach * np.asarray(design.lattice.arm_directions)).mean(axis=0)
     np.testing.assert_allclose(values.tip_heights[:-1], values.corrugation[:-1] @ waves, rtol=1e-9)

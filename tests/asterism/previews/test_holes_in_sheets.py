@@ -15,7 +15,7 @@ from asterism.previews.fields.holes import hole_sites
 from asterism.previews.fields.rim_arms import rim_curvature_share
 from asterism.previews.fields.star_cells import CellGrid
 from asterism.previews.session import Preview
-from asterism.previews.sheet import sheet_of
+from asterism.previews.sheet import Sheet
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from tests.asterism.previews.laws import plain_law
@@ -65,7 +65,7 @@ def test_arms_towards_a_hole_end_at_its_rim() -> None:
 def test_a_sheet_with_a_hole_is_certified_and_compared_with_its_images() -> None:
     design = holed([ROUND])
     plan = layout(design)
-    sheet = sheet_of(design, plan, plain_law())
+    sheet = Sheet.of(design, plan, plain_law())
     assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
     preview = Preview(design, plain_law())
     shape = preview.shape()

@@ -47,7 +47,7 @@ def test_an_edit_keeps_the_model() -> None:
     model = without("arms into free rims")
     preview = Preview(Design.from_dict(FREE), plain_law(), model=model)
     preview.update(Design.from_dict(FREE | {"border": {"rings": 1}}))
-    assert preview.state.model is model
+    assert preview.sheet.model is model
 
 
 def test_a_preview_lays_out_its_design_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,7 +39,7 @@ def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
 
 def test_forms_that_symmetry_makes_equal_are_one() -> None:
     preview = Preview(design(0.3), plain_law())
-    assert len(preview.state.symmetries) == 6
+    assert len(preview.sheet.symmetries) == 6
     assert preview.shape().summary["other_forms"] == []
 
 
@@ -57,9 +57,8 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     shown = SimpleNamespace(x=rolls[0], energy=10.0, absolute_energy=20.0, trials=[lost, *trials[::-1]])
     corners = np.array([[0.0, 0.0, 0.0], [100.0, 0.0, 0.0]])
     shell = SimpleNamespace(node_positions=lambda x: corners)
-    state = SimpleNamespace(
-        resting=shown, shell=shell, sheet=SimpleNamespace(space=space), layout=plan, symmetries=same
-    )
+    sheet = SimpleNamespace(space=space, symmetries=same)
+    state = SimpleNamespace(resting=shown, shell=shell, sheet=sheet, layout=plan)
     ((found, trial),) = other_forms(state)  # type: ignore[arg-type]
     assert trial is trials[1]
     assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)

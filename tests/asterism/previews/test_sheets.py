@@ -14,14 +14,14 @@ from asterism.pattern.layout.build import layout
 from asterism.previews import sheets
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from asterism.previews.sheets import KEPT_PRINTS, forget_prints, kept_print
+from asterism.previews.sheets import KEPT_PRINTS, kept_print
 
 
 @pytest.fixture(autouse=True)
 def _without_kept_prints() -> Iterator[None]:
-    forget_prints()
+    sheets._kept.clear()
     yield
-    forget_prints()
+    sheets._kept.clear()
 
 
 def small(**sections: Any) -> Design:
@@ -50,7 +50,7 @@ def is_kept(design: Design, triangles: int | None = None) -> bool:
 def test_the_shape_is_that_of_a_new_print(change: dict[str, Any]) -> None:
     edited = small(**change)
     new = Preview(edited).shape()
-    forget_prints()
+    sheets._kept.clear()
     Preview(small()).shape()
     assert is_kept(edited)
     again = Preview(edited).shape()

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import affine, flat
-from asterism.fem.search.guess_builder import GuessBuilder, InitialGuess
+from asterism.fem.search.guess_builder import GuessBuilder
 from asterism.fem.search.initial_guesses import (
     MAX_ENERGY_RATIO,
-    _best_direction,
-    _Ranking,
     candidate_shapes,
     initial_guesses,
 )
@@ -77,58 +73,3 @@ def test_supported_guesses_of_high_energy_are_left_out(relaxed: list[tuple[float
     kinds, _ = initial_guesses(shell, shell.factor(), candidates=[*caps, *tight])
     assert {start.shape.name for start in kinds} == {"flat", "cap"}
     assert all(energy <= MAX_ENERGY_RATIO * least for energy, least in relaxed)
-
-
-class _Known:
-    """Replaces a guess builder and its shell: energies are given, and in-plane relaxation lowers some of them."""
-
-    def __init__(
-        self, energies: dict[SimpleShape, float], after: dict[SimpleShape, float] | None = None, free: bool = True
-    ) -> None:
-        self.energies, self.after, self.tried, self.moved = energies, after or {}, [], []
-        self.shell = SimpleNamespace(is_free=free, flat=None, constrain=lambda x: x, energies=lambda x: {"sheet": 1.0})
-
-    def bend(self, shape: SimpleShape) -> InitialGuess:
-        self.tried.append(shape)
-        return InitialGuess(shape, np.zeros((1, 3)), self.energies[shape])
-
-    def relax_in_plane(self, start: InitialGuess, least: float) -> InitialGuess:
-        self.moved.append(start.shape)
-        return InitialGuess(start.shape, start.x, self.after.get(start.shape, start.energy))
-
-
-def test_the_best_direction_of_a_supported_guess_is_found() -> None:
-    family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
-    for best in np.concatenate([np.arange(12) - 0.3, np.arange(12) + 0.3]):
-        away = np.abs((np.arange(12) - best + 6.0) % 12.0 - 6.0)
-        frame = _Known(dict(zip(family, away, strict=True)))
-        assert _best_direction(frame, family, np.inf) == away.argmin()  # type: ignore[arg-type]
-        assert len(frame.tried) == 8
-        # the first shapes are above the limit, so the others are not compared
-        hopeless = _Known(frame.energies)
-        assert _best_direction(hopeless, family, -1.0) % 4 == 0 and len(hopeless.tried) == 3  # type: ignore[arg-type]
-
-
-def test_guesses_without_a_finite_energy_are_last() -> None:
-    family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
-    frame = _Known({shape: np.nan if k % 2 == 0 and k != 6 else 1.0 for k, shape in enumerate(family)})
-    assert _best_direction(frame, family, np.inf) == 6  # type: ignore[arg-type]
-
-
-def test_guesses_are_relaxed_in_plane_while_they_may_be_the_best() -> None:
-    """Guesses within twenty energies of the flat sheet are relaxed; of each kind the lowest relaxed one is kept."""
-    shapes = [SimpleShape("cap", 1e-3 * k) for k in range(1, 6)]
-    frame = _Known(dict(zip(shapes, (0.0, 1.0, 2.0, 18.0, 20.0), strict=True)), {shapes[2]: -1.0})
-    ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
-    ranking.compare([frame.bend(shape) for shape in shapes[::-1]])
-    assert frame.moved == shapes[:4]
-    assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.lowest == -1.0
-
-
-@pytest.mark.parametrize("lowest", [2.0, -2.0])
-def test_the_energy_limit_scales_with_the_lowest_energy(lowest: float) -> None:
-    frame = _Known({}, free=False)
-    ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
-    assert ranking.energy_limit == np.inf
-    ranking.lowest = lowest
-    assert ranking.energy_limit == lowest + (MAX_ENERGY_RATIO - 1.0) * 2.0

@@ -11,8 +11,9 @@ from asterism.fem.search.guess_builder import settle_rigid_body
 from asterism.fem.search.relax import relax
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
-from asterism.fem.supports.loads import area_load, point_load
+from asterism.fem.supports.loads import area_load
 from tests.fem.hexagons import FIELDS
+from tests.fem.loads import point_load
 from tests.fem.maps import arc
 from tests.fem.meshes import facets_where, rectangle
 

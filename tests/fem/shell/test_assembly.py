@@ -3,44 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 import scipy.sparse as sp
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.shell.assembly import Assembly
-from asterism.fem.shell.shell import MatrixReduction
-from tests.fem.lifted import Lifted
+from asterism.fem.shell.assembly import Assembly, MatrixReduction
 from tests.fem.meshes import rectangle
 
 
 def full(pattern, data) -> np.ndarray:  # type: ignore[no-untyped-def]
     low = pattern.lower(data).toarray()
     return low + np.tril(low, -1).T
-
-
-@pytest.mark.parametrize("space", [Argyris, Lifted])
-def test_matrices_over_components_and_scalars(space: type) -> None:
-    element = space(rectangle(2, 2))
-    assembly = Assembly(element.tabulate(4), element.size)
-    random = np.random.default_rng(0)
-    blocks = random.standard_normal((*assembly.dofs.shape, assembly.dofs.shape[1]))
-    blocks = blocks + np.swapaxes(blocks, 1, 2)
-    # a padded stencil has dofs twice
-    rows, columns = np.broadcast_arrays(assembly.dofs[:, :, None], assembly.dofs[:, None])
-    scalar = sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(element.size,) * 2)
-    assert np.allclose(full(assembly.pattern, assembly.expand(scalar)), np.kron(scalar.toarray(), np.eye(3)))
-    turn = random.standard_normal((3, 3))
-    whole = sp.csr_matrix(sp.kron(scalar, turn + turn.T))
-    assert np.allclose(full(assembly.pattern, assembly.gather(whole)), whole.toarray())
-
-
-def test_entries_outside_the_pattern_are_refused() -> None:
-    element = Argyris(rectangle(4, 1))
-    assembly = Assembly(element.tabulate(4), element.size)
-    corners = element.vertex_dofs[[0, -1], 0]
-    far = sp.csr_matrix(([1.0, 1.0], (corners, corners[::-1])), shape=(element.size,) * 2)
-    with pytest.raises(ValueError, match="share no stencil"):
-        assembly.expand(far)
 
 
 def test_restriction_is_the_triple_product() -> None:

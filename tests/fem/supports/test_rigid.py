@@ -8,6 +8,7 @@ import pytest
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.find_minimum import find_minimum
 from asterism.fem.elements.argyris import Argyris
+from asterism.fem.search.mixed_newton import mixed_newton
 from asterism.fem.search.relax import follow
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
@@ -16,7 +17,6 @@ from asterism.fem.supports.conditions import PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load
 from asterism.fem.supports.rigid import span_a_plane
 from tests.fem.meshes import rectangle
-from tests.fem.mixed import mixed
 
 WEIGHT = 1e-4  # N/mm^2
 
@@ -49,7 +49,9 @@ def test_a_standing_strip_is_a_saddle() -> None:
     shell = pendulum()
     factor, tolerance = shell.factor(), 1e-11 * shell.force_scale
     start = upright(shell, -1.0)
-    standing = find_minimum(shell, start, factor, tolerance, mixed(shell, factor, tolerance), 0.1, max_saddles=0)
+    standing = find_minimum(
+        shell, start, factor, tolerance, lambda x: mixed_newton(shell, x, factor, tolerance), 0.1, max_saddles=0
+    )
     assert standing.converged and not standing.definite and not standing.is_minimum
     assert standing.lowest is not None and standing.lowest.value < 0.0
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.ndimage import label
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.holes import connected_sites, hole_sites, in_holes
+from asterism.previews.fields.holes import hole_sites, in_holes
 from asterism.previews.session import Preview
 
 TUBE = gallery.load("tube")
@@ -93,15 +92,3 @@ def test_a_site_just_beyond_the_tip_of_a_dent_is_part_of_the_rim() -> None:
     assert np.linalg.norm(plan.centres, axis=1).min() == pytest.approx(SPACING)
     assert (np.linalg.norm(plan.centres, axis=1) < 1.01 * SPACING).sum() == 6
     assert len(hole_sites(plan)) == 0
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_regions_are_those_of_an_image(seed: int) -> None:
-    empty = np.random.default_rng(seed).random((9, 13)) < 0.5
-    steps = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [1, -1], [-1, 1]])
-    joined = np.zeros((3, 3), dtype=bool)
-    joined[tuple((steps + 1).T)] = joined[1, 1] = True
-    right, count = label(empty, joined)
-    region = connected_sites(empty, steps)
-    assert region.max() + 1 == count
-    assert len({pair for pair in zip(region.tolist(), right[empty].tolist(), strict=True)}) == count

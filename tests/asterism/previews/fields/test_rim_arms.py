@@ -10,13 +10,13 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.rim_arms import arm_curvature, rim_curvature_share
+from asterism.previews.fields.rim_arms import RIM_ARM_FULL, RIM_ARM_START, arm_curvature, rim_curvature_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, without
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import SPACING, plain_law
 
-NONE, ALL, AMONG = PREVIEW_MODEL.rim_arm_start, PREVIEW_MODEL.rim_arm_full, PREVIEW_MODEL.rim_arm_among
+NONE, ALL, AMONG = RIM_ARM_START, RIM_ARM_FULL, PREVIEW_MODEL.rim_arm_among
 WITHOUT = without("arms into free rims")
 
 TUBE = gallery.load("tube")

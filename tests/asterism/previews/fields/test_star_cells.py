@@ -12,7 +12,7 @@ from asterism.homogenize.law.axes import law_coordinates
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.star_cells import HALF_WAY, MIN_SHARE_OFF_SHEET, MIN_WIDTH, CellGrid, StarCells
+from asterism.previews.fields.star_cells import HALF_WAY, MIN_SHARE_OFF_SHEET, MIN_WIDTH, CellGrid, Shares, StarCells
 from asterism.previews.model import PREVIEW_MODEL
 
 TUBE = gallery.load("tube")
@@ -21,7 +21,7 @@ COUNT = len(PLAN.centres)
 
 
 def test_a_star_rules_its_own_centre() -> None:
-    weights = StarCells(PLAN, TUBE.lattice).shares(PLAN.centres).wide.toarray()
+    weights = Shares(StarCells(PLAN, TUBE.lattice), PLAN.centres).wide.toarray()
     # a Gaussian of a fifth of the spacing has 0.956 of its weight in the cell's inner circle, 0.985 in its outer one
     assert np.diag(weights)[:7] == pytest.approx(0.97, abs=0.01)
     assert (weights.argmax(axis=1) == np.arange(len(PLAN.centres))).all()
@@ -34,7 +34,7 @@ def test_a_wide_rim_is_bare() -> None:
     plan = layout(design)
     cells = StarCells(plan, design.lattice)
     x = np.linspace(0.0, 70.0, 200)
-    share = cells.shares(np.column_stack([x, np.zeros(200)])).wide.toarray().sum(axis=1)
+    share = Shares(cells, np.column_stack([x, np.zeros(200)])).wide.toarray().sum(axis=1)
     assert (np.diff(share) < 1e-9).all()
     outermost = plan.centres[:, 0].max() + design.lattice.spacing_mm
     assert share[0] == pytest.approx(1.0)
@@ -44,11 +44,11 @@ def test_a_wide_rim_is_bare() -> None:
 def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
     cells = StarCells(PLAN, TUBE.lattice)
     line = np.column_stack([np.linspace(-20, 20, 2001), np.zeros(2001)])
-    weights = cells.shares(line).wide.toarray()
+    weights = Shares(cells, line).wide.toarray()
     assert weights.sum(axis=1) == pytest.approx(1.0)
     assert np.abs(np.diff(weights, axis=0)).max() < 0.01
     # equal neighbours have equal shares half way between them
-    middle = cells.shares(PLAN.centres[PLAN.sample_pairs].mean(axis=1)[:6]).wide.toarray()
+    middle = Shares(cells, PLAN.centres[PLAN.sample_pairs].mean(axis=1)[:6]).wide.toarray()
     top = np.sort(middle, axis=1)[:, -2:]
     assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
 
@@ -56,7 +56,7 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
 def test_a_narrow_kernel_gives_the_cells_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asterism.previews.fields.star_cells.MIN_WIDTH", 0.005)
     points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
-    weights = StarCells(PLAN, TUBE.lattice).shares(points).narrow.toarray()
+    weights = Shares(StarCells(PLAN, TUBE.lattice), points).narrow.toarray()
     nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
     assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
 
@@ -67,7 +67,7 @@ def test_a_removed_star_is_bare_fabric() -> None:
     design = Design.from_dict(data)
     plan = layout(design)
     assert len(plan.centres) == len(PLAN.centres) - 1
-    share = StarCells(plan, design.lattice).shares(np.zeros((1, 2))).wide.sum()
+    share = Shares(StarCells(plan, design.lattice), np.zeros((1, 2))).wide.sum()
     assert share < 0.3
 
 
@@ -76,7 +76,7 @@ def test_a_tongue_narrower_than_the_grid_has_an_answer() -> None:
     tongue = [[-30, -30], [30, -30], [30, -0.2], [60, -0.2], [60, 0.2], [30, 0.2], [30, 30], [-30, 30]]
     data["border"] = {"polygon_mm": tongue}
     design = Design.from_dict(data)
-    shares = StarCells(layout(design), design.lattice).shares(np.array([[55.0, 0.0]]))
+    shares = Shares(StarCells(layout(design), design.lattice), np.array([[55.0, 0.0]]))
     assert 0.0 <= shares.wide.sum() <= 1.0 and 0.0 <= shares.narrow.sum() <= 1.0
 
 
@@ -84,7 +84,7 @@ def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
     cells = StarCells(PLAN, TUBE.lattice)
     corner = PLAN.outline[np.abs(PLAN.outline).argmax(axis=0)[0]]
     line = np.linspace(0.0, 1.0, 400)[:, None] * corner
-    shares = cells.shares(line)
+    shares = Shares(cells, line)
     spacing = TUBE.lattice.spacing_mm
     narrow = MIN_WIDTH / PREVIEW_MODEL.smoothing_per_arm
     parts = (0.9 * narrow, 0.5 * (narrow + HALF_WAY), 0.6)

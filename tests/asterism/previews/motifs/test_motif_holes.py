@@ -8,7 +8,7 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.motifs.motif_cover import holes_within_cells, small_holes
-from asterism.previews.motifs.motif_sheet import motif_sheet_of
+from asterism.previews.motifs.motif_sheet import MotifSheet
 from asterism.previews.motifs.rim_tension import rims_of
 from asterism.previews.session import Preview
 from tests.asterism.previews.motifs.nets import net, net_law
@@ -39,7 +39,7 @@ def test_fabric_around_a_hole_is_bare_and_the_sheet_weighs_what_is_printed() -> 
     border = {"rectangle_mm": (60.0, 60.0), "holes": [ROUND], "tip_margin_mm": 6.0}
     design = net(border=border, gravity={"on": True}, fabric={"modulus_mpa": 0.7})
     plan = layout(design)
-    sheet = motif_sheet_of(design, plan, net_law(design))
+    sheet = MotifSheet.of(design, plan, net_law(design))
     assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
     away = np.linalg.norm(sheet.table.points, axis=-1)
     assert sheet.bare[away < 11.0].max() > 0.5 and sheet.bare[(away > 18.0) & (away < 22.0)].max() < 0.1

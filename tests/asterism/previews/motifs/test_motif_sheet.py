@@ -10,7 +10,7 @@ from asterism.discrete.energies.membrane import Membrane
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.previews.motifs.motif_cover import reach_mm
-from asterism.previews.motifs.motif_sheet import bare_fabric, fabric_bending, fabric_tension, motif_sheet_of
+from asterism.previews.motifs.motif_sheet import MotifSheet, bare_fabric, fabric_bending, fabric_tension
 from asterism.previews.motifs.rim_tension import to_first_rod
 from tests.asterism.previews.motifs.nets import GRADED, net, net_law
 
@@ -18,7 +18,7 @@ from tests.asterism.previews.motifs.nets import GRADED, net, net_law
 def test_the_fields_are_those_of_the_law_at_each_place() -> None:
     design = net(GRADED)
     plan, law = layout(design), net_law(design)
-    sheet = motif_sheet_of(design, plan, law)
+    sheet = MotifSheet.of(design, plan, law)
     fields = sheet.fields(sheet.values)
     x = sheet.table.points[..., 0].ravel()
     thickness = np.clip(0.45 + 0.0025 * x, 0.4, 0.5)
@@ -31,14 +31,14 @@ def test_the_fields_are_those_of_the_law_at_each_place() -> None:
 def test_a_net_reaches_half_a_mesh_and_its_rim_belongs_to_it() -> None:
     design = net()
     assert reach_mm(design) == 5.0
-    sheet = motif_sheet_of(design, layout(design), net_law(design))
+    sheet = MotifSheet.of(design, layout(design), net_law(design))
     assert not sheet.bare.any()
 
 
 def test_a_wide_rim_is_bare_fabric() -> None:
     design = net(border={"rectangle_mm": (60.0, 60.0), "tip_margin_mm": 9.0})
     plan = layout(design)
-    sheet = motif_sheet_of(design, plan, net_law(design), triangles=400)
+    sheet = MotifSheet.of(design, plan, net_law(design), triangles=400)
     drawn = shapely.MultiLineString([rod.points for rod in plan.graph.rods])
     points = shapely.points(np.random.default_rng(0).uniform(-30.0, 30.0, (20000, 2)))
     is_bare = shapely.distance(drawn, points) > reach_mm(design)
@@ -86,7 +86,7 @@ def test_fabric_bends_by_its_grain() -> None:
 def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
     """A net that is cut midway between its rods has the Gaussian modulus `-N d^2/24`."""
     design = net()
-    sheet = motif_sheet_of(design, layout(design), net_law(design))
+    sheet = MotifSheet.of(design, layout(design), net_law(design))
     assert sheet.rims.moment_mm2 == pytest.approx(4 * [100.0 / 24.0])
     tension = np.array([[2.0, 2.0, 0.0]])
     assert sheet.rims.gaussian(tension, np.array([[3.0, -4.0]])) == pytest.approx([-2.0 * 100.0 / 24.0])
@@ -95,7 +95,7 @@ def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
 def test_the_sheet_weighs_what_is_printed() -> None:
     design = net(GRADED, gravity={"on": True}, fabric={"modulus_mpa": 0.7})
     plan = layout(design)
-    sheet = motif_sheet_of(design, plan, net_law(design))
+    sheet = MotifSheet.of(design, plan, net_law(design))
     loads = sheet.loads()
     volume = sum(
         np.diff(rod.arc_lengths) @ (0.25 * (rod.thickness[1:] + rod.thickness[:-1]) * (rod.width[1:] + rod.width[:-1]))

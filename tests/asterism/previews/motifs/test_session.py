@@ -114,7 +114,7 @@ def test_one_session_takes_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(preview_session, "serving_law", lambda design, *others: laws[design.rods is not None])
     session = Preview(net())
     session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
-    assert len(session.state.values.sizes) == 7
+    assert len(session.sheet.values.sizes) == 7
     session.update(net())
     assert session.sheet.layout.drawn is not None
 
