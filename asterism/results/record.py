@@ -1,65 +1,34 @@
-"""Records: the numbers of a result, as typed keys with a unit and a meaning.
+"""Records: the numbers of a result, as typed keys with a meaning.
 
-One definition of a key gives its type, its entry in the JSON file, its row in the table on the terminal and its line in
-the reference of all keys (`python -m asterism.results.reference`).
+One definition gives the type of a key, its entry in the JSON file and its line in the reference of all keys. The unit
+is in the name of the key (`height_mm`), or in its meaning.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from types import UnionType
 from typing import Any, ClassVar, Self, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
+# the text of a row of the table on the terminal: a format with names of keys, such as `{height_mm:.2f} mm`, or a
+# function of the record. It returns the text, or several rows as texts by label, or None to leave the row out.
 Show = str | Callable[[Any], str | Mapping[str, str] | None]
 # default of an optional key
 ABSENT: Any = object()
-_NAME = "key"
 
 
-@dataclass(frozen=True)
-class Key:
-    """The definition of one key of a record.
-
-    Attributes
-    ----------
-    meaning : one sentence or two, for the reference.
-    unit : unit of the value; empty for texts, counts and truth values.
-    label : name of the key's row in the table on the terminal; empty if the key has no row.
-    show : text of that row: a format with names of the record's keys, such as `{height_mm:.2f} mm`, or a function of
-        the record. A function returns the text, or several rows as texts by label, or None to leave the row out.
-    is_required : every record of its kind has the key.
-    """
-
-    meaning: str
-    unit: str = ""
-    label: str = ""
-    show: Show = ""
-    is_required: bool = True
-
-
-def key(
-    meaning: str,
-    *,
-    unit: str = "",
-    label: str = "",
-    show: Show = "",
-    default: Any = MISSING,
-    default_factory: Any = MISSING,
-) -> Any:
-    """Declare a key of a record; parameters as the attributes of `Key`, defaults as of `dataclasses.field`.
+def key(meaning: str, *, default: Any = MISSING, default_factory: Any = MISSING) -> Any:
+    """Declare a key of a record; its meaning is one sentence or two for the reference.
 
     With `default=ABSENT` a record may lack the key: it then has neither the attribute nor the entry.
     """
-    required = default is not ABSENT
-    if not required:  # a default would become an attribute of the class, a factory does not
-        default, default_factory = MISSING, lambda: ABSENT
-    settings = {"default": default, "default_factory": default_factory}
-    given = {name: value for name, value in settings.items() if value is not MISSING}
-    return field(metadata={_NAME: Key(meaning, unit, label, show, required)}, **given)
+    if default is ABSENT:  # a default would become an attribute of the class, a factory does not
+        meaning, default, default_factory = f"{meaning} Optional.", MISSING, lambda: ABSENT
+    return field(metadata={"meaning": meaning}, default=default, default_factory=default_factory)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, eq_default=False, field_specifiers=(key,))
@@ -73,15 +42,15 @@ class Record(Mapping[str, Any]):
     Attributes
     ----------
     model_name : value of the key `model` that marks records of this class in files; empty if they have no such key.
-    rows : keys with a row in the table, in the table's order.
+    rows : label and text of the row of a key in the table on the terminal, in the table's order.
     last : keys that come last in the file, such as the long ones.
 
     Examples
     --------
     >>> class Size(Record):
-    ...     rows = ("height_mm",)
-    ...     height_mm: float = key("Extent along z.", unit="mm", label="height", show="{height_mm:.2f} mm")
-    ...     mass_g: float = key("Mass of the plastic.", unit="g", default=ABSENT)
+    ...     rows = {"height_mm": ("height", "{height_mm:.2f} mm")}
+    ...     height_mm: float = key("Extent along z.")
+    ...     mass_g: float = key("Mass of the plastic.", default=ABSENT)
     >>> size = Size(height_mm=7.0123)
     >>> size.height_mm, size["height_mm"], "mass_g" in size
     (7.0123, 7.0123, False)
@@ -92,7 +61,7 @@ class Record(Mapping[str, Any]):
     """
 
     model_name: ClassVar[str] = ""
-    rows: ClassVar[tuple[str, ...]] = ()
+    rows: ClassVar[Mapping[str, tuple[str, Show]]] = {}
     last: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
@@ -128,18 +97,24 @@ class Record(Mapping[str, Any]):
         """As `changed`, from a mapping."""
         return type(self).from_json({**vars(self), **values})
 
-    def table(self, names: Sequence[str] | None = None) -> dict[str, str]:
+    def table(self, names: Iterable[str] | None = None) -> dict[str, str]:
         """Rows of the table on the terminal: texts by label. Keys that the record lacks have no row.
 
         Parameters
         ----------
         names : keys whose rows are wanted; by default those of `rows`.
         """
-        known = keys_of(type(self))
         table: dict[str, str] = {}
         for name in self.rows if names is None else names:
-            if name in self:
-                table |= _rows(self, name, known[name])
+            if name not in self:
+                continue
+            label, show = self.rows[name]
+            if callable(show):
+                shown = show(self)
+            else:
+                shown = "-" if self[name] is None else show.format_map(self)
+            if shown is not None:
+                table |= shown if isinstance(shown, Mapping) else {label: shown}
         return table
 
     def __getitem__(self, name: str) -> Any:
@@ -160,9 +135,9 @@ class Record(Mapping[str, Any]):
 
 
 @cache
-def keys_of(record: type[Record]) -> dict[str, Key]:
-    """The declared keys of a class of records, in their order."""
-    return {each.name: each.metadata[_NAME] for each in fields(record)}  # type: ignore[arg-type]
+def keys_of(record: type[Record]) -> dict[str, str]:
+    """The meanings of the declared keys of a class of records, in their order."""
+    return {each.name: each.metadata["meaning"] for each in fields(record)}  # type: ignore[arg-type]
 
 
 @cache
@@ -242,13 +217,3 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _rows(record: Record, name: str, key: Key) -> Mapping[str, str]:
-    """The rows of one key: one, several or none."""
-    if not callable(key.show):
-        return {key.label: "-" if record[name] is None else key.show.format_map(record)}
-    shown = key.show(record)
-    if isinstance(shown, Mapping):
-        return shown
-    return {} if shown is None else {key.label: shown}

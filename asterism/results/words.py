@@ -17,59 +17,35 @@ def table_lines(rows: dict[str, str], column: int = TABLE_COLUMN) -> list[str]:
 
 
 def star_numbers(stars: Sequence[int]) -> str:
-    """The numbers of stars; of many, the first ones.
-
-    >>> star_numbers([3]), star_numbers([3, 5])
-    ('star 3', 'stars 3, 5')
-    """
+    """The numbers of stars; of many, the first ones."""
     numbers = ", ".join(map(str, stars[:MAX_NAMED_STARS])) + (", ..." if len(stars) > MAX_NAMED_STARS else "")
     return f"star{'s' if len(stars) > 1 else ''} {numbers}"
 
 
 def direction(axis_deg: float) -> str:
-    """A direction on the print in whole degrees from 0 to 179; 180 deg is the same direction as 0.
-
-    >>> direction(179.8)
-    '0'
-    """
+    """A direction on the print in whole degrees from 0 to 179; 180 deg is the same direction as 0."""
     return str(round(axis_deg) % 180)
 
 
 def roll(axis_deg: float | None, radius_mm: float | None) -> str:
-    """The axis and the radius of a rolled sheet; a dash if the sheet is not rolled.
-
-    >>> roll(30.2, 34.56), roll(30.2, None), roll(None, None)
-    ('30 deg, radius 34.6 mm', '30 deg', '-')
-    """
+    """The axis and the radius of a rolled sheet; a dash if the sheet is not rolled."""
     if axis_deg is None:
         return "-"
     return f"{direction(axis_deg)} deg" + ("" if radius_mm is None else f", radius {radius_mm:.1f} mm")
 
 
 def box_in_words(sizes_mm: Sequence[float]) -> str:
-    """The sizes of a box.
-
-    >>> box_in_words([20.04, 18.55, 7.0])
-    '20.0 x 18.6 x 7.0 mm'
-    """
+    """The sizes of a box."""
     return " x ".join(f"{size:.1f}" for size in sizes_mm) + " mm"
 
 
 def height_error(percent: float, height_mm: float) -> str:
-    """An error of a height in mm, and in percent unless it is larger than the height.
-
-    >>> height_error(11.3, 7.0), height_error(150.0, 2.0)
-    ('0.8 mm (11 %)', '3.0 mm')
-    """
+    """An error of a height in mm, and in percent unless it is larger than the height."""
     return f"{percent / 100.0 * height_mm:.1f} mm" + (f" ({percent:.0f} %)" if percent <= 100.0 else "")
 
 
 def distance_error(percent: float, diameter_mm: float | None) -> str:
-    """An rms distance in percent of the diameter, and in mm if the diameter is known.
-
-    >>> distance_error(0.81, 152.34), distance_error(0.81, None)
-    ('0.8 % of the diameter of 152.3 mm: 1.2 mm', '0.8 % of the diameter')
-    """
+    """An rms distance in percent of the diameter, and in mm if the diameter is known."""
     text = f"{percent:.1f} % of the diameter"
     return text if diameter_mm is None else f"{text} of {diameter_mm:.1f} mm: {percent / 100.0 * diameter_mm:.1f} mm"
 
@@ -85,11 +61,7 @@ def small_percent(percent: float) -> str:
 
 
 def times(ratio: float) -> str:
-    """A ratio of two durations; from 10 on as a whole number.
-
-    >>> times(12.34), times(2.345)
-    ('12', '2.3')
-    """
+    """A ratio of two durations; from 10 on as a whole number."""
     return f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.2g}"
 
 
@@ -110,11 +82,7 @@ def needle_names(numbers: Sequence[int]) -> str:
 
 
 def sag_in_words(below_mm: float, error_mm: float | None) -> str:
-    """How far a sheet hangs below the base of its needles, with the estimated error if there is one.
-
-    >>> sag_in_words(3.52, 1.2), sag_in_words(3.52, None)
-    ('3.5 mm below the base, give or take 1.2 mm', '3.5 mm below the base')
-    """
+    """How far a sheet hangs below the base of its needles, with the estimated error if there is one."""
     error = "" if error_mm is None else f", give or take {error_mm:.1f} mm"
     return f"{below_mm:.1f} mm below the base{error}"
 

@@ -87,130 +87,78 @@ class ScanDistancesRecord(Record):
 
     scan_triangles: int = key("Triangles of the scan; 0 for a cloud of points.")
     scan_vertices: int = key("Vertices of the scan's file.")
-    rms_mm: float = key(
-        "Rms distance of the used points from the nearest place of the shape.", unit="mm", label="rms", show=_rms
-    )
-    rms_percent: float = key(
-        "The same in percent of the shape's diameter.", unit="%", label="a poor fit", show=_poor_scan
-    )
-    median_mm: float = key(
-        "Median distance of the used points.",
-        unit="mm",
-        label="median, 95 %, largest",
-        show="{median_mm:.3f}, {largest_twentieth_above_mm:.3f}, {max_mm:.3f} mm",
-    )
-    largest_twentieth_above_mm: float = key("Distance that 5 % of the used points exceed.", unit="mm")
-    max_mm: float = key("Largest distance of a used point.", unit="mm")
-    mean_to_plastic_side_mm: float = key(
-        "Mean distance, positive on the plastic side.",
-        unit="mm",
-        label="mean",
-        show="{mean_to_plastic_side_mm:+.3f} mm to the plastic side",
-    )
-    rms_of_all_points_mm: float = key(
-        "Rms distance of all points, with those left out.",
-        unit="mm",
-        label="perhaps another shape",
-        show=_another_shape,
-    )
+    rms_mm: float = key("Rms distance of the used points from the nearest place of the shape.")
+    rms_percent: float = key("The same in percent of the shape's diameter.")
+    median_mm: float = key("Median distance of the used points.")
+    largest_twentieth_above_mm: float = key("Distance that 5 % of the used points exceed.")
+    max_mm: float = key("Largest distance of a used point.")
+    mean_to_plastic_side_mm: float = key("Mean distance, positive on the plastic side.")
+    rms_of_all_points_mm: float = key("Rms distance of all points, with those left out.")
     points: int = key("Points of the scan that were compared.")
-    points_left_out_percent: float = key(
-        "Part of the points that lie too far away to belong to the sheet.",
-        unit="%",
-        label="left out",
-        show="{points_left_out_percent:.1f} % of the points, beyond {left_out_beyond_mm:.2f} mm",
-    )
-    left_out_beyond_mm: float = key(
-        "Distance beyond which points are left out: 3 % of the diameter, or five times the scatter if that is more.",
-        unit="mm",
-    )
-    shape_covered_percent: float = key(
-        "Part of the shape's area that was scanned.",
-        unit="%",
-        label="scanned",
-        show="{shape_covered_percent:.0f} % of the shape",
-    )
-    diameter_mm: float = key("Largest distance of two points of the shape.", unit="mm")
-    best_size: float | None = key(
-        "Size of the scan over the size in which it would fit best; null for scans of a part.",
-        label="perhaps another size",
-        show=_another_size,
-    )
-    rms_percent_at_best_size: float | None = key(
-        "Rms distance in that size, in percent of the diameter; null for scans of a part.", unit="%"
-    )
-    rms_percent_lifted: float | None = key(
-        "Rms distance in the scan's own size from a surface parallel to the shape's, in percent of the diameter; null "
-        "for scans of a part.",
-        unit="%",
-    )
-    poses_as_good: int = key(
-        "Number of poses that fit as well as the first, which is used.", label="poses as good", show=_poses
-    )
+    points_left_out_percent: float = key("Part of the points that lie too far away to belong to the sheet.")
+    left_out_beyond_mm: float = key("Larger distances are left out: 3 % of the diameter, or 5 times the scatter.")
+    shape_covered_percent: float = key("Part of the shape's area that was scanned.")
+    diameter_mm: float = key("Largest distance of two points of the shape.")
+    best_size: float | None = key("Scan's size over that in which it fits best; null for scans of a part.")
+    rms_percent_at_best_size: float | None = key("Rms distance in that size; null for scans of a part.")
+    rms_percent_lifted: float | None = key("Rms distance from a parallel surface; null for scans of a part.")
+    poses_as_good: int = key("Number of poses that fit as well as the first, which is used.")
     scan_to_shape: list[list[float]] = key("The rigid motion: a 4 x 4 matrix for points in mm.")
 
 
 class ScanComparisonRecord(ScanDistancesRecord, ComparisonRecord):  # the keys of the second class come first
     """The summary of a comparison with a scan in space."""
 
-    rows = (
-        "rms_mm",
-        "median_mm",
-        "mean_to_plastic_side_mm",
-        "points_left_out_percent",
-        "shape_covered_percent",
-        "rms_percent",
-        "rms_of_all_points_mm",
-        "best_size",
-        "poses_as_good",
-    )
+    rows: ClassVar = {
+        "rms_mm": ("rms", _rms),
+        "median_mm": ("median, 95 %, largest", "{median_mm:.3f}, {largest_twentieth_above_mm:.3f}, {max_mm:.3f} mm"),
+        "mean_to_plastic_side_mm": ("mean", "{mean_to_plastic_side_mm:+.3f} mm to the plastic side"),
+        "points_left_out_percent": (
+            "left out",
+            "{points_left_out_percent:.1f} % of the points, beyond {left_out_beyond_mm:.2f} mm",
+        ),
+        "shape_covered_percent": ("scanned", "{shape_covered_percent:.0f} % of the shape"),
+        "rms_percent": ("a poor fit", _poor_scan),
+        "rms_of_all_points_mm": ("perhaps another shape", _another_shape),
+        "best_size": ("perhaps another size", _another_size),
+        "poses_as_good": ("poses as good", _poses),
+    }
 
 
 class OutlineDistancesRecord(Record):
     """Distances of an outline from the silhouette of a shape."""
 
-    rows: ClassVar[tuple[str, ...]] = ("rms_mm", "median_mm", "mean_outwards_mm", "area_of_outline_mm2")
+    rows: ClassVar = {
+        "rms_mm": ("rms", _rms),
+        "median_mm": ("median, largest", "{median_mm:.3f}, {max_mm:.3f} mm"),
+        "mean_outwards_mm": ("mean", "{mean_outwards_mm:+.3f} mm outwards"),
+        "area_of_outline_mm2": ("area", "{area_of_outline_mm2:.0f} mm2, the shape's {area_of_shape_mm2:.0f}"),
+    }
 
-    rms_mm: float = key(
-        "Rms distance of points along the outline from the silhouette.", unit="mm", label="rms", show=_rms
-    )
-    rms_percent: float = key(
-        "The same in percent of the shape's diameter in space.", unit="%", label="a poor fit", show=_poor_outline
-    )
-    median_mm: float = key(
-        "Median distance of points along the outline.",
-        unit="mm",
-        label="median, largest",
-        show="{median_mm:.3f}, {max_mm:.3f} mm",
-    )
-    max_mm: float = key("Largest distance of a point of the outline from the silhouette.", unit="mm")
-    mean_outwards_mm: float = key(
-        "Mean distance, positive outside the silhouette.",
-        unit="mm",
-        label="mean",
-        show="{mean_outwards_mm:+.3f} mm outwards",
-    )
-    max_from_silhouette_mm: float = key("Largest distance of a point of the silhouette from the outline.", unit="mm")
-    area_of_shape_mm2: float = key("Area of the silhouette.", unit="mm^2")
-    area_of_outline_mm2: float = key(
-        "Area within the outline.",
-        unit="mm^2",
-        label="area",
-        show="{area_of_outline_mm2:.0f} mm2, the shape's {area_of_shape_mm2:.0f}",
-    )
-    diameter_mm: float = key("Largest distance of two points of the shape in space.", unit="mm")
-    turn_deg: float = key("Turn of the outline, counterclockwise.", unit="deg")
-    shift_mm: list[float] = key("Shift of the outline after the turn.", unit="mm")
+    rms_mm: float = key("Rms distance of points along the outline from the silhouette.")
+    rms_percent: float = key("The same in percent of the shape's diameter in space.")
+    median_mm: float = key("Median distance of points along the outline.")
+    max_mm: float = key("Largest distance of a point of the outline from the silhouette.")
+    mean_outwards_mm: float = key("Mean distance, positive outside the silhouette.")
+    max_from_silhouette_mm: float = key("Largest distance of a point of the silhouette from the outline.")
+    area_of_shape_mm2: float = key("Area of the silhouette.")
+    area_of_outline_mm2: float = key("Area within the outline.")
+    diameter_mm: float = key("Largest distance of two points of the shape in space.")
+    turn_deg: float = key("Turn of the outline, counterclockwise.")
+    shift_mm: list[float] = key("Shift of the outline after the turn.")
 
 
 class _SeenRecord(ComparisonRecord):
     """What was compared, and from where the outline was seen."""
 
     view: str = key("Direction of the photograph: `above`, `front` or `side`.")
-    lines: int = key("Closed lines in the file; the largest is compared.", label="lines in the file", show=_lines)
+    lines: int = key("Closed lines in the file; the largest is compared.")
 
 
 class OutlineComparisonRecord(OutlineDistancesRecord, _SeenRecord):  # the keys of the second class come first
     """The summary of a comparison with an outline from a photograph."""
 
-    rows = (*OutlineDistancesRecord.rows, "lines", "rms_percent")
+    rows: ClassVar = OutlineDistancesRecord.rows | {
+        "lines": ("lines in the file", _lines),
+        "rms_percent": ("a poor fit", _poor_outline),
+    }

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from asterism.results.record import ABSENT, Record, key
-from asterism.results.records.shape import ShapeRecord
+from asterism.results.records.shape import ENERGY_ROW, HEIGHT_ROW, SIZE_ROWS, STABLE_ROW, WORK_ROW, ShapeRecord
 from asterism.results.records.spread import SpreadRecord
 
 MAX_NAMED_STARTS = 2  # more starts that end in one minimum are counted in its row of the table
@@ -13,11 +15,9 @@ NO_MESH_ERROR = "not known, one mesh was solved"
 class ContactRecord(Record):
     """Contact of the sheet with itself."""
 
-    begins_at_mm: float = key("Distance from which parts of the sheet repel each other.", unit="mm")
-    closest_possible_mm: float = key("Distance that the contact energy never lets two parts reach.", unit="mm")
-    least_distance_mm: float | None = key(
-        "Smallest distance of two parts that repel each other; null if there are none.", unit="mm"
-    )
+    begins_at_mm: float = key("Distance from which parts of the sheet repel each other.")
+    closest_possible_mm: float = key("Distance that the contact energy never lets two parts reach.")
+    least_distance_mm: float | None = key("Smallest distance of two parts that repel each other; null if none do.")
     pairs: int = key("Pairs of mesh entities that repel each other.")
 
 
@@ -27,10 +27,8 @@ class LevelRecord(Record):
     vertices: int = key("Vertices of the mesh.")
     iterations: int = key("Newton iterations on this mesh.")
     factorisations: int = key("Factorisations of the Hessian on this mesh.")
-    seconds: dict[str, float] = key("Wall time on this mesh by stage.", unit="s")
-    change_percent: float | None = key(
-        "Rms distance to the shape on the mesh before, in percent of the diameter; null for the first mesh.", unit="%"
-    )
+    seconds: dict[str, float] = key("Wall time on this mesh by stage, in s.")
+    change_percent: float | None = key("Rms distance to the shape on the mesh before; null for the first mesh.")
 
 
 class PathStepRecord(Record):
@@ -40,7 +38,7 @@ class PathStepRecord(Record):
     release: float = key("Part of the stretch that is released, from 0 to 1.")
     moved: float = key("Part of their way that the pins of this step have gone, from 0 to 1.")
     vertices: int = key("Vertices of the mesh.")
-    energy_n_mm: float = key("Energy at the end of the step.", unit="N mm")
+    energy_n_mm: float = key("Energy at the end of the step.")
     iterations: int = key("Newton iterations of the step.")
     kicks: int = key("Times that the path lost its stability and went on along the unstable direction.")
 
@@ -49,21 +47,18 @@ class MinimumRecord(Record):
     """One of the minima that the starts have reached. A single start records the first four keys it has."""
 
     file: str = key("Name of the files of this minimum, without their ending.", default=ABSENT)
-    energy_n_mm: float = key("Energy of the minimum.", unit="N mm")
+    energy_n_mm: float = key("Energy of the minimum.")
     is_minimum: bool = key("The minimum is certified.", default=ABSENT)
     stars_up: int = key("Stars that bump to the plastic side.")
     stars_off_branch: int = key("Stars that are not on the side to which the design sends them.", default=ABSENT)
-    roll_axis_deg: float | None = key("Axis about which the sheet is rolled, on the print; null if not.", unit="deg")
+    roll_axis_deg: float | None = key("Axis about which the sheet is rolled, on the print; null if not.")
     starts: int = key("Starts that ended in this minimum.")
     start_names: list[str] = key("Names of these starts.", default=ABSENT)
     default: bool = key("The start that the design asks for ended in this minimum.", default=ABSENT)
     distance_percent: float = key(
-        "Rms distance of the star centres from the first minimum, up to symmetries of the design, in percent of the "
-        "diameter.",
-        unit="%",
-        default=ABSENT,
+        "Rms distance of star centres from the first minimum, up to symmetry.", default=ABSENT
     )
-    smallest_eigenvalue: float = key("Smallest eigenvalue of the Hessian.", unit="N/mm", default=ABSENT)
+    smallest_eigenvalue: float = key("Smallest eigenvalue of the Hessian, in N/mm.", default=ABSENT)
     vertices: int = key("Vertices of the mesh.", default=ABSENT)
     carried: bool = key("The minimum of the coarse mesh was solved on the fine mesh too.", default=ABSENT)
 
@@ -127,80 +122,55 @@ class ExactRecord(ShapeRecord):
     """
 
     model_name = "exact"
-    rows = (
-        "stars_up",
-        "rods_total",
-        "height_mm",
-        "spread",
-        "above_needles_mm",
-        "below_needles_mm",
-        "extent_mm",
-        "printed_mm",
-        "contraction",
-        "roll_axis_deg",
-        "peel_n_per_mm",
-        "energy_n_mm",
-        "gradient_norm",
-        "smallest_eigenvalue",
-        "is_minimum",
-        "vertices",
-        "mesh_error_percent",
-        "iterations",
-        "starts_lost",
-        "minima",
-    )
+    rows: ClassVar = {
+        "stars_up": ("stars", _stars),
+        "rods_total": ("rods", _rods),
+        **HEIGHT_ROW,
+        "spread": ("prints", lambda record: record.spread.rows_in_words()),
+        **SIZE_ROWS,
+        "peel_n_per_mm": ("fabric", _bond),
+        **ENERGY_ROW,
+        "gradient_norm": ("gradient", "{gradient_norm:.1e} N"),
+        "smallest_eigenvalue": ("smallest eigenvalue", "{smallest_eigenvalue:.3e} N/mm"),
+        **STABLE_ROW,
+        "vertices": ("mesh", "{vertices} vertices, {mesh}"),
+        "mesh_error_percent": ("mesh error", mesh_error_in_words),
+        **WORK_ROW,
+        "starts_lost": ("starts", _starts),
+        "minima": ("minimum", _minima),
+    }
 
-    smallest_eigenvalue: float = key(
-        "Smallest eigenvalue of the Hessian in the coordinates mm and rad, without rigid motions.",
-        unit="N/mm",
-        label="smallest eigenvalue",
-        show="{smallest_eigenvalue:.3e} N/mm",
-    )
-    eigenvalue_error: float = key("Norm of the residual of that eigenvalue: a bound of its error.", unit="N/mm")
+    smallest_eigenvalue: float = key("Smallest eigenvalue of the Hessian in mm and rad, without rigid motions, N/mm.")
+    eigenvalue_error: float = key("Norm of the residual of that eigenvalue: a bound of its error.")
     stars_total: int = key("Stars of the design.")
-    rods_total: int = key("Rods between nodes: of stars one an arm.", label="rods", show=_rods, default=ABSENT)
+    rods_total: int = key("Rods between nodes: of stars one an arm.", default=ABSENT)
     joints_total: int = key("Corners, branches and crossings of the rods, and ends that meet.", default=ABSENT)
-    stars_up: int = key("Stars that bump to the plastic side.", label="stars", show=_stars)
+    stars_up: int = key("Stars that bump to the plastic side.")
     stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
     stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
     peel_n_per_mm: float | None = key(
         "Largest force that pulls the fabric off an arm or drawn rod, for each mm of it and at a right angle to it, as "
         "a mean over two widths; 0 if the fabric presses on all plastic. Null without `fabric.modulus_mpa`, whose "
-        "default only sets the scale of a ratio, and without plastic.",
-        unit="N/mm",
-        label="fabric",
-        show=_bond,
+        "default only sets the scale of a ratio, and without plastic."
     )
     peel_star: int | None = key("Number of the star with that force; null for drawn rods.")
-    peel_at_mm: list[float] | None = key("Printed place of that force.", unit="mm")
-    shear_n_per_mm: float | None = key(
-        "Largest force between fabric and plastic in the plane of the bond, in the same way. It acts at tips of arms.",
-        unit="N/mm",
-    )
-    edge_mm: float = key("Edge length of the mesh.", unit="mm")
+    peel_at_mm: list[float] | None = key("Printed place of that force.")
+    shear_n_per_mm: float | None = key("The same in the plane of the bond, largest at the tips of arms.")
+    edge_mm: float = key("Edge length of the mesh.")
     self_contact: ContactRecord | None = key(
-        "Contact of the sheet with itself; null if the model ran without contact, so that parts may pass through each "
-        "other."
+        "Contact of the sheet with itself; null if parts may pass through another."
     )
     fabric_bending: str = key("Bending energy of the fabric: `paper`, `plate`, `consistent` or `none`.")
-    fabric_bending_n_mm: float = key("Energy of the fabric's bending.", unit="N mm")
+    fabric_bending_n_mm: float = key("Energy of the fabric's bending.")
     instabilities_passed: int = key("Times that the path to the shape lost its stability.")
     backend: str = key("Linear solver.")
     mesh_error_percent: float | None = key(
         "Estimated rms distance to the shape on an infinitely fine mesh, in percent of the diameter; null with one "
-        "mesh, with two meshes of different forms, and for the paper's hinges, whose stiffness follows the mesh.",
-        unit="%",
-        label="mesh error",
-        show=mesh_error_in_words,
+        "mesh, with two meshes of different forms, and for the paper's hinges, whose stiffness follows the mesh."
     )
-    mesh_change_percent: float | None = key(
-        "Rms distance to the shape on the next coarser mesh, in percent of the diameter; null if one mesh was solved.",
-        unit="%",
-    )
+    mesh_change_percent: float | None = key("Rms distance to the shape on the next coarser mesh; null with one mesh.")
     mesh_forms_differ: bool = key("The shapes on the last two meshes have different forms.")
-    mesh_tolerance_percent: float | None = key(
-        "Mesh error at which the search ends, in percent of the diameter; null if the design gives an edge.", unit="%"
-    )
+    mesh_tolerance_percent: float | None = key("Mesh error at which the search ends; null if the design gives an edge.")
     levels: list[LevelRecord] = key("Cost of each mesh, the coarsest first.")
     joined_at_vertices: int = key(
         "Vertices of the coarse mesh on which this search reached the state of that from the flat print. It ended "
@@ -208,30 +178,18 @@ class ExactRecord(ShapeRecord):
         default=ABSENT,
     )
     starts: int = key("Starts that were tried.")
-    starts_lost: int = key("Starts that ended in no minimum.", label="starts", show=_starts, default=ABSENT)
+    starts_lost: int = key("Starts that ended in no minimum.", default=ABSENT)
     result_is: str = key("Which of the minima is the result, and why.")
     minima_seen: int = key("Distinct minima that were reached on any mesh.")
     minima_not_carried: int = key("Minima among them that only the coarse mesh has seen.", default=ABSENT)
     next_minimum_percent: float | None = key(
         "How much higher the next minimum is, in percent of the energy without that of the weight; negative if a "
-        "minimum with stars off their branch is lower; null if there is no other minimum.",
-        unit="%",
+        "minimum with stars off their branch is lower; null if there is no other minimum."
     )
-    next_minimum_n_mm: float | None = key("The same as an energy.", unit="N mm", default=ABSENT)
+    next_minimum_n_mm: float | None = key("The same as an energy.", default=ABSENT)
     symmetries: int = key("Symmetries of the design, the identity included.", default=ABSENT)
-    minima: list[MinimumRecord] = key(
-        "The minima on the fine mesh. The first one is the result.", label="minimum", show=_minima
-    )
-    minima_distance_percent: list[list[float]] = key(
-        "Distances between all minima on the fine mesh, in percent of the diameter.", unit="%", default=ABSENT
-    )
-    minima_coarse: list[MinimumRecord] = key(
-        "The minima on the coarse mesh. Energies of two meshes cannot be compared.", default=ABSENT
-    )
+    minima: list[MinimumRecord] = key("The minima on the fine mesh. The first one is the result.")
+    minima_distance_percent: list[list[float]] = key("Distances of all minima on the fine mesh.", default=ABSENT)
+    minima_coarse: list[MinimumRecord] = key("Minima on the coarse mesh, whose energies are others.", default=ABSENT)
     path: list[PathStepRecord] = key("The way to the shape, step by step.")
-    spread: SpreadRecord = key(
-        "The range of shapes that prints may have, if it was computed.",
-        label="prints",
-        show=lambda record: record.spread.rows_in_words(),
-        default=ABSENT,
-    )
+    spread: SpreadRecord = key("The range of shapes that prints may have, if it was computed.", default=ABSENT)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import MinimumRecord
@@ -15,19 +15,19 @@ MAX_LISTED_TINY_STARS = 4
 class SizeChangeRecord(Record):
     """What rounding does to the thicknesses or the widths of the arms."""
 
-    values_mm: list[float] = key("The sizes that are printed.", unit="mm")
+    values_mm: list[float] = key("The sizes that are printed.")
     stars_changed: int = key("Stars with another size than in the design.")
     rods_changed: int = key("Drawn rods between two nodes with another size than in the design.", default=0)
-    largest_change_mm: float = key("The largest change of an arm's size, with its sign.", unit="mm")
-    mean_change_percent: float = key("Mean of the relative changes of all arms.", unit="%")
+    largest_change_mm: float = key("The largest change of an arm's size, with its sign.")
+    mean_change_percent: float = key("Mean of the relative changes of all arms.")
 
 
 class LayersRecord(Record):
     """Sizes that the printer makes: whole layers and whole lines."""
 
-    first_layer_mm: float = key("Height of the first layer.", unit="mm")
-    layer_mm: float = key("Height of each other layer.", unit="mm")
-    line_mm: float = key("Width of a line: that of the nozzle.", unit="mm")
+    first_layer_mm: float = key("Height of the first layer.")
+    layer_mm: float = key("Height of each other layer.")
+    line_mm: float = key("Width of a line: that of the nozzle.")
 
 
 class RoundingRecord(LayersRecord):
@@ -50,54 +50,50 @@ class ShapeChangeRecord(Record):
 
     model: str | None = key("`exact` or `preview`; null if there is no preview of the fabric or the pattern.")
     why: str = key("Why there is no comparison; only if `model` is null.", default=ABSENT)
-    height_mm: list[float] = key("Extents of both shapes along z.", unit="mm", default=ABSENT)
-    extent_mm: list[list[float]] = key("Sizes of the boxes around both shapes.", unit="mm", default=ABSENT)
+    height_mm: list[float] = key("Extents of both shapes along z.", default=ABSENT)
+    extent_mm: list[list[float]] = key("Sizes of the boxes around both shapes.", default=ABSENT)
     star_distance_mm: float = key(
         "Rms distance of the star centres, or of points on drawn rods, as held, up to free motions and symmetries of "
         "the design.",
-        unit="mm",
         default=ABSENT,
     )
-    star_distance_percent: float = key("The same in percent of the drawn shape's diameter.", unit="%", default=ABSENT)
+    star_distance_percent: float = key("The same in percent of the drawn shape's diameter.", default=ABSENT)
     are_minima: list[bool] = key("Each shape is certified as a minimum.")
     stars_outside_law: int = key("Stars outside the range of the preview's law.", default=ABSENT)
     warnings: list[str] = key("Warnings about the printed shape.", default=ABSENT)
-    minima: list[MinimumRecord] = key(
-        "Minima of the printed shape that the starts of the exact model have reached. The first one is the shape.",
-        default=ABSENT,
-    )
+    minima: list[MinimumRecord] = key("Minima of the printed shape, which is the first one.", default=ABSENT)
 
 
 class TinyStarRecord(Record):
     """A star, or an island of drawn rods, so small that it may jump off the fabric."""
 
-    at_mm: list[float] = key("Centre in printed coordinates.", unit="mm")
-    arm_mm: float = key("Length of the longest arm, or of all rods of the island.", unit="mm")
+    at_mm: list[float] = key("Centre in printed coordinates.")
+    arm_mm: float = key("Length of the longest arm, or of all rods of the island.")
 
 
 class SolidRecord(Record):
     """A solid in the printer's coordinates."""
 
-    volume_mm3: float = key("Volume.", unit="mm^3")
-    box_mm: list[list[float]] = key("Lowest and highest coordinates.", unit="mm")
+    volume_mm3: float = key("Volume.")
+    box_mm: list[list[float]] = key("Lowest and highest coordinates.")
 
 
 class CheckSquareRecord(Record):
     """The square on the fabric that shows whether the stretch is right."""
 
-    before: list[float] = key("Sides before stretching.", unit="mm")
-    after: list[float] = key("Sides after stretching.", unit="mm")
+    before: list[float] = key("Sides before stretching, in mm.")
+    after: list[float] = key("Sides after stretching, in mm.")
 
 
 class PrintCostRecord(Record):
     """Estimate of the plastic and the time that a print takes."""
 
-    volume_mm3: float = key("Volume of the plastic.", unit="mm^3")
-    mass_g: float = key("Mass of the plastic.", unit="g")
-    filament_m: float = key("Length of the filament.", unit="m")
+    volume_mm3: float = key("Volume of the plastic.")
+    mass_g: float = key("Mass of the plastic.")
+    filament_m: float = key("Length of the filament.")
     layers: int = key("Number of layers.")
-    lines_m: float = key("Length of all printed lines.", unit="m")
-    minutes: float = key("Printing time with heating; acceleration is not modelled.", unit="min")
+    lines_m: float = key("Length of all printed lines.")
+    minutes: float = key("Printing time in minutes, with heating; acceleration is not modelled.")
 
 
 def _sizes(size: SizeChangeRecord, stars: int, rods: int) -> str:
@@ -183,65 +179,39 @@ def _hangs(record: ExportRecord) -> str | None:
 class ExportRecord(Record):
     """The summary of an export."""
 
-    rows = (
-        "printer",
-        "rounding",
-        "shape_change",
-        "tiny_stars",
-        "printed_border",
-        "z_offset_mm",
-        "check_square_mm",
-        "needles",
-        "needles_in_plastic",
-        "hangs_below_base_mm",
-        "estimate",
-    )
+    rows: ClassVar = {
+        "printer": ("printer", "{printer[name]}, {plastic[name]}"),
+        "rounding": ("rounding", _rounding),
+        "shape_change": ("change of shape", _shape_change),
+        "tiny_stars": ("tiny pieces", _tiny_stars),
+        "printed_border": ("cut line", _cut_line),
+        "z_offset_mm": ("z offset", _z_offset),
+        "check_square_mm": ("check square", _check_square),
+        "needles": ("needles", "{needles}"),
+        "needles_in_plastic": ("in plastic", _needles_in_plastic),
+        "hangs_below_base_mm": ("hangs", _hangs),
+        "estimate": ("estimate", "{estimate[minutes]:.0f} min, {estimate[mass_g]:.2f} g, {estimate[filament_m]:.2f} m"),
+    }
 
     design: dict[str, Any] = key("The rounded design with all defaults, as in `rounded.toml`.")
-    printer: dict[str, Any] = key(
-        "The printer's profile with all defaults.", label="printer", show="{printer[name]}, {plastic[name]}"
-    )
+    printer: dict[str, Any] = key("The printer's profile with all defaults.")
     plastic: dict[str, Any] = key("The plastic's profile with all defaults.")
     stars: int = key("Number of stars.")
     rods: int = key("Number of drawn rods between two nodes.", default=0)
-    rounding: RoundingRecord = key("Layers and lines of the print.", label="rounding", show=_rounding)
+    rounding: RoundingRecord = key("Layers and lines of the print.")
     shape: GivenShapeRecord | None = key("The shape whose files are written; null without one.")
-    shape_change: ShapeChangeRecord | None = key(
-        "What rounding does to the shape; null if it was not computed.", label="change of shape", show=_shape_change
-    )
-    tiny_stars: list[TinyStarRecord] = key(
-        "Stars and islands of rods that may jump off the fabric.", label="tiny pieces", show=_tiny_stars
-    )
-    solids: dict[str, SolidRecord] = key(
-        "The solids by the names of their files: `stars`, or `rods` without stars, and `border` if printed."
-    )
-    printed_border: bool = key("The line to cut along is printed.", label="cut line", show=_cut_line)
-    turn_deg: float = key("Turn of the print on the bed, counterclockwise.", unit="deg")
-    origin_on_bed_mm: list[float] = key("Place of the design's origin in the printer's coordinates.", unit="mm")
-    z_offset_mm: float = key(
-        "Height of the fabric's surface above the bed: plate and fabric.", unit="mm", label="z offset", show=_z_offset
-    )
-    fabric_given: bool = key(
-        "The thickness of the stretched fabric was given; otherwise the design's is used, which is that of the "
-        "released fabric."
-    )
-    check_square_mm: CheckSquareRecord = key(
-        "The square that shows whether the stretch is right.", unit="mm", label="check square", show=_check_square
-    )
-    needles: int = key("Number of needles.", label="needles", show="{needles}")
-    needles_in_plastic: list[int] = key(
-        "Numbers of the needles that meet an arm or a drawn rod.", label="in plastic", show=_needles_in_plastic
-    )
-    hangs_below_base_mm: float | None = key(
-        "How far the sheet hangs below the base of its needles; null if the shape is not known.",
-        unit="mm",
-        label="hangs",
-        show=_hangs,
-    )
-    hangs_doubt_mm: float | None = key("Estimated error of that; null if the shape is not a preview.", unit="mm")
-    estimate: PrintCostRecord = key(
-        "Plastic and time.",
-        label="estimate",
-        show="{estimate[minutes]:.0f} min, {estimate[mass_g]:.2f} g, {estimate[filament_m]:.2f} m",
-    )
+    shape_change: ShapeChangeRecord | None = key("What rounding does to the shape; null if it was not computed.")
+    tiny_stars: list[TinyStarRecord] = key("Stars and islands of rods that may jump off the fabric.")
+    solids: dict[str, SolidRecord] = key("Solids by their files: `stars` or `rods`, and `border` if printed.")
+    printed_border: bool = key("The line to cut along is printed.")
+    turn_deg: float = key("Turn of the print on the bed, counterclockwise.")
+    origin_on_bed_mm: list[float] = key("Place of the design's origin in the printer's coordinates.")
+    z_offset_mm: float = key("Height of the fabric's surface above the bed: plate and fabric.")
+    fabric_given: bool = key("The thickness of the stretched fabric was given; else it is that of the released fabric.")
+    check_square_mm: CheckSquareRecord = key("The square that shows whether the stretch is right.")
+    needles: int = key("Number of needles.")
+    needles_in_plastic: list[int] = key("Numbers of the needles that meet an arm or a drawn rod.")
+    hangs_below_base_mm: float | None = key("How far the sheet hangs below the base of its needles; null if not known.")
+    hangs_doubt_mm: float | None = key("Estimated error of that; null if the shape is not a preview.")
+    estimate: PrintCostRecord = key("Plastic and time.")
     files: list[str] = key("Names of all files of the export.")

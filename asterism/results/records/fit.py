@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from asterism.results.record import Record, key
 
@@ -34,13 +34,12 @@ class TargetDistanceRecord(Record):
 
     mean_percent: float = key(
         "Rms over the printed area of the signed distance, averaged over a cell of the lattice, so that the bumps of "
-        "the stars cancel.",
-        unit="%",
+        "the stars cancel."
     )
-    weighted_percent: float = key("The same by the weights of the places; `mean_percent` without weights.", unit="%")
-    surface_percent: float = key("Rms of the distance with the bumps.", unit="%")
-    largest_percent: float = key("Largest distance with the bumps.", unit="%")
-    largest_at_mm: list[float] = key("Where that is, in the pose of the fit.", unit="mm")
+    weighted_percent: float = key("The same by the weights of the places; `mean_percent` without weights.")
+    surface_percent: float = key("Rms of the distance with the bumps.")
+    largest_percent: float = key("Largest distance with the bumps.")
+    largest_at_mm: list[float] = key("Where that is, in the pose of the fit.")
     is_minimum: bool = key("The shape is certified as a minimum of the energy.")
 
 
@@ -48,64 +47,46 @@ class FitRecord(Record):
     """The summary of a fit."""
 
     last = ("warnings", "version", "design")
-    rows = (
-        "target",
-        "stars",
-        "needed_ratio",
-        "reached",
-        "preview",
-        "rounding_loss_percent",
-    )
+    rows: ClassVar = {
+        "target": ("target", "{target}, {diameter_mm:.1f} mm"),
+        "stars": ("print", _print),
+        "needed_ratio": ("contraction", _contraction),
+        "reached": ("distance", _reached),
+        "preview": ("preview", _preview),
+        "rounding_loss_percent": ("loss by rounding", "{rounding_loss_percent:.3f} % of the diameter"),
+    }
 
     model: str = key("The kind of the summary: `fit`.")
-    target: str = key("Name of the target.", label="target", show="{target}, {diameter_mm:.1f} mm")
-    diameter_mm: float = key("Largest distance of two points of the target.", unit="mm")
+    target: str = key("Name of the target.")
+    diameter_mm: float = key("Largest distance of two points of the target.")
     motion: list[list[float]] = key(
-        "Rotation, times the scale, of the pose of the fit: a point x of the file stands at `motion x + shift_mm`."
+        "Rotation and scale of the pose: a point x of the file is at `motion x + shift_mm`."
     )
-    shift_mm: list[float] = key("Shift of that pose.", unit="mm")
+    shift_mm: list[float] = key("Shift of that pose.")
     stretch: float = key("Stretch of the fabric.")
-    stars: int = key("Number of stars.", label="print", show=_print)
+    stars: int = key("Number of stars.")
     needles: int = key("Number of needles; 0 for a free sheet or a held border.")
     held_border: bool = key("The whole border is held along that of the target.")
-    needed_ratio: float = key(
-        "Largest contraction that the target needs over the smallest one.", label="contraction", show=_contraction
-    )
+    needed_ratio: float = key("Largest contraction that the target needs over the smallest one.")
     available_ratio: float = key("The same ratio of the stars that the law covers.")
-    largest_curvature_per_mm: float = key("Largest principal curvature of the target over a cell.", unit="1/mm")
-    available_curvature_per_mm: float = key("Largest curvature that stars can follow.", unit="1/mm")
+    largest_curvature_per_mm: float = key("Largest principal curvature of the target over a cell.")
+    available_curvature_per_mm: float = key("Largest curvature that stars can follow.")
     wrong_side_share: float = key("Share of the stars whose place curves to the other side than stars can.")
     share_at_bounds: float = key("Share of the stars with the shortest or the longest arms that the law covers.")
     first_guess: TargetDistanceRecord = key("Preview of the first guess, from the flattening and the law alone.")
-    unrounded: TargetDistanceRecord | None = key(
-        "Fresh preview of the fit by the preview alone, before corrections and rounding; null without rounding."
-    )
-    preview: TargetDistanceRecord = key(
-        "Fresh preview of the design as written. After corrections, its distance contains the error of the preview.",
-        label="preview",
-        show=_preview,
-    )
+    unrounded: TargetDistanceRecord | None = key("Preview before corrections and rounding; null without rounding.")
+    preview: TargetDistanceRecord = key("Preview of the design as written; after corrections with the preview's error.")
     exact: TargetDistanceRecord | None = key("Exact shape of the design as written; null if it was not computed.")
-    other_exact: TargetDistanceRecord | None = key(
-        "Exact shape of the other start, if it is another minimum than `exact`; null otherwise."
-    )
-    exact_agrees: bool | None = key(
-        "The exact model finds one minimum from the flat print, and from the preview or by the corrections; null if it "
-        "was not computed."
-    )
+    other_exact: TargetDistanceRecord | None = key("Exact shape of the other start, if it is another minimum.")
+    exact_agrees: bool | None = key("Both exact starts find one minimum; null if this was not computed.")
     interrupted: bool = key("The fit was interrupted: the design is the best one until then, by the preview.")
-    reached: bool = key("The distance is within the limit that was asked for.", label="distance", show=_reached)
-    within_percent: float = key("That limit, for `mean_percent` of the exact shape, or of the preview.", unit="%")
+    reached: bool = key("The distance is within the limit that was asked for.")
+    within_percent: float = key("That limit, for `mean_percent` of the exact shape, or of the preview.")
     rounding_loss_percent: float | None = key(
         "Increase of the distance by rounding: of the exact shape if there are corrections, else of the preview; null "
-        "without rounding.",
-        unit="%",
-        label="loss by rounding",
-        show="{rounding_loss_percent:.3f} % of the diameter",
+        "without rounding."
     )
-    steps: list[dict[str, Any]] = key(
-        "Steps of the fit: `kind`, and `rms_percent` of the preview after it, by the weights of the places."
-    )
+    steps: list[dict[str, Any]] = key("Steps of the fit: `kind`, and the preview's weighted `rms_percent` after it.")
     corrections: list[dict[str, Any]] = key(
         "Exact shapes on the way: `mean_percent`, `step_mm`, the largest change of a length since the one kept "
         "before, and whether it was `kept`. Those of rounded thicknesses come last."

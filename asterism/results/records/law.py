@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from asterism.results.record import ABSENT, Record, key
 
@@ -14,16 +14,16 @@ class CampaignRecord(Record):
     code: str = key("Hash of the code that solved the cells.", default=ABSENT)
     versions: dict[str, str] = key("Versions of asterism and of the packages that solved the cells.", default=ABSENT)
     machine: dict[str, Any] = key("Cores and kind of the machine, and version of Python.", default=ABSENT)
-    cell_seconds: float = key("Sum of the wall times of all cells.", unit="s", default=ABSENT)
-    wall_seconds_of_last_run: float = key("Wall time of the run that finished the campaign.", unit="s", default=ABSENT)
+    cell_seconds: float = key("Sum of the wall times of all cells, in s.", default=ABSENT)
+    wall_seconds_of_last_run: float = key("Wall time of the run that finished the campaign, in s.", default=ABSENT)
 
 
 class QuantityErrorRecord(Record):
     """Errors of one quantity of a law, in percent of the cell's value."""
 
-    rms_percent: float = key("Rms error.", unit="%")
-    median_percent: float = key("Median of the absolute errors.", unit="%")
-    largest_percent: float = key("Largest absolute error.", unit="%")
+    rms_percent: float = key("Rms error.")
+    median_percent: float = key("Median of the absolute errors.")
+    largest_percent: float = key("Largest absolute error.")
 
 
 class NotScaleSeparatedRecord(Record):
@@ -42,7 +42,7 @@ class HeldOutCellRecord(Record):
     tight: bool = key("The star is not scale-separated.")
     law: dict[str, float] = key("Quantities of the law of stars.")
     cell: dict[str, float] = key("Quantities of the star's cell.")
-    error_percent: dict[str, float] = key("Errors of the law, in percent of the cell's values.", unit="%")
+    error_percent: dict[str, float] = key("Errors of the law, in percent of the cell's values.")
 
 
 class HeldOutRecord(Record):
@@ -104,22 +104,21 @@ def _cells(record: LawRecord) -> str:
 class LawRecord(Record):
     """The summary of a law."""
 
-    rows = ("plan", "stretches", "cells", "made")
+    rows: ClassVar = {
+        "plan": ("plan", lambda record: {"material": _material(record), "pattern": _pattern(record)}),
+        "stretches": ("stretches", lambda record: ", ".join(map(_stretch, record.stretches))),
+        "cells": ("cells", _cells),
+        "made": ("made by", lambda record: made_by(record.made)),
+    }
 
     plan: dict[str, Any] = key(
         "The `design` of one cell, and `sizes`, over which the law is tabulated: `key`, `nodes` in mm, and numbers of "
-        "a motif's `lines`; further `stretches`, `edge_mm` and the number of cells `held_out` per stretch.",
-        label="plan",
-        show=lambda record: {"material": _material(record), "pattern": _pattern(record)},
+        "a motif's `lines`; further `stretches`, `edge_mm` and the number of cells `held_out` per stretch."
     )
     digest: str = key("Hash of the law's content.")
-    made: CampaignRecord = key("How the law was made.", label="made by", show=lambda record: made_by(record.made))
+    made: CampaignRecord = key("How the law was made.")
     residuals: dict[str, LawErrorsRecord] = key("Errors by stretch, such as `1.35`.")
-    stretches: list[Any] = key(
-        "Stretches for which the law has a table: numbers, or pairs along x and y.",
-        label="stretches",
-        show=lambda record: ", ".join(map(_stretch, record.stretches)),
-    )
-    edge_mm: float = key("Edge length of the cells' mesh.", unit="mm")
-    cells: int = key("Number of cells.", label="cells", show=_cells)
+    stretches: list[Any] = key("Stretches for which the law has a table: numbers, or pairs along x and y.")
+    edge_mm: float = key("Edge length of the cells' mesh.")
+    cells: int = key("Number of cells.")
     cells_without_law: list[dict[str, Any]] = key("Stretch and sizes of the cells without a law, and why (`problem`).")

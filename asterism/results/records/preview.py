@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from asterism.results.record import ABSENT, Record, key
-from asterism.results.records.shape import ShapeRecord
+from asterism.results.records.shape import ENERGY_ROW, HEIGHT_ROW, SIZE_ROWS, STABLE_ROW, WORK_ROW, ShapeRecord
 from asterism.results.words import distance_error
 
 
@@ -11,7 +13,7 @@ class TrialRecord(Record):
     """An initial guess that the search followed."""
 
     name: str = key("Name of the initial guess.")
-    energy: float = key("Energy of the equilibrium that it led to.", unit="N mm")
+    energy: float = key("Energy of the equilibrium that it led to, in N mm.")
     is_minimum: bool = key("That equilibrium is stable.")
     iterations: int = key("Newton iterations.")
 
@@ -20,15 +22,14 @@ class OtherFormRecord(Record):
     """A minimum of the homogenised sheet other than the one shown."""
 
     start: str = key("Name of the initial guess that led to it.")
-    energy_n_mm: float = key("Its energy.", unit="N mm")
+    energy_n_mm: float = key("Its energy.")
     gap: float = key(
         "Its energy less that of the form shown, as a part of the energy at stake, which is the sum of the absolute "
         "values of all parts of the energy."
     )
     distance_percent: float = key(
         "Rms distance of the star centres from the form shown, up to free motions and symmetries of the design, in "
-        "percent of the diameter.",
-        unit="%",
+        "percent of the diameter."
     )
 
     def in_words(self) -> str:
@@ -42,7 +43,7 @@ class LawOriginRecord(Record):
 
     material: str = key("Name of the material.")
     stretch: float = key("Stretch at which the law was computed.")
-    edge_mm: float = key("Edge length of the meshes of its unit cells.", unit="mm")
+    edge_mm: float = key("Edge length of the meshes of its unit cells.")
     made_by: str | None = key("Command that made the law; null if the law's file does not name it.")
 
 
@@ -71,75 +72,43 @@ class PreviewRecord(ShapeRecord):
     """The summary of a preview."""
 
     model_name = "preview"
-    rows = (
-        "stars",
-        "rods_total",
-        "height_mm",
-        "above_needles_mm",
-        "below_needles_mm",
-        "extent_mm",
-        "printed_mm",
-        "contraction",
-        "roll_axis_deg",
-        "energy_n_mm",
-        "soft_modes_n_mm3",
-        "is_minimum",
-        "expected_rms_percent",
-        "other_forms",
-        "law",
-        "shell_triangles",
-        "iterations",
-    )
+    rows: ClassVar = {
+        "stars": ("stars", _stars),
+        "rods_total": ("rods", "{rods_total}"),
+        **HEIGHT_ROW,
+        **SIZE_ROWS,
+        **ENERGY_ROW,
+        "soft_modes_n_mm3": (
+            "softest modes",
+            lambda record: ", ".join(f"{value:.1e}" for value in record.soft_modes_n_mm3) + " N/mm3",
+        ),
+        **STABLE_ROW,
+        "expected_rms_percent": ("estimated error", _expected_distance),
+        "other_forms": ("other form", _other_forms),
+        "law": ("law", _law),
+        "shell_triangles": ("shell", "{shell_triangles} triangles, {dofs} unknowns"),
+        **WORK_ROW,
+    }
 
-    soft_modes_n_mm3: list[float] = key(
-        "Smallest eigenvalues of the Hessian against the printed area: stiffnesses against the softest motions of the "
-        "sheet.",
-        unit="N/mm^3",
-        label="softest modes",
-        show=lambda record: ", ".join(f"{value:.1e}" for value in record.soft_modes_n_mm3) + " N/mm3",
-    )
-    stars: int = key(
-        "Stars of the design.",
-        label="stars",
-        show=_stars,
-    )
-    rods_total: int = key("Rods between nodes, of a motif.", label="rods", show="{rods_total}", default=ABSENT)
-    equivalent_axes_deg: list[float] = key(
-        "Axes about which the sheet might as well have rolled by the symmetry of the design, its own axis among them.",
-        unit="deg",
-    )
+    soft_modes_n_mm3: list[float] = key("Smallest eigenvalues of the Hessian against the printed area.")
+    stars: int = key("Stars of the design.")
+    rods_total: int = key("Rods between nodes, of a motif.", default=ABSENT)
+    equivalent_axes_deg: list[float] = key("Axes of the roll that are as good by symmetry, its own among them.")
     side: str = key("Side to which the edges were asked to go: `auto`, `up` or `down`.")
     start: str = key("Name of the initial guess that led to the shape.")
-    stars_overstretched: list[int] = key(
-        "Stars around which the preview is longer than the fabric can stretch. With such stars, `is_minimum` is false.",
-        default=ABSENT,
-    )
+    stars_overstretched: list[int] = key("Stars where the preview is longer than the fabric can be.", default=ABSENT)
     starts: list[TrialRecord] = key("All initial guesses that were followed.")
-    other_forms: list[OtherFormRecord] = key(
-        "Other minima that the search met, the lowest first.", label="other form", show=_other_forms
-    )
-    law: LawOriginRecord = key("The law that was used.", label="law", show=_law)
+    other_forms: list[OtherFormRecord] = key("Other minima that the search met, the lowest first.")
+    law: LawOriginRecord = key("The law that was used.")
     expected_rms_percent: float | None = key(
         "Estimated error: rms distance from the exact shape in percent of the diameter, within which nine of ten exact "
-        "shapes of sheets of this kind were found; null with many stars that the law does not describe.",
-        unit="%",
-        label="estimated error",
-        show=_expected_distance,
+        "shapes of sheets of this kind were found; null with many stars that the law does not describe."
     )
-    diameter_mm: float = key("Largest distance of two points of the sheet.", unit="mm")
-    expected_height_percent: float | None = key(
-        "Estimated error of the height, bumps included, in percent of it; null as `expected_rms_percent`.",
-        unit="%",
-    )
+    diameter_mm: float = key("Largest distance of two points of the sheet.")
+    expected_height_percent: float | None = key("Estimated error of the height with its bumps, in percent of it.")
     law_in_range: bool = key("All stars are within the range of the law.")
     stars_outside_law: list[str] = key("The stars outside the range of the law, with the reason, one sentence each.")
-    stars_tight: list[int] = key(
-        "Numbers of the stars that are not scale-separated: they curl to a radius below two thirds of their spacing."
-    )
-    stars_uneven: list[int] = key(
-        "Numbers of the strongly anisotropic stars: they curl far more in some directions than in others."
-    )
-    shell_triangles: int = key(
-        "Triangles of the mesh of the shell.", label="shell", show="{shell_triangles} triangles, {dofs} unknowns"
-    )
+    stars_tight: list[int] = key("Stars that curl to a radius below two thirds of their spacing.")
+    stars_uneven: list[int] = key("Stars that curl far more in some directions than in others.")
+    shell_triangles: int = key("Triangles of the mesh of the shell.")
     load_steps: int = key("Load steps that were needed; 0 if the full loads could be applied at once.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.results.record import Record, key
+from asterism.results.record import Record, Show, key
 from asterism.results.words import VISIBLE_SAG_MM, box_in_words, direction, height_error, roll
 
 
@@ -31,6 +31,24 @@ def _rolled(record: ShapeRecord) -> str:
     return text + (f"; or {', '.join(others)} deg" if others else "")
 
 
+HEIGHT_ROW: dict[str, tuple[str, Show]] = {"height_mm": ("height", _height)}
+SIZE_ROWS: dict[str, tuple[str, Show]] = {
+    "above_needles_mm": ("rises", _above),
+    "below_needles_mm": ("hangs", _below),
+    "extent_mm": ("extent", lambda record: box_in_words(record.extent_mm)),
+    "printed_mm": ("printed", lambda record: box_in_words(record.printed_mm)),
+    "contraction": ("contraction", "{contraction:.4f}"),
+    "roll_axis_deg": ("rolled about", _rolled),
+}
+ENERGY_ROW: dict[str, tuple[str, Show]] = {"energy_n_mm": ("energy", "{energy_n_mm:.4f} N mm")}
+STABLE_ROW: dict[str, tuple[str, Show]] = {
+    "is_minimum": ("equilibrium", lambda record: "stable" if record.is_minimum else "no")
+}
+WORK_ROW: dict[str, tuple[str, Show]] = {
+    "iterations": ("work", "{iterations} iterations, {factorisations} factorisations, {wall_s:.2f} s")
+}
+
+
 class ShapeRecord(Record):
     """The summary of a shape, whichever model computed it."""
 
@@ -38,89 +56,38 @@ class ShapeRecord(Record):
 
     model: str = key("Which model computed the shape: `exact` or `preview`.")
     converged: bool = key("The norm of the gradient is below its tolerance.")
-    is_minimum: bool = key(
-        "The shape is certified: it has converged, and its energy grows in every direction.",
-        label="equilibrium",
-        show=lambda record: "stable" if record.is_minimum else "no",
-    )
-    gradient_norm: float = key(
-        "2-norm of the gradient of the energy over the free unknowns.",
-        unit="N",
-        label="gradient",
-        show="{gradient_norm:.1e} N",
-    )
-    gradient_tolerance: float = key("Largest norm of the gradient that counts as converged.", unit="N")
-    energy_n_mm: float = key(
-        "Energy of the shape, in a preview of the homogenised sheet.",
-        unit="N mm",
-        label="energy",
-        show="{energy_n_mm:.4f} N mm",
-    )
-    energy_parts_n_mm: dict[str, float] = key("The parts of the energy by name. Their sum is the energy.", unit="N mm")
-    roll_axis_deg: float | None = key(
-        "Axis about which the sheet is rolled, on the print, from the x axis; null if the sheet is not rolled.",
-        unit="deg",
-        label="rolled about",
-        show=_rolled,
-    )
+    is_minimum: bool = key("The shape is certified: it has converged, and its energy grows in every direction.")
+    gradient_norm: float = key("2-norm of the gradient of the energy over the free unknowns, in N.")
+    gradient_tolerance: float = key("Largest norm of the gradient that counts as converged, in N.")
+    energy_n_mm: float = key("Energy of the shape, in a preview of the homogenised sheet.")
+    energy_parts_n_mm: dict[str, float] = key("The parts of the energy by name. Their sum is the energy.")
+    roll_axis_deg: float | None = key("Axis of the roll on the print, from the x axis; null if not rolled.")
     roll_radius_mm: float | None = key(
         "Radius of the circular cylinder nearest to the mean surface at the star centres, or at sites of drawn rods; "
-        "null if the sheet is not rolled, or if a plane is nearly as close.",
-        unit="mm",
+        "null if the sheet is not rolled, or if a plane is nearly as close."
     )
-    vertices: int = key("Vertices of the mesh that the files hold.", label="mesh", show="{vertices} vertices, {mesh}")
+    vertices: int = key("Vertices of the mesh that the files hold.")
     triangles: int = key("Triangles of that mesh.")
     mesh: str = key("Kind of that mesh: `aligned` with the arms, or `free`.")
     dofs: int = key("Unknowns of the model that are not held.")
-    iterations: int = key(
-        "Newton iterations in all.",
-        label="work",
-        show="{iterations} iterations, {factorisations} factorisations, {wall_s:.2f} s",
-    )
+    iterations: int = key("Newton iterations in all.")
     factorisations: int = key("Factorisations of the Hessian in all.")
     saddles_left: int = key("Saddle points at which the search left along a direction of negative curvature.")
-    wall_s: float = key("Wall time.", unit="s")
-    wall_s_by_stage: dict[str, float] = key("Wall time of each stage by name.", unit="s")
-    height_mm: float = key(
-        "Extent along z. A free sheet lies on its principal axes, so that this is its smallest extent.",
-        unit="mm",
-        label="height",
-        show=_height,
-    )
+    wall_s: float = key("Wall time.")
+    wall_s_by_stage: dict[str, float] = key("Wall time of each stage by name, in s.")
+    height_mm: float = key("Extent along z; of a free sheet, on its principal axes, the smallest extent.")
     extent_mm: list[float] = key(
         "Sizes of the box around the sheet: of a supported sheet along x, y and z; of a free sheet along its principal "
-        "axes, the largest first.",
-        unit="mm",
-        label="extent",
-        show=lambda record: box_in_words(record.extent_mm),
+        "axes, the largest first."
     )
-    printed_mm: list[float] = key(
-        "Width and depth of the printed sheet, on the stretched fabric.",
-        unit="mm",
-        label="printed",
-        show=lambda record: box_in_words(record.printed_mm),
-    )
-    above_needles_mm: float | None = key(
-        "Height of the highest point over the highest support; null for a free sheet.",
-        unit="mm",
-        label="rises",
-        show=_above,
-    )
-    below_needles_mm: float | None = key(
-        "Depth of the lowest point below the lowest support; null for a free sheet.",
-        unit="mm",
-        label="hangs",
-        show=_below,
-    )
+    printed_mm: list[float] = key("Width and depth of the printed sheet, on the stretched fabric.")
+    above_needles_mm: float | None = key("Height of the highest point over the highest support; null for a free sheet.")
+    below_needles_mm: float | None = key("Depth of the lowest point below the lowest support; null for a free sheet.")
     contraction: float | None = key(
         "Mean distance of neighbouring star centres over the printed distance; null for a single star. Of drawn rods, "
-        "that of sites of their lattice, or of a square lattice with the mean distance of the rods.",
-        label="contraction",
-        show="{contraction:.4f}",
+        "that of sites of their lattice, or of a square lattice with the mean distance of the rods."
     )
-    self_intersections: int = key(
-        "Pairs of triangles that pass through each other. Anything but 0 means that the sheet passes through itself."
-    )
+    self_intersections: int = key("Pairs of triangles that pass through each other.")
     warnings: list[str] = key("What to know before you trust the shape, one sentence each.", default_factory=list)
     version: str = key("Version of asterism.")
     design: dict[str, Any] = key("The design with all defaults, as in a design file.")

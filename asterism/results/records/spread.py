@@ -22,8 +22,8 @@ class SpreadEndRecord(Record):
 
     value: str = key("Key of `[spread]`.")
     end: int = key("1: the upper end of the interval, -1: its lower end.")
-    height_mm: float = key("Height of this shape.", unit="mm")
-    distance_percent: float = key("Rms distance from the shape of the design, in percent of the diameter.", unit="%")
+    height_mm: float = key("Height of this shape.")
+    distance_percent: float = key("Rms distance from the shape of the design, in percent of the diameter.")
     is_minimum: bool = key("The shape is certified.")
     stars_turned: int = key("Stars that bump to another side than in the shape of the design.")
     comes_back: bool | None = key(
@@ -36,39 +36,38 @@ class SpreadShareRecord(Record):
     """What one value contributes to the range."""
 
     value: str = key("Key of `[spread]`.")
-    variance_percent: float = key("Share in the variance of the height; all shares together are 100 %.", unit="%")
-    heights_mm: list[float] = key("Height at the lower and at the upper end of its interval.", unit="mm")
+    variance_percent: float = key("Share in the variance of the height; all shares together are 100 %.")
+    heights_mm: list[float] = key("Height at the lower and at the upper end of its interval.")
 
 
 class MeasurementRecord(Record):
     """A measurement, and the range of heights that it would leave."""
 
     name: str = key("What is measured.")
-    low_mm: float = key("Height that one print in twenty stays below.", unit="mm")
-    high_mm: float = key("Height that one print in twenty exceeds.", unit="mm")
+    low_mm: float = key("Height that one print in twenty stays below.")
+    high_mm: float = key("Height that one print in twenty exceeds.")
 
 
 class SpreadRecord(Record):
     """The range of shapes that prints of one design may have."""
 
     intervals: dict[str, float] = key("The section `[spread]` that was used, with its defaults.")
-    height_low_mm: float = key("Height that one print in twenty stays below.", unit="mm")
-    height_median_mm: float = key("Median of the height.", unit="mm")
-    height_high_mm: float = key("Height that one print in twenty exceeds.", unit="mm")
-    size_low_mm: list[float] = key("First two entries of `extent_mm`; one print in twenty is smaller.", unit="mm")
-    size_high_mm: list[float] = key("The same; one print in twenty is larger.", unit="mm")
+    height_low_mm: float = key("Height that one print in twenty stays below.")
+    height_median_mm: float = key("Median of the height.")
+    height_high_mm: float = key("Height that one print in twenty exceeds.")
+    size_low_mm: list[float] = key("First two entries of `extent_mm`; one print in twenty is smaller.")
+    size_high_mm: list[float] = key("The same; one print in twenty is larger.")
     shares: list[SpreadShareRecord] = key("What each value contributes, the largest first.")
     measurements: list[MeasurementRecord] = key("What measurements would leave of the range, the narrowest first.")
     ends: list[SpreadEndRecord] = key("The shapes that were computed.")
     line_low_mm: list[list[float]] = key(
         "A straight line on the print through the highest point, seen from the side: distance along the ground and "
-        "height of its points, in the mean shape of prints with the lower height.",
-        unit="mm",
+        "height of its points, in the mean shape of prints with the lower height."
     )
-    line_median_mm: list[list[float]] = key("The same of prints with the median of the height.", unit="mm")
-    line_high_mm: list[list[float]] = key("The same of prints with the upper height.", unit="mm")
+    line_median_mm: list[list[float]] = key("The same of prints with the median of the height.")
+    line_high_mm: list[list[float]] = key("The same of prints with the upper height.")
     solves: int = key("Exact shapes that were computed for the range, on the mesh of the shape.")
-    wall_s: float = key("Wall time.", unit="s")
+    wall_s: float = key("Wall time.")
 
     @property
     def range_in_words(self) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from asterism.results.record import ABSENT, Record, key
 
 
@@ -9,9 +11,9 @@ class StripOptionsRecord(Record):
     """The options with which the table of strips was read."""
 
     outside: bool = key("The boxes enclose the thickness of the strips.")
-    flat_height_mm: float = key("Strips whose arc is lower count as flat.", unit="mm")
+    flat_height_mm: float = key("Strips whose arc is lower count as flat.")
     stretch: float = key("Stretch of all strips, if the table gives none.", default=ABSENT)
-    fabric_thickness_mm: float = key("Thickness of the fabric, if the table gives none.", unit="mm", default=ABSENT)
+    fabric_thickness_mm: float = key("Thickness of the fabric, if the table gives none.", default=ABSENT)
 
 
 class RatioIntervalRecord(Record):
@@ -29,10 +31,10 @@ class RatioIntervalRecord(Record):
 class KappaBarRecord(Record):
     """An estimate of kappa_bar, the curvature of peeled plastic, with its confidence interval."""
 
-    thickness_mm: float | None = key("Thickness of the strips; null if one value holds for all.", unit="mm")
-    value_per_mm: float = key("Estimate.", unit="1/mm")
-    low_per_mm: float = key("Lower end of the interval.", unit="1/mm")
-    high_per_mm: float = key("Upper end of the interval.", unit="1/mm")
+    thickness_mm: float | None = key("Thickness of the strips; null if one value holds for all.")
+    value_per_mm: float = key("Estimate.")
+    low_per_mm: float = key("Lower end of the interval.")
+    high_per_mm: float = key("Upper end of the interval.")
 
     def in_words(self) -> str:
         """The row of this estimate in the table on the terminal."""
@@ -75,34 +77,28 @@ def _kappa_bars(record: StripFitRecord) -> dict[str, str]:
 class StripFitRecord(Record):
     """The summary of a fit of strips."""
 
-    rows = ("readings_used", "modulus_ratio", "modulus_ratio_across", "kappa_bar", "confidence")
+    rows: ClassVar = {
+        "readings_used": ("readings", _readings),
+        "modulus_ratio": ("E1/E2", _ratios),
+        "modulus_ratio_across": ("E1/E2 across", _ratios_across),
+        "kappa_bar": ("kappa_bar", _kappa_bars),
+        "confidence": (
+            "intervals",
+            lambda record: f"{100 * record.confidence:g} %, {record.degrees_of_freedom:.1f} degrees of freedom",
+        ),
+    }
 
     version: str = key("Version of asterism.")
     strips: str = key("Name of the table of strips.")
     options: StripOptionsRecord = key("Options with which the table was read.")
     rest_curvature: str = key("Convention of the material's E1/E2: `paper` or `timoshenko`.")
-    confidence: float = key(
-        "Probability with which the intervals contain the true values, from 0 to 1.",
-        label="intervals",
-        show=lambda record: f"{100 * record.confidence:g} %, {record.degrees_of_freedom:.1f} degrees of freedom",
-    )
+    confidence: float = key("Probability with which the intervals contain the true values, from 0 to 1.")
     degrees_of_freedom: float = key("Degrees of freedom of the interval of E1/E2.")
-    modulus_ratio: dict[str, RatioIntervalRecord] = key(
-        "E1/E2 for each convention; of strips in two directions along the grain.", label="E1/E2", show=_ratios
-    )
-    modulus_ratio_across: dict[str, RatioIntervalRecord] = key(
-        "E1/E2 across the grain, if the table has directions.",
-        label="E1/E2 across",
-        show=_ratios_across,
-        default=ABSENT,
-    )
+    modulus_ratio: dict[str, RatioIntervalRecord] = key("E1/E2 for each convention, along the grain.")
+    modulus_ratio_across: dict[str, RatioIntervalRecord] = key("E1/E2 across the grain.", default=ABSENT)
     kappa_bar_kind: str = key("Model of kappa_bar: `constant`, `per-thickness` or `zero`.")
-    kappa_bar: list[KappaBarRecord] = key(
-        "kappa_bar: one value, one for each thickness, or none if it is taken for 0.",
-        label="kappa_bar",
-        show=_kappa_bars,
-    )
-    readings_used: int = key("Readings that were used.", label="readings", show=_readings)
+    kappa_bar: list[KappaBarRecord] = key("kappa_bar: one value, one for each thickness, or none if it is taken for 0.")
+    readings_used: int = key("Readings that were used.")
     readings_flat: int = key("Flat readings among them, which count as straight within a bound.")
     left_out: list[LeftOutReadingRecord] = key("Readings that were not used.")
     warnings: list[str] = key("Reasons to doubt the numbers; readings named here are used.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from asterism.results.record import Record, key
 
@@ -41,18 +41,21 @@ class SweepRecord(Record):
     """The summary of a sweep."""
 
     model_name = "sweep"
-    rows = ("table_rows", "sampling", "by", "parameters")
+    rows: ClassVar = {
+        "table_rows": ("designs", _failed),
+        "sampling": ("sampling", "{sampling}"),
+        "by": ("shapes by", "{by}"),
+        "parameters": ("parameters", lambda record: ", ".join(each.path for each in record.parameters)),
+    }
     last = ("table_rows", "version", "design")
 
     model: str = key("`sweep`.")
-    by: str = key("The model of the shapes: `preview` or `exact`.", label="shapes by", show="{by}")
-    sampling: str = key("`grid` for all combinations, or `latin hypercube`.", label="sampling", show="{sampling}")
+    by: str = key("The model of the shapes: `preview` or `exact`.")
+    sampling: str = key("`grid` for all combinations, or `latin hypercube`.")
     seed: int | None = key("Seed of the Latin hypercube; null for a grid.")
-    parameters: list[SweepParameterRecord] = key(
-        "The parameters.", label="parameters", show=lambda record: ", ".join(each.path for each in record.parameters)
-    )
+    parameters: list[SweepParameterRecord] = key("The parameters.")
     columns: list[SweepColumnRecord] = key("The columns of the table after the number and the parameters.")
-    table_rows: list[SweepRowRecord] = key("The designs.", label="designs", show=_failed)
+    table_rows: list[SweepRowRecord] = key("The designs.")
     law: str | None = key("Digest of the law of the previews; null for exact shapes, and if none was given.")
     version: str = key("Version of asterism.")
     design: dict[str, Any] = key("The design that is varied, with all defaults.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
@@ -64,74 +64,41 @@ class DifferenceRecord(Record):
     reference first. Distances in percent are of the reference's diameter.
     """
 
-    rms_mm: float = key("Rms distance of the surfaces, without the corrugation, over the printed area.", unit="mm")
-    max_mm: float = key("Largest distance of the surfaces, without the corrugation.", unit="mm")
-    rms_percent: float = key("The rms distance in percent of the diameter.", unit="%", label="distance", show=_distance)
-    max_percent: float = key("The largest distance in percent of the diameter.", unit="%")
+    rms_mm: float = key("Rms distance of the surfaces, without the corrugation, over the printed area.")
+    max_mm: float = key("Largest distance of the surfaces, without the corrugation.")
+    rms_percent: float = key("The rms distance in percent of the diameter.")
+    max_percent: float = key("The largest distance in percent of the diameter.")
     rms_after_motion_percent: float = key(
         "The rms distance after the best of all rigid motions, also of those that the supports do not leave free, in "
         "percent of the diameter. It is far below `rms_percent` if both shapes are of one form and one of them has "
-        "swung on its supports.",
-        unit="%",
-        label="without a swing",
-        show=_without_swing,
+        "swung on its supports."
     )
     free_motions: int = key("Rigid motions that the supports leave free and that are taken out, from 0 to 6.")
-    rms_stars_percent: float = key(
-        "Rms distance of the star centres, or of the sites of the lattice of a motif.",
-        unit="%",
-        label="star centres",
-        show=_at_points,
-    )
-    max_stars_percent: float = key("Largest distance of two star centres or sites.", unit="%")
-    diameter_mm: float = key("Largest distance of two points of the reference.", unit="mm")
-    height_error_percent: float | None = key(
-        "Error of the height, in percent of the reference's; null if that is zero.", unit="%"
-    )
-    mean_height_error_percent: float | None = key(
-        "The same for the surfaces without the corrugation; null if the reference is flat.",
-        unit="%",
-    )
-    heights_mm: list[float] = key(
-        "Extents of both shapes along z, with the corrugation.",
-        unit="mm",
-        label="height",
-        show="{heights_mm[1]:.1f} mm, exact {heights_mm[0]:.1f} mm",
-    )
-    relief_error_percent: float | None = key(
-        "Rms distance of the corrugations, in percent of the rms height of the reference's own; null without one.",
-        unit="%",
-    )
-    rise_error_percent: float | None = key("Error of the rise, in percent of the reference's.", unit="%")
+    rms_stars_percent: float = key("Rms distance of the star centres, or of the sites of the lattice of a motif.")
+    max_stars_percent: float = key("Largest distance of two star centres or sites.")
+    diameter_mm: float = key("Largest distance of two points of the reference.")
+    height_error_percent: float | None = key("Error of the height, in percent of the reference's.")
+    mean_height_error_percent: float | None = key("The same without the corrugation.")
+    heights_mm: list[float] = key("Extents of both shapes along z, with the corrugation.")
+    relief_error_percent: float | None = key("Rms distance of the corrugations, in percent of the reference's.")
+    rise_error_percent: float | None = key("Error of the rise, in percent of the reference's.")
     rises_mm: list[float] | None = key(
         "Rises of both shapes from the mean level of the supports to the furthest point on the reference's higher "
-        "side; null with fewer than two supported points.",
-        unit="mm",
-        label="rise over the pins",
-        show="{rises_mm[1]:.1f} mm, exact {rises_mm[0]:.1f} mm",
+        "side; null with fewer than two supported points."
     )
-    volume_error_percent: float | None = key("Error of the volume, in percent of the reference's.", unit="%")
-    volumes_mm3: list[float] | None = key(
-        "Volumes between the surfaces and the level of their outlines; null if a sheet is rolled.", unit="mm^3"
-    )
-    roll_radius_error_percent: float | None = key("Error of the roll's radius, in percent.", unit="%")
-    roll_radii_mm: list[float] | None = key(
-        "Radii of both rolls; null unless both sheets are rolled.",
-        unit="mm",
-        label="radius of the roll",
-        show="{roll_radii_mm[1]:.1f} mm, exact {roll_radii_mm[0]:.1f} mm",
-    )
-    roll_axes_deg: list[float | None] = key(
-        "Axes about which both sheets are rolled, on the print; null for a sheet that is not rolled.", unit="deg"
-    )
-    normals_rms_deg: float = key("Rms angle between the normals of the surfaces.", unit="deg")
+    volume_error_percent: float | None = key("Error of the volume, in percent of the reference's.")
+    volumes_mm3: list[float] | None = key("Volumes from the surfaces to the level of their outlines; null if rolled.")
+    roll_radius_error_percent: float | None = key("Error of the roll's radius, in percent.")
+    roll_radii_mm: list[float] | None = key("Radii of both rolls; null unless both sheets are rolled.")
+    roll_axes_deg: list[float | None] = key("Axes about which both are rolled, on the print; null if not rolled.")
+    normals_rms_deg: float = key("Rms angle between the normals of the surfaces.")
     mirrored: bool = key("The nearest image of the shape under the design's symmetries is a mirror image.")
 
 
 class VerifiedStartRecord(DifferenceRecord):
     """Differences of the preview from the exact shape of one start, and how that start went."""
 
-    energy_n_mm: float = key("Energy of the exact shape.", unit="N mm")
+    energy_n_mm: float = key("Energy of the exact shape.")
     is_minimum: bool = key("The exact shape is certified.")
     stars_up: int = key("Stars of the exact shape that bump to the plastic side.")
     iterations: int = key("Newton iterations of the start.")
@@ -148,65 +115,34 @@ class VerificationRecord(DifferenceRecord):
 
     model_name = "verification"
     last = ("warnings", "version", "preview", "exact", "design", "command")
-    rows = (
-        "same_branch",
-        "rms_percent",
-        "rms_after_motion_percent",
-        "expected_rms_percent",
-        "rms_stars_percent",
-        "heights_mm",
-        "rises_mm",
-        "roll_radii_mm",
-        "mesh_error_percent",
-        "starts_agree",
-        "preview_s",
-        "speedup",
-    )
+    rows: ClassVar = {
+        "same_branch": ("same form", _same_form),
+        "rms_percent": ("distance", _distance),
+        "rms_after_motion_percent": ("without a swing", _without_swing),
+        "expected_rms_percent": ("estimated error", _expected),
+        "rms_stars_percent": ("star centres", _at_points),
+        "heights_mm": ("height", "{heights_mm[1]:.1f} mm, exact {heights_mm[0]:.1f} mm"),
+        "rises_mm": ("rise over the pins", "{rises_mm[1]:.1f} mm, exact {rises_mm[0]:.1f} mm"),
+        "roll_radii_mm": ("radius of the roll", "{roll_radii_mm[1]:.1f} mm, exact {roll_radii_mm[0]:.1f} mm"),
+        "mesh_error_percent": ("exact mesh error", lambda record: mesh_error_in_words(record.exact)),
+        "starts_agree": ("exact model", _exact_model),
+        "preview_s": ("seconds", "preview {preview_s:.2f}; exact {exact_s:.1f}"),
+        "speedup": ("speed-up", lambda record: times(record.speedup)),
+    }
 
     model: str = key("Always `verification`.")
-    same_branch: bool | None = key(
-        "The preview shows the form of the exact shape; null without a certified exact shape.",
-        label="same form",
-        show=_same_form,
-    )
-    speedup: float = key(
-        "Time of the exact model over that of the preview.",
-        label="speed-up",
-        show=lambda record: times(record.speedup),
-    )
-    preview_s: float = key(
-        "Time of the preview with its layout, without compilation.",
-        unit="s",
-        label="seconds",
-        show="preview {preview_s:.2f}; exact {exact_s:.1f}",
-    )
-    exact_s: float = key("Time of the exact model from the flat print, with its layout.", unit="s")
-    exact_from_preview_s: float = key(
-        "Time of the exact model from the preview, with its layout, on the meshes of the other start.", unit="s"
-    )
-    mesh_error_percent: float | None = key(
-        "Estimated mesh error of the exact shape, in percent of the diameter; null if not known.",
-        unit="%",
-        label="exact mesh error",
-        show=lambda record: mesh_error_in_words(record.exact),
-    )
-    mesh_change_percent: float | None = key(
-        "Rms distance of the exact shape to that on the next coarser mesh; null if one mesh was solved.", unit="%"
-    )
-    expected_rms_percent: float | None = key(
-        "Estimated rms error of the preview, in percent of the diameter; null if not known.",
-        unit="%",
-        label="estimated error",
-        show=_expected,
-    )
-    expected_height_percent: float | None = key(
-        "Estimated error of the preview's height, in percent of it; null if not known.", unit="%"
-    )
+    same_branch: bool | None = key("The preview has the form of the exact shape; null without a minimum.")
+    speedup: float = key("Time of the exact model over that of the preview.")
+    preview_s: float = key("Time of the preview with its layout, without compilation.")
+    exact_s: float = key("Time of the exact model from the flat print, with its layout.")
+    exact_from_preview_s: float = key("Time of the exact model from the preview, with its layout.")
+    mesh_error_percent: float | None = key("Estimated mesh error of the exact shape.")
+    mesh_change_percent: float | None = key("Rms distance of the exact shape to that on the next coarser mesh.")
+    expected_rms_percent: float | None = key("Estimated rms error of the preview.")
+    expected_height_percent: float | None = key("Estimated error of the preview's height, in percent of it.")
     result_from: str = key("Start of the exact shape that counts: `release` or `preview`.")
-    starts_agree: bool = key("Both starts ended in one minimum.", label="exact model", show=_exact_model)
-    starts_distance_percent: float = key(
-        "Rms distance of the exact shapes of both starts, in percent of the diameter.", unit="%"
-    )
+    starts_agree: bool = key("Both starts ended in one minimum.")
+    starts_distance_percent: float = key("Rms distance of the exact shapes of both starts, in percent of the diameter.")
     starts: dict[str, VerifiedStartRecord] = key("Both starts by name: `release` and `preview`.")
     warnings: list[str] = key("What to know before the numbers are trusted.")
     version: str = key("Version of asterism.")
