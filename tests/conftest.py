@@ -56,7 +56,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if is_worker or not getattr(session.config.option, "numprocesses", None):
         return
     # not before the annotations of `CHECKED_MODULES` are checked
-    from asterism.cli.common.compile_ahead import WARM_UP, start_compiling
+    from asterism.process.compiling import WARM_UP, start_compiling
 
     for process in [start_compiling(package) for package in WARM_UP]:
         if process is not None:

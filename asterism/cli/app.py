@@ -6,33 +6,26 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli import law, strips
-from asterism.cli.calibrate import calibrate
-from asterism.cli.compare import compare
-from asterism.cli.compare_designs import compare_designs
-from asterism.cli.export import export
+from asterism.cli import laws, strips
 from asterism.cli.fit import fit
-from asterism.cli.hops import hops
-from asterism.cli.materials import materials
-from asterism.cli.new import new
-from asterism.cli.picture import picture
-from asterism.cli.preview import preview
-from asterism.cli.printers import printers
-from asterism.cli.report import report
-from asterism.cli.simulate import simulate
-from asterism.cli.studio import studio
+from asterism.cli.lists import materials, new, printers
+from asterism.cli.options import group
+from asterism.cli.pages import compare_designs, picture, report
+from asterism.cli.prints import compare, export
+from asterism.cli.servers import hops, studio
+from asterism.cli.shapes import preview, simulate, verify
 from asterism.cli.sweep import sweep
-from asterism.cli.verify import verify
 from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 for function in (
     *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
-    *(compare_designs, materials, report, calibrate, hops),
+    *(compare_designs, materials, report, laws.calibrate, hops),
 ):
     app.command()(function)
-app.add_typer(strips.app, name="strips")
-app.add_typer(law.app, name="law")
+measure = (strips.new, strips.fit, strips.weigh, strips.overhang)
+app.add_typer(group("Measure plastic and fabric with printed strips.", *measure), name="strips")
+app.add_typer(group("Show a law, or forget the kept cells.", laws.show, laws.forget), name="law")
 
 
 @app.callback(invoke_without_command=True)

@@ -7,20 +7,11 @@ from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.options import PrinterName, nonempty_path, output_option
-from asterism.cli.common.run import Mistake, Run, command
+from asterism.cli.options import PrinterName, nonempty_path, output_option
+from asterism.cli.run import Mistake, Run, command
 from asterism.process.environment import quoted
 
-app = typer.Typer(help="Measure plastic and fabric with printed strips.", invoke_without_command=True)
 
-
-@app.callback()
-def _needs_a_command(context: typer.Context) -> None:
-    if context.invoked_subcommand is None:
-        raise Mistake("strips: needs a command: new, fit, weigh or overhang")
-
-
-@app.command()
 @command
 def new(
     run: Run,
@@ -93,7 +84,6 @@ def new(
     )
 
 
-@app.command()
 @command
 def fit(
     run: Run,
@@ -156,7 +146,6 @@ def fit(
     run.warn(*material.warnings)
 
 
-@app.command()
 @command
 def weigh(
     run: Run,
@@ -181,7 +170,6 @@ def weigh(
     run.table({"stretch": f"{after / before:.3f}", "modulus_mpa": f"{modulus:.4g} MPa"})
 
 
-@app.command()
 @command
 def overhang(
     run: Run,

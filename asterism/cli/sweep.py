@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import (
+from asterism.cli.options import (
     DaskAddress,
     DesignFile,
     LawFile,
@@ -17,7 +17,7 @@ from asterism.cli.common.options import (
     output_option,
     results_folder,
 )
-from asterism.cli.common.run import NO_ANSWER, Mistake, Run, command
+from asterism.cli.run import NO_ANSWER, Mistake, Run, command
 
 
 @command
@@ -87,8 +87,7 @@ def sweep(
                 report=progress.report,
             )
         files = write_sweep(result, directory)
-    run.table(result.summary.table(), doubts=result.doubts)
-    run.files(directory, files)
+    run.result(result.summary, directory, files, result.doubts)
     if result.failed < len(result.points):
         return 0
     run.warn("no design has a shape; the column problem of sweep.csv has the reasons")

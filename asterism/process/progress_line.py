@@ -103,28 +103,22 @@ class CountLine(ProgressLine):
 
     def report(self, progress: CampaignProgress) -> None:
         """Show the progress, at the beginning and after each computation."""
-        if progress.last is not None and progress.last.failed is not None:
-            self._failed(progress.last.label, progress.last.failed)
-        self._show(progress.done, progress.total, progress.failed, progress.seconds_left)
-
-    def _show(self, done: int, total: int, failed: int, seconds_left: float | None) -> None:
+        last, done, total = progress.last, progress.done, progress.total
+        # the others that fail for a reason differ from the first one by their numbers
+        if last is not None and last.failed is not None and (why := without_numbers(last.failed)) not in self._reasons:
+            self._reasons.add(why)
+            self.say(f"  no answer: {last.label}: {last.failed}")
         text = f"  {done} of {total} {self._noun}"
-        if failed:
-            text += f", {failed} without an answer"
-        if seconds_left is not None and done < total:
-            minutes, seconds = divmod(round(seconds_left), 60)
+        if progress.failed:
+            text += f", {progress.failed} without an answer"
+        if progress.seconds_left is not None and done < total:
+            minutes, seconds = divmod(round(progress.seconds_left), 60)
             text += f", about {minutes} min {seconds:02d} s left"
         if self.is_live:
             self.change(text)
         elif time.monotonic() >= self._next_s or done == total:
             self._next_s = time.monotonic() + MAX_QUIET_S
             self.say(text)
-
-    def _failed(self, which: str, problem: str) -> None:
-        """Name the first one that fails for a reason: the others differ from it by their numbers."""
-        if (reason := without_numbers(problem)) not in self._reasons:
-            self._reasons.add(reason)
-            self.say(f"  no answer: {which}: {problem}")
 
 
 def without_numbers(problem: str) -> str:

@@ -169,14 +169,14 @@ def _toml(table: dict[str, Any]) -> str:
 
 def _exact_is_small(name: str, folder: Path, edge_mm: str = "") -> bool:
     """Whether the exact model takes a second or two, or refuses the design; with the option --edge if it is given."""
-    from asterism.cli.common.options import with_overrides
+    from asterism.cli.options import with_overrides
     from asterism.equilibrium.errors import Error
     from asterism.exact.cost import exact_cost
     from asterism.pattern.layout.build import load_design
 
     try:
-        changed = {"--edge": ("mesh.edge_mm", float(edge_mm))} if edge_mm else {}
-        return exact_cost(with_overrides(load_design(folder / name), changed)).vertices <= MAX_VERTICES
+        changed = with_overrides(load_design(folder / name), edge=float(edge_mm) if edge_mm else None)
+        return exact_cost(changed).vertices <= MAX_VERTICES
     except (Error, ValueError):
         return True
 

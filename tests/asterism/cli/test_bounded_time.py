@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import json
-import time
 from pathlib import Path
 
 import pytest
 
-from asterism.cli.common.progress import Progress
-from asterism.process import progress_line
 from tests.asterism.commands import command
 
 SMALL = "[stars]\nlength_mm = 10.0\nthickness_mm = 0.4\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
@@ -41,22 +37,3 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
     assert "about 42 vertices, 0.2 GB, 2 s" in done.err
     summary = json.loads((tmp_path / "d" / "summary.json").read_text())
     assert summary["iterations"] == 12 and not summary["is_minimum"] and summary["gradient_norm"] > 0
-
-
-def test_silence_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """While a step takes long, a line says that the computation goes on."""
-    monkeypatch.setattr(progress_line, "MAX_QUIET_S", 0.02)
-    stream = io.StringIO()
-    with Progress(stream) as shown:
-        shown.say("minimising")
-        begun = time.perf_counter()
-        while "still computing" not in stream.getvalue():
-            assert time.perf_counter() - begun < 60.0
-            time.sleep(0.005)
-    lines = stream.getvalue().splitlines()
-    # the first sign may come before the first word
-    assert "minimising" in lines
-    assert all(line.startswith("  still computing, ") and line.endswith(" s") for line in lines if line != "minimising")
-    count = len(lines)
-    time.sleep(0.1)
-    assert len(stream.getvalue().splitlines()) == count

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -23,8 +22,6 @@ edge_mm = 4.3
 [fabric]
 bending = "paper"
 """
-# the command line as it is where ipctk is not installed
-WITHOUT = "import sys; sys.modules['ipctk'] = None; from asterism.cli.main import main; main()"
 
 
 @pytest.fixture
@@ -54,16 +51,6 @@ def test_contact_keeps_it_apart(folder: Path, capsys, monkeypatch) -> None:
     contact = summary["self_contact"]
     assert contact["closest_possible_mm"] < contact["least_distance_mm"] < contact["begins_at_mm"]
     assert contact["pairs"] > 0 and summary["energy_parts_n_mm"]["contact"] > 0.0
-
-
-@pytest.mark.slow
-def test_without_the_package_it_is_one_line(folder: Path) -> None:
-    start = [sys.executable, "-c", WITHOUT, "simulate", "d.toml", "--contact"]
-    result = subprocess.run(start, cwd=folder, capture_output=True, text=True, timeout=300)
-    assert result.returncode == 2
-    lines = [line for line in result.stderr.splitlines() if not line.startswith("  still computing")]
-    assert lines == ["asterism: d.toml: solver.contact: needs the package ipctk: pip install ipctk"]
-    assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
 def test_without_the_package_a_design_with_contact_is_one_line(folder: Path, capsys, monkeypatch) -> None:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
 import time
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
-from asterism.pattern import gallery
-from asterism.pattern.design.errors import MeshError
-from asterism.process.compiling import announce_compiling, clock_without_compiling, signs_while_compiling
-from tests.asterism.commands import command
+from asterism.process import compiling
+from asterism.process.compiling import (
+    announce_compiling,
+    clock_without_compiling,
+    compiling_ahead,
+    signs_while_compiling,
+)
 
 pytest.importorskip("numba")
 
@@ -83,32 +88,6 @@ def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -
             assert 0.05 <= clock() - by_the_clock <= time.perf_counter() - begun
 
 
-@pytest.mark.parametrize(
-    ("word", "engine"),
-    [
-        ("preview", "asterism.previews.session.preview"),
-        ("simulate", "asterism.verification.both_starts.simulate"),
-        ("verify", "asterism.verification.run.verify"),
-    ],
-)
-def test_commands_say_it(
-    word: str, engine: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def compile_and_stop(*arguments: object, **options: object) -> None:
-        fresh(tmp_path, "asterism.fem.loops").first(1)
-        raise MeshError("enough")
-
-    monkeypatch.setattr(engine, compile_and_stop)
-    found = command([word, str(gallery.path("star")), "-o", str(tmp_path / "out")], capsys, monkeypatch)
-    lines = found.err.splitlines()
-    # the exact model's cost comes first
-    assert lines[: len(lines) - 2] == [line for line in lines if line.startswith("about ")]
-    assert lines[-2:] == [
-        "compiling the preview's shell: about 20 s, later runs have the code",
-        "asterism: enough",
-    ]
-
-
 def test_long_compiling_gives_signs_of_life(tmp_path: Path) -> None:
     signs: list[str] = []
     with signs_while_compiling(signs.append, 0.001):
@@ -118,3 +97,32 @@ def test_long_compiling_gives_signs_of_life(tmp_path: Path) -> None:
     with signs_while_compiling(signs.append, 0.001):
         assert fresh(tmp_path, "asterism.fem.loops").first(3) == 7
     assert signs == []
+
+
+@pytest.mark.parametrize(
+    ("package", "has_code", "cores", "starts"),
+    [
+        ("fem", False, 2, True),
+        ("fem", True, 2, False),
+        ("fem", False, 1, False),
+        (None, False, 2, False),
+    ],
+)
+def test_another_process_compiles_only_where_it_helps_and_ends_with_the_block(
+    package: Any, has_code: bool, cores: int, starts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+    start = subprocess.Popen
+
+    def recorded(*arguments: Any, **options: Any) -> subprocess.Popen[bytes]:
+        started.append(start(*arguments, **options))
+        return started[-1]
+
+    monkeypatch.setattr(compiling.subprocess, "Popen", recorded)
+    monkeypatch.setattr(compiling, "WARM_UP", {"fem": "import time; time.sleep(60)"})
+    monkeypatch.setattr(compiling, "has_machine_code", lambda folder: has_code)
+    monkeypatch.setattr("os.cpu_count", lambda: cores)
+    with pytest.raises(KeyboardInterrupt), compiling_ahead(package):
+        assert [process.poll() for process in started] == [None] * starts
+        raise KeyboardInterrupt
+    assert all(process.returncode is not None for process in started)

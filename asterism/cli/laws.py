@@ -1,4 +1,4 @@
-"""`asterism calibrate`: the law of a material, or of a design's own stars or motif."""
+"""Laws of materials: `asterism calibrate` and `asterism law`."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import (
+from asterism.cli.options import (
     DaskAddress,
     MaterialFile,
     Processes,
-    check_law_name,
+    check_ending,
     check_workers,
     output_option,
 )
-from asterism.cli.common.run import Run, command
+from asterism.cli.run import Run, command
 from asterism.process.environment import quoted
 
 
@@ -47,7 +47,7 @@ def calibrate(
     from asterism.pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
-    check_law_name(path)
+    check_ending(path, ".npz")
     check_workers(jobs, dask)
     plan = plan_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
@@ -62,3 +62,28 @@ def calibrate(
     if is_design(file):
         other = f" --material {quoted(material)}" if material else ""
         run.lines([f"now run  asterism preview {quoted(file)}{other} --law {quoted(path)}"])
+
+
+@command
+def show(
+    run: Run,
+    path: Annotated[
+        Path | None, typer.Argument(help="File of the law (.npz). Without a file: the law of the paper's material.")
+    ] = None,
+    output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
+) -> None:
+    """Print a law and its errors as tables, and draw it in law.png."""
+    from asterism.laws.law_text import law_doubts, show_law
+
+    lines = show_law(path, output)
+    run.table({}, doubts=law_doubts(path))
+    run.lines(lines)
+
+
+@command
+def forget(run: Run) -> None:
+    """Remove the cells that previews and calibrations have kept on this machine."""
+    from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
+
+    folder = cells_folder()
+    run.lines([f"{forget_oldest(folder, 0)} cells removed from {folder}"])

@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from asterism.cli.common.progress import Progress
+from asterism.cli.run import Progress
 from asterism.equilibrium.newton.minimise import Iteration
 
 

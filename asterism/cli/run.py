@@ -8,7 +8,9 @@ import gc
 import inspect
 import io
 import re
+import shutil
 import sys
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -17,12 +19,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO, get_args, get
 
 import typer
 
-from asterism.cli.common.progress import Progress
 from asterism.equilibrium.errors import Error, one_line
+from asterism.process.progress_line import ProgressLine
 
 if TYPE_CHECKING:
     from asterism.equilibrium.newton.minimise import Iteration
     from asterism.exact.cost import Cost
+    from asterism.results.record import Record
 
 
 DONE = 0
@@ -51,6 +54,27 @@ class Interrupted(Error):
     exit_status = 130
 
 
+class Progress(ProgressLine):
+    """One changing line on a terminal; elsewhere one line for each stage."""
+
+    _stage = ""
+
+    def report(self, stage: str, iteration: Iteration) -> None:
+        """Show an iteration; `stage` describes the stage, such as the released part of the stretch."""
+        if stage != self._stage and not self.is_live:
+            self.close()
+        self._stage = stage
+        name = f"{stage} released" if stage.endswith("%") else stage
+        begin = f"  {name:<32} iteration {iteration.number:<4} energy {iteration.energy:.4f} N mm"
+        clock = f"   {time.monotonic() - self.start_s:.1f} s"
+        line = f"{begin}   gradient {iteration.gradient_norm:.1e} N{clock}"
+        # a line that wraps cannot be replaced
+        room = shutil.get_terminal_size().columns - 1
+        if self.is_live and len(line) > room:
+            line = (begin[: max(room - len(clock), 0)] + clock)[:room]
+        self.change(line)
+
+
 class Run:
     """One run of a command, with its output: progress, results and warnings.
 
@@ -61,7 +85,7 @@ class Run:
     yes : compute also what takes long or needs much memory.
     is_doubtful : a printed result is not reliable.
     stream : output stream of progress.
-    progress : what is printed there; `command` begins and ends it.
+    progress : what is printed there; `command` begins and ends it. `say` prints a line, `report` shows an iteration.
     """
 
     def __init__(self, quiet: bool = False, strict: bool = False, yes: bool = False) -> None:
@@ -71,6 +95,7 @@ class Run:
         self.stream: TextIO = io.StringIO() if quiet else sys.stderr
         # loading the libraries may take longer than a user waits without a sign, so it begins with the command
         self.progress = Progress(self.stream)
+        self.say, self.report = self.progress.say, self.progress.report
 
     @contextmanager
     def computing(self, compile_ahead: Literal["discrete", "fem"] | None = None) -> Iterator[None]:
@@ -80,8 +105,7 @@ class Run:
         ----------
         compile_ahead : package of the model that the block uses last.
         """
-        from asterism.cli.common.compile_ahead import compiling_ahead
-        from asterism.process.compiling import announce_compiling
+        from asterism.process.compiling import announce_compiling, compiling_ahead
 
         _collect_from_here()
         with compiling_ahead(compile_ahead), announce_compiling(self.say):
@@ -121,14 +145,6 @@ class Run:
             where = f"finished {what} are in {folder}, and the same command continues from there"
             raise Interrupted(f"interrupted; {where}") from None
 
-    def say(self, text: str) -> None:
-        """Print a line of progress."""
-        self.progress.say(text)
-
-    def report(self, stage: str, iteration: Iteration) -> None:
-        """Show an iteration of a stage."""
-        self.progress.report(stage, iteration)
-
     def table(self, rows: Mapping[str, str], width: int = 20, doubts: Sequence[str] = ()) -> None:
         """Print named values, one a line; first the reasons for which the result is not reliable."""
         if doubts:
@@ -140,6 +156,15 @@ class Run:
         """Print lines of a result on standard output."""
         for line in lines:
             typer.echo(one_line(line))
+
+    def result(
+        self, summary: Record, directory: Path, files: Iterable[str], doubts: Sequence[str] | None = None
+    ) -> None:
+        """Print the numbers of a result, and its files; `doubts` are by default those of its shape."""
+        from asterism.results.words import doubts as of_shape
+
+        self.table(summary.table(), doubts=of_shape(summary) if doubts is None else doubts)
+        self.files(directory, files)
 
     def files(self, directory: Path, names: Iterable[str]) -> None:
         """Print the folder and the names of the written files."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from asterism.cli.common.run import Mistake
+from asterism.cli.run import Mistake
 
 if TYPE_CHECKING:
     from asterism.pattern.design.design import Design
@@ -45,6 +46,9 @@ ToleranceOption = Annotated[
         help="Refine the mesh until the error of the shape is within this part of the diameter, in percent, instead of "
         "the value or the edge length in the design; not for the paper's hinges."
     ),
+]
+EdgeOption = Annotated[
+    float | None, typer.Option(help="Edge length of the exact mesh in mm, instead of the value in the design.")
 ]
 BackendOption = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
 
@@ -85,10 +89,25 @@ def check_workers(jobs: int | None, dask: str | None) -> None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
 
 
-def check_law_name(path: Path) -> None:
-    """Refuse a file of another kind as the place of a law."""
-    if path.suffix != ".npz":
-        raise Mistake(f"--output: {str(path)!r} must end with .npz")
+def group(help: str, *commands: Callable[..., int]) -> typer.Typer:
+    """Commands below one name."""
+    app = typer.Typer(help=help, invoke_without_command=True)
+    names = [each.__name__ for each in commands]
+
+    @app.callback()
+    def needs_a_command(context: typer.Context) -> None:
+        if context.invoked_subcommand is None:
+            raise Mistake(f"{context.info_name}: needs a command: {', '.join(names[:-1])} or {names[-1]}")
+
+    for each in commands:
+        app.command()(each)
+    return app
+
+
+def check_ending(path: Path, ending: str) -> None:
+    """Refuse a file of another kind as --output."""
+    if path.suffix != ending:
+        raise Mistake(f"--output: {str(path)!r} must end with {ending}")
 
 
 def results_folder(design: Path, output: Path | None, default: Path, *names: str) -> Path:
@@ -116,12 +135,17 @@ def results_folder(design: Path, output: Path | None, default: Path, *names: str
     return directory
 
 
-def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Design:
-    """The design with the entries given on the command line.
+# entries of the design in whose place options stand
+OVERRIDES = {
+    "edge": "mesh.edge_mm",
+    "tolerance": "mesh.tolerance_percent",
+    "seed": "solver.seed",
+    "contact": "solver.contact",
+}
 
-    Parameters
-    ----------
-    options : for each option its name, the dotted field of the design, and the value; None for no change.
+
+def with_overrides(design: Design, **options: Any) -> Design:
+    """The design with the entries given on the command line: options of `OVERRIDES`; None for no change.
 
     Raises
     ------
@@ -134,22 +158,23 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
     from asterism.pattern.layout.build import layout
 
     data = design.to_dict()
-    given = {option: entry for option, entry in options.items() if entry[1] is not None}
-    if "--tolerance" in given:
-        if "--edge" in given:
-            raise Mistake("--tolerance: goes without --edge: the mesh is refined until the error is within it")
-        data["mesh"].pop("edge_mm", None)
+    given = {OVERRIDES[option]: value for option, value in options.items() if value is not None}
     if not given:
         return design
+    refines = "mesh.tolerance_percent" in given
+    if refines:
+        if "mesh.edge_mm" in given:
+            raise Mistake("--tolerance: goes without --edge: the mesh is refined until the error is within it")
+        data["mesh"].pop("edge_mm", None)
     try:
-        new = Design.from_dict(with_entries(data, dict(given.values())))
-        if "--tolerance" in given and new.mesh_edge_mm is not None:
+        new = Design.from_dict(with_entries(data, given))
+        if refines and new.mesh_edge_mm is not None:
             plates = "plate and consistent have one; --edge sets the mesh of others"
             raise Mistake(f"--tolerance: not for fabric.bending = {new.fabric.bending!r}: {plates}")
         layout(new)
     except DesignError as error:
-        for option, (field, _) in given.items():
-            if field == error.field:
-                raise DesignError(option, error.allowed, error.value) from None
+        for option, field in OVERRIDES.items():
+            if field == error.field and field in given:
+                raise DesignError(f"--{option}", error.allowed, error.value) from None
         raise
     return new

@@ -1,0 +1,115 @@
+"""What asterism comes with, and your own: `asterism new`, `printers` and `materials`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from asterism.cli.options import check_ending, output_option
+from asterism.cli.run import DONE, WRONG_INPUT, Mistake, Run, command
+from asterism.process.environment import quoted
+
+
+@command
+def new(
+    run: Run,
+    name: Annotated[
+        str | None,
+        typer.Argument(help="Name of a template or a design. Without a name, the command lists all of them."),
+    ] = None,
+    output: Annotated[Path | None, output_option("File of the design (default: NAME.toml).")] = None,
+) -> None:
+    """Write a template, a design of the paper's figures, or a drawn pattern, to a file that you can change."""
+    from asterism.pattern import gallery
+    from asterism.results.files import write_file
+
+    lists = {
+        "templates": gallery.template_names(),
+        "figures of the paper": gallery.names(),
+        "drawn patterns": gallery.pattern_names(),
+    }
+    if name is None:
+        for title, names in lists.items():
+            run.lines([f"{title}:"])
+            run.table({each: gallery.words(each) for each in names}, width=24)
+        return
+    known = [each for names in lists.values() for each in names]
+    if name not in known:
+        raise Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(known)}")
+    path = output or Path(f"{name}.toml")
+    check_ending(path, ".toml")
+    content = gallery.path(name).read_bytes()
+    if path.exists() and not (path.is_file() and path.read_bytes() == content):
+        raise Mistake(f"--output: {str(path)!r} exists and is kept; choose another name")
+    write_file(path, content)
+    where = quoted(path)
+    following = f"asterism preview {where}  for its shape at once, or  asterism verify {where}"
+    if name in lists["drawn patterns"] and "motif" not in tomllib.loads(content.decode())["rods"]:
+        following = f"asterism simulate {where}  for its shape, or  asterism export {where}  for the print"
+    run.lines([f"{path}: run  {following}"])
+
+
+@command
+def printers(run: Run) -> int:
+    """List printers and plastics, and the folders of your own profiles.
+
+    The exit status is 2 if one of your files is wrong; the list contains the others.
+    """
+    from asterism.pattern.design.errors import DesignError
+    from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
+    from asterism.print.profiles import load_plastic, load_printer, profile_names
+
+    kinds: dict[str, Callable[[str], str]] = {
+        "printers": lambda name: _of_printer(load_printer(name)),
+        "plastics": lambda name: load_plastic(name).name,
+    }
+    wrong = []
+    for kind, describe in kinds.items():
+        for name in profile_names(kind):
+            try:
+                run.table({name: describe(name)}, width=14)
+            except DesignError as error:
+                wrong.append(" ".join(str(error).split()))
+    own = " or ".join(map(str, own_folders()))
+    run.lines([f"yours: printers/NAME.toml and plastics/NAME.toml in {own} ({PROFILES_VARIABLE})"])
+    run.lines(
+        [
+            "their start codes are not complete: they set the height of the fabric, and leave temperatures, homing, "
+            "purging and the end to your slicer"
+        ]
+    )
+    run.warn(*wrong)
+    return WRONG_INPUT if wrong else DONE
+
+
+def _of_printer(machine: Any) -> str:
+    width, depth = machine.bed_mm
+    layers = " or ".join(f"{height:g}" for height in machine.first_layers_mm)
+    return f"{machine.name}: {width:g} x {depth:g} mm, layers {layers} + n {machine.layer_mm:g} mm"
+
+
+@command
+def materials(run: Run) -> int:
+    """List measured materials, which all commands take by name, and the folders of your own.
+
+    The exit status is 2 if one of your files is wrong; the list contains the others.
+    """
+    from asterism.laws.replace_material import material_in_words
+    from asterism.pattern.design.errors import DesignError
+    from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
+    from asterism.pattern.design.material_files import MATERIALS_FOLDER, material_files
+
+    wrong = []
+    for name, path in material_files().items():
+        try:
+            run.table({name: material_in_words(path)}, width=14)
+        except DesignError as error:
+            wrong.append(str(error))
+    own = " or ".join(str(folder / MATERIALS_FOLDER) for folder in own_folders())
+    run.lines([f"yours: NAME.toml in {own} ({PROFILES_VARIABLE}); asterism strips fit --save NAME writes one"])
+    run.warn(*wrong)
+    return WRONG_INPUT if wrong else DONE

@@ -1,0 +1,184 @@
+"""What others look at: `asterism report`, `compare-designs` and `picture`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from asterism.cli.options import (
+    DesignFile,
+    LawFile,
+    MaterialFile,
+    PlasticName,
+    PrinterName,
+    output_option,
+    two_sizes,
+)
+from asterism.cli.run import Mistake, Run, command
+
+
+@command
+def report(
+    run: Run,
+    design: DesignFile,
+    output: Annotated[Path | None, output_option("File of the page (default: DESIGN-report.pdf).")] = None,
+    results: Annotated[
+        Path | None,
+        typer.Option(
+            help="Results of simulate, preview or verify (default: those beside the design, or a new preview)."
+        ),
+    ] = None,
+    printer: PrinterName = "ultimaker2",
+    plastic: PlasticName = "tpu95a",
+    material: MaterialFile = None,
+    law: LawFile = None,
+) -> None:
+    """Write one page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
+    from asterism.laws.replace_material import read_design
+
+    plan = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
+
+    from asterism.homogenize.errors import LawError
+    from asterism.laws.design_law import law_from_file
+    from asterism.reports.design_report import report as write
+
+    if law and results:
+        raise LawError("--law: is for a new preview, not with --results")
+    path = output or design.with_name(f"{design.stem}-report.pdf")
+    written = write(
+        plan,
+        path,
+        results=results,
+        beside=design.with_suffix(""),
+        printer=printer,
+        plastic=plastic,
+        law=law_from_file(plan, law, design, material) if law else None,
+        say=run.warn,
+    )
+    run.lines([f"{path}: layout 1:{written.scale:g}; shape: {written.source}"])
+
+
+# characters of the widest label and of a number in the table on the terminal
+LABEL_WIDTH = 50
+CELL_WIDTH = 20
+
+
+@command
+def compare_designs(
+    run: Run,
+    designs: Annotated[list[Path], typer.Argument(help="Design files (.toml or .json), 2 to 12.")],
+    output: Annotated[Path | None, output_option("File of the page (default: A-B-C.html beside the first).")] = None,
+    exact: Annotated[bool, typer.Option("--exact", help="Compute exact shapes, not previews.")] = False,
+    printer: PrinterName = "ultimaker2",
+    plastic: PlasticName = "tpu95a",
+    law: LawFile = None,
+    material: MaterialFile = None,
+) -> None:
+    """Write one page with several designs: pictures at one scale, sizes, print times, estimated errors, differences.
+
+    Differences are those from the first design. A design without a shape is on the page with the reason.
+    """
+    from asterism.exact.cost import exact_cost
+    from asterism.homogenize.law.law_file import load_law
+    from asterism.laws.replace_material import read_design
+    from asterism.reports.compare_designs import MAX_COMPARED_DESIGNS
+    from asterism.reports.compare_designs import compare_designs as write
+    from asterism.results.words import table_lines
+
+    if not 2 <= len(designs) <= MAX_COMPARED_DESIGNS:
+        raise Mistake(f"must be 2 to {MAX_COMPARED_DESIGNS} design files, not {len(designs)}")
+    if exact and law is not None:
+        raise Mistake("--law: is for previews, not with --exact")
+    plans = [read_design(file, material, run.warn) for file in designs]
+    stems = [file.stem for file in designs]
+    path = output or designs[0].with_name("-".join(dict.fromkeys(stems)) + ".html")
+    own_law = load_law(law) if law else None
+    if exact:
+        run.cost(exact_cost(max(plans, key=lambda plan: exact_cost(plan).seconds), shapes=len(plans)))
+    with run.computing():
+        written = write(
+            plans,
+            path,
+            names=stems,
+            exact=exact,
+            printer=printer,
+            plastic=plastic,
+            law=own_law,
+            say=run.say,
+        )
+    run.lines(table_lines({"": "  ".join(f"{each.name:>{CELL_WIDTH}}" for each in written.designs)}, LABEL_WIDTH))
+    rows = {row.label: "  ".join(f"{text:>{CELL_WIDTH}}" for text in row.texts) for row in written.numbers}
+    run.lines(table_lines(rows, LABEL_WIDTH))
+    count = len(written.differences)
+    run.lines([f"{path}: {count} {'entry differs' if count == 1 else 'entries differ'}"])
+    run.warn(*(f"{each.name}: {each.problem}" for each in written.designs if each.problem))
+
+
+@command
+def picture(
+    run: Run,
+    results: Annotated[
+        list[Path], typer.Argument(help="Folders of simulate, preview, verify or fit, or files shape.vtu.")
+    ],
+    output: Annotated[Path | None, output_option("Folder of the pictures (default: that of each result).")] = None,
+    view: Annotated[
+        Literal["oblique", "above", "front", "side"], typer.Option(help="In perspective, or a drawing to scale.")
+    ] = "oblique",
+    size: Annotated[str, typer.Option(help="Width and height in pixels.")] = "1600x1000",
+    scale: Annotated[
+        float | None, typer.Option(help="Pixels per mm (default: the largest at which all sheets fit).")
+    ] = None,
+    plain: Annotated[bool, typer.Option("--plain", help="Draw the sheet alone, without title and numbers.")] = False,
+    release: Annotated[
+        bool, typer.Option("--release", help="Draw the release from flat print to shape as FOLDER-release.gif.")
+    ] = False,
+) -> None:
+    """Draw results as FOLDER-VIEW.png beside their folders, all at one scale."""
+    from io import BytesIO
+
+    from asterism.draw.picture import check_picture, fitting_scale, view_image
+    from asterism.results.files import check_writable, write_file
+    from asterism.shape.read_shape import read_shape
+    from asterism.shape.release_picture import release_gif
+
+    width, height = two_sizes(size, "--size")
+    pixels = (int(width), int(height)) if (width, height) == (width // 1, height // 1) else (0, 0)
+    try:
+        check_picture(view, pixels, scale)
+    except ValueError as error:
+        raise Mistake(f"--{error}") from None
+    if release and scale is not None:
+        raise Mistake("--release: a release has the largest scale at which the sheet fits; leave out --scale")
+    ending = "release.gif" if release else f"{view}.png"
+    files = {result: _place(result, output) / f"{_name(result)}-{ending}" for result in results}
+    if len(set(files.values())) < len(set(results)):
+        raise Mistake("--output: two results have the same name; draw them into different folders")
+    for file in files.values():
+        check_writable(file.parent, file.name)
+    shapes = {result: read_shape(result) for result in files}
+    with run.computing():
+        chosen = fitting_scale(list(shapes.values()), view, pixels, plain) if scale is None else scale
+        for result, shape in shapes.items():
+            if release:
+                write_file(files[result], release_gif(shape, view, pixels, plain, _name(result)))
+                run.lines([str(files[result])])
+                continue
+            stream = BytesIO()
+            view_image(shape, view, pixels, chosen, plain, _name(result)).save(stream, format="png")
+            write_file(files[result], stream.getvalue())
+            run.lines([f"{files[result]}: {chosen:.4g} pixels per mm"])
+
+
+def _name(result: Path) -> str:
+    """The name of a result's folder, or of a file without its ending."""
+    absolute = result.resolve()
+    return absolute.stem if absolute.is_file() else absolute.name
+
+
+def _place(result: Path, output: Path | None) -> Path:
+    if output is not None:
+        return output
+    # a dot or two have no name of their own
+    return result.parent if result.name.strip(".") else result.resolve().parent
