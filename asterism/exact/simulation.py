@@ -101,21 +101,14 @@ def exact_shape(
         minima = one_minimum(ladder.models[len(levels) - 1], equilibrium, near is not None)
         if search.joined_at:
             minima["joined_at_vertices"] = search.joined_at
-        spent = time.perf_counter() - start
-        return _shape(ladder, equilibrium, levels, before | equilibrium.seconds, spent, minima)
-    all_minima = find_minima(ladder, starts, backend, report)
-    minima = many_minima(all_minima, starts)
-    spent = time.perf_counter() - start
+        ends = [(equilibrium, levels)]
+    else:
+        found = find_minima(ladder, starts, backend, report)
+        minima = many_minima(found, starts)
+        ends = [(branch.equilibrium, list(branch.levels)) for branch in found.fine]
+    wall = {"wall_s": time.perf_counter() - start}
     best, *others = (
-        _shape(
-            ladder,
-            branch.equilibrium,
-            list(branch.levels),
-            before | branch.equilibrium.seconds,
-            spent,
-            minima,
-        )
-        for branch in all_minima.fine
+        _shape(ladder, end, levels, {"wall_s_by_stage": before | end.seconds, **wall, **minima}) for end, levels in ends
     )
     return replace(best, others=tuple(others))
 
@@ -133,38 +126,74 @@ def _meshes(ladder: Ladder) -> str:
     return f"{len(mesh.triangles)} triangles ({mesh.kind} mesh)"
 
 
-def _shape(
-    ladder: Ladder,
-    equilibrium: Equilibrium,
-    levels: list[MeshLevel],
-    seconds: dict[str, float],
-    wall: float,
-    minima: dict[str, Any],
-) -> Shape:
-    number = len(levels) - 1
-    model = ladder.models[number]
-    mesh, positions = model.mesh, _grounded(model, equilibrium.state.positions)
+def _shape(ladder: Ladder, equilibrium: Equilibrium, levels: list[MeshLevel], more: dict[str, Any]) -> Shape:
+    """The shape of an equilibrium with its fields and summary; `more` are the entries about the search."""
+    model, edge_mm = ladder.models[len(levels) - 1], ladder.edges[len(levels) - 1]
+    mesh, plan, fabric = model.mesh, model.layout, model.design.fabric
     star = np.full(len(mesh.points), -1, dtype=np.int64)
-    star[mesh.star_vertices] = model.layout.star_number
+    star[mesh.star_vertices] = plan.star_number
     shape = Shape(
         printed=mesh.points,
-        positions=positions,
+        positions=_grounded(model, equilibrium.state.positions),
         triangles=mesh.triangles,
         star=star,
         rods=mesh.rods,
         star_vertices=mesh.star_vertices,
         rod_fields=_rod_fields(model, equilibrium),
         held=bool(model.held.any()),
-        plan=model.layout,
+        plan=plan,
     )
     if not shape.held:
         shape = shape.aligned()
-    stretch = model.design.fabric.stretch_xy
-    fields = point_fields(shape.positions, shape.triangles)
-    strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
-    summary = _record(model, ladder.edges[number], equilibrium, shape, levels, seconds, wall, minima)
-    summary = summary.changed(warnings=exact_warnings(summary, model.design, model.layout))
-    return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
+    error = error_of_levels(levels)
+    record = ExactRecord(
+        model=ExactRecord.model_name,
+        **shape_numbers(plan, shape, roll_axis_deg(model, equilibrium.state)),
+        converged=equilibrium.converged,
+        is_minimum=equilibrium.is_minimum,
+        smallest_eigenvalue=equilibrium.smallest_eigenvalue,
+        eigenvalue_error=equilibrium.eigenvalue_error,
+        gradient_norm=equilibrium.gradient_norm,
+        gradient_tolerance=equilibrium.tolerance,
+        energy_n_mm=equilibrium.energy,
+        energy_parts_n_mm=equilibrium.energies,
+        rods_total=len(plan.graph.rods),
+        joints_total=len(plan.graph.joints),
+        stars_total=len(plan.centres),
+        stars_up=equilibrium.stars_up,
+        stars_down=plan.star_number[equilibrium.sides < 0].tolist(),
+        stars_off_branch=plan.star_number[stars_off_branch(model, equilibrium)].tolist(),
+        vertices=model.n_vertices,
+        triangles=len(mesh.triangles),
+        dofs=len(model.free),
+        mesh=mesh.kind,
+        edge_mm=edge_mm,
+        **_bond(shape),
+        self_intersections=self_intersections(shape.positions, shape.triangles),
+        self_contact=_contact(model, equilibrium),
+        fabric_bending=fabric.bending,
+        fabric_bending_n_mm=model.bending.energy(equilibrium.energies),
+        iterations=equilibrium.iterations,
+        factorisations=equilibrium.factorisations,
+        saddles_left=equilibrium.saddles_left,
+        instabilities_passed=equilibrium.instabilities_passed,
+        backend=equilibrium.backend,
+        design=model.design.to_dict(),
+        mesh_error_percent=None if fabric.bending_follows_mesh else error.percent,
+        mesh_change_percent=error.change_percent,
+        mesh_forms_differ=error.forms_differ,
+        mesh_tolerance_percent=None if model.design.mesh_edge_mm else model.design.mesh.tolerance_percent,
+        levels=[LevelRecord(**vars(level)) for level in levels],
+        path=[PathStepRecord(**vars(step)) for step in equilibrium.path],
+        **more,
+    )
+    return replace(
+        shape,
+        point_fields=point_fields(shape.positions, shape.triangles),
+        cell_fields=cell_fields(shape.printed, shape.positions, shape.triangles, fabric.stretch_xy),
+        # scripts read each part of the energy as a key
+        summary=record.changed(warnings=exact_warnings(record, model.design, plan), **equilibrium.energies),
+    )
 
 
 def _grounded(model: DiscreteModel, positions: np.ndarray) -> np.ndarray:
@@ -212,65 +241,6 @@ def _bond(shape: Shape) -> dict[str, Any]:
         "peel_at_mm": shape.printed[shape.rod_edges[edge]].mean(axis=0).tolist(),
         "shear_n_per_mm": float(shape.rod_fields["shear_n_per_mm"].max()),
     }
-
-
-def _record(
-    model: DiscreteModel,
-    edge_mm: float,
-    equilibrium: Equilibrium,
-    shape: Shape,
-    levels: list[MeshLevel],
-    seconds: dict[str, float],
-    wall: float,
-    minima: dict[str, Any],
-) -> ExactRecord:
-    number = model.layout.star_number
-    error = error_of_levels(levels)
-    follows_mesh = model.design.fabric.bending_follows_mesh
-    record = ExactRecord(
-        model=ExactRecord.model_name,
-        **shape_numbers(model.layout, shape, roll_axis_deg(model, equilibrium.state)),
-        converged=equilibrium.converged,
-        is_minimum=equilibrium.is_minimum,
-        smallest_eigenvalue=equilibrium.smallest_eigenvalue,
-        eigenvalue_error=equilibrium.eigenvalue_error,
-        gradient_norm=equilibrium.gradient_norm,
-        gradient_tolerance=equilibrium.tolerance,
-        energy_n_mm=equilibrium.energy,
-        energy_parts_n_mm=equilibrium.energies,
-        rods_total=len(model.layout.graph.rods),
-        joints_total=len(model.layout.graph.joints),
-        stars_total=len(model.layout.centres),
-        stars_up=equilibrium.stars_up,
-        stars_down=number[equilibrium.sides < 0].tolist(),
-        stars_off_branch=number[stars_off_branch(model, equilibrium)].tolist(),
-        vertices=model.n_vertices,
-        triangles=len(model.mesh.triangles),
-        dofs=len(model.free),
-        mesh=model.mesh.kind,
-        edge_mm=edge_mm,
-        **_bond(shape),
-        self_intersections=self_intersections(shape.positions, shape.triangles),
-        self_contact=_contact(model, equilibrium),
-        fabric_bending=model.design.fabric.bending,
-        fabric_bending_n_mm=model.bending.energy(equilibrium.energies),
-        iterations=equilibrium.iterations,
-        factorisations=equilibrium.factorisations,
-        saddles_left=equilibrium.saddles_left,
-        instabilities_passed=equilibrium.instabilities_passed,
-        wall_s=wall,
-        wall_s_by_stage=seconds,
-        backend=equilibrium.backend,
-        design=model.design.to_dict(),
-        mesh_error_percent=None if follows_mesh else error.percent,
-        mesh_change_percent=error.change_percent,
-        mesh_forms_differ=error.forms_differ,
-        mesh_tolerance_percent=None if model.design.mesh_edge_mm else model.design.mesh.tolerance_percent,
-        levels=[LevelRecord(**vars(level)) for level in levels],
-        path=[PathStepRecord(**vars(step)) for step in equilibrium.path],
-        **minima,
-    )
-    return record.changed(**equilibrium.energies)  # scripts read each part of the energy as a key
 
 
 def _contact(model: DiscreteModel, equilibrium: Equilibrium) -> ContactRecord | None:

@@ -48,15 +48,10 @@ MEASUREMENTS = {
     "thickness with a caliper": Spread(thickness_error_mm=0.01),
     "direction of the grain": Spread(grain_error_deg=1.0),
 }
-# the ends at which the sheet curls or buckles more, where its height is the least linear
-FIRST_ENDS = {
-    "modulus_ratio_factor": -1,
-    "kappa_bar_error_per_mm": 1,
-    "stretch_percent": 1,
-    "bending_factor": -1,
-    "thickness_error_mm": -1,
-    "grain_error_deg": 1,
-}
+# The first end of an interval is where the sheet curls or buckles more, and its height is the least linear: the lower
+# end of these values, the upper one of the others.
+LOWER_END_FIRST = {"modulus_ratio_factor", "bending_factor", "thickness_error_mm"}
+END_NAMES = {1: "upper end", -1: "lower end"}
 HALF_INTERVAL_SIGMAS = 1.96  # 95 % of a normal distribution
 NINE_IN_TEN = (0.05, 0.5, 0.95)
 SAMPLES = 4000
@@ -118,18 +113,15 @@ def spread(shape: Shape, backend: str = "auto", report: Report | None = None, sa
     design = Design.from_dict(shape.summary["design"])
     plan = layout(design)
     names = check_spread(design, plan)
-    announce = say or ignore_line
     model = model_on(design, plan, shape.summary.edge_mm)
-    search = _Search(shape, model, backend, report, announce)
+    search = _Search(shape, model, backend, report, say or ignore_line)
     for name in names:
-        search.end(name, FIRST_ENDS[name])
+        search.solve_end(name, -1 if name in LOWER_END_FIRST else 1)
     # the other ends of the values that move the sheet most, and one way back: the height may be at its largest
-    largest = sorted(search.ends, key=lambda end: -end.record.distance_percent)
-    for end in largest[: MAX_SOLVES - 1 - search.solves]:
-        search.end(end.record.value, -end.record.end)
+    for end in search.furthest()[: MAX_SOLVES - 1 - search.solves]:
+        search.solve_end(end.record.value, -end.record.end)
     search.check_furthest()
-    response = search.response(names)
-    record = _record(design, names, response, search, time.perf_counter() - begin)
+    record = _record(design.spread or Spread(), names, search, time.perf_counter() - begin)
     warnings = [*shape.summary["warnings"], *_warnings(record)]
     return replace(shape, summary=shape.summary.changed(spread=record, warnings=warnings))
 
@@ -143,7 +135,7 @@ def check_spread(design: Design, plan: Layout) -> list[str]:
         An interval has an end that cannot be printed, or all values are known.
     """
     spread = design.spread or Spread()
-    known, off = varied_values(spread, {}), varied_values(spread, dict.fromkeys(VALUES, 1.0))
+    known, off = _values_at(spread, {}), _values_at(spread, dict.fromkeys(VALUES, 1.0))
     without = {"grain_error_deg": not design.fabric.is_orthotropic, "bending_factor": not design.fabric.has_bending}
     names = [name for name in VALUES if off[name] != known[name] and not without.get(name, False)]
     if not names:
@@ -151,38 +143,28 @@ def check_spread(design: Design, plan: Layout) -> list[str]:
     for name in names:
         for end in (1.0, -1.0):
             try:
-                varied_design(design, {name: end})
-                varied_layout(plan, varied_values(spread, {name: end}))
+                varied(design, plan, {name: end})
             except DesignError as error:
                 raise DesignError(f"spread.{name}", f"is too wide: {error}", getattr(spread, name)) from None
     return names
 
 
-def varied_values(spread: Spread, t: Mapping[str, float]) -> dict[str, float]:
-    """Factors and additions by the keys of `[spread]`, t half intervals away from the design."""
-    values = {}
-    for name in VALUES:
-        half, away = getattr(spread, name), t.get(name, 0.0)
-        values[name] = half**away if name.endswith("_factor") else half * away
-    return values
-
-
-def varied_design(design: Design, t: Mapping[str, float]) -> Design:
-    """A design with other values of fabric and plastic, t half intervals of its spread away.
+def varied(design: Design, plan: Layout, t: Mapping[str, float]) -> tuple[Design, Layout]:
+    """The design and the layout of a print whose values are t half intervals of the spread away, by their keys.
 
     Raises
     ------
     DesignError
-        They are not allowed.
+        A value is not allowed, or a rod is too thin or too thick.
     """
-    fabric, plastic, off = design.fabric, design.plastic, varied_values(design.spread or Spread(), t)
+    fabric, plastic, off = design.fabric, design.plastic, _values_at(design.spread or Spread(), t)
     strain = 1.0 + 0.01 * off["stretch_percent"]
     stretch = tuple(1.0 + (each - 1.0) * strain for each in fabric.stretch_xy)
     given: dict[str, Any] = fabric.model_dump(exclude_none=True) | {"bending_scale": off["bending_factor"]}
     given["stretch"] = stretch[0] if stretch[0] == stretch[1] else stretch
     if off["grain_error_deg"]:
         given["grain_deg"] = ((fabric.grain_deg or 0.0) + off["grain_error_deg"]) % 180.0
-    kept, more = plastic.kappa_bar_per_mm, off["kappa_bar_error_per_mm"]
+    kept, more, thicker = plastic.kappa_bar_per_mm, off["kappa_bar_error_per_mm"], off["thickness_error_mm"]
     bar: Any = (
         kept.model_dump() | {"per_mm": tuple(each + more for each in kept.per_mm)}
         if isinstance(kept, ResidualCurvature)
@@ -196,67 +178,42 @@ def varied_design(design: Design, t: Mapping[str, float]) -> Design:
         }
     except ValidationError as error:
         raise from_validation(error) from None
-    return design.model_copy(update=new)
-
-
-def varied_layout(plan: Layout, off: Mapping[str, float]) -> Layout:
-    """A layout with all rods thicker, and lines with a residual curvature of their own with another one.
-
-    Raises
-    ------
-    DesignError
-        A rod is too thin or too thick.
-    """
-    thicker, more = off["thickness_error_mm"], off["kappa_bar_error_per_mm"]
     low, high = THICKNESS_RANGE_MM
     thickness = np.concatenate([rod.thickness for rod in plan.graph.rods]) + thicker
     if thickness.min() < low or thickness.max() > high:
         worst = thickness.min() if thickness.min() < low else thickness.max()
         raise DesignError("", f"a thickness of {worst:.3g} mm must be from {low:g} to {high:g}")
-    drawn = plan.drawn and replace(
-        plan.drawn,
-        rods=tuple(
-            replace(
-                rod,
-                thickness=rod.thickness + thicker,
-                kappa_bar=None if rod.kappa_bar is None else rod.kappa_bar + more,
-            )
-            for rod in plan.drawn.rods
-        ),
-    )
-    return replace(plan, arm_thickness=plan.arm_thickness + thicker, drawn=drawn)
+    drawn = plan.drawn
+    if drawn is not None:
+        bars = [None if rod.kappa_bar is None else rod.kappa_bar + more for rod in drawn.rods]
+        rods = zip(drawn.rods, bars, strict=True)
+        drawn = replace(
+            drawn, rods=tuple(replace(rod, thickness=rod.thickness + thicker, kappa_bar=bar) for rod, bar in rods)
+        )
+    return design.model_copy(update=new), replace(plan, arm_thickness=plan.arm_thickness + thicker, drawn=drawn)
 
 
 def varied_model(model: DiscreteModel, t: Mapping[str, float]) -> DiscreteModel:
     """The model of a print that is t half intervals of the spread away from its design, on the same mesh."""
-    off = varied_values(model.design.spread or Spread(), t)
-    return type(model)(varied_design(model.design, t), varied_layout(model.layout, off), model.mesh)
+    return type(model)(*varied(model.design, model.layout, t), model.mesh)
 
 
-@dataclass(frozen=True)
-class Response:
-    """Values (k,) that follow deviations t (p,): `base + t @ slope + t^2 @ curve` with slope and curve (p, k)."""
-
-    base: Floats
-    slope: Floats
-    curve: Floats
-
-    def at(self, t: Floats) -> Floats:
-        """(n, k) values at deviations (n, p)."""
-        return self.of_moments(t, t**2)
-
-    def of_moments(self, first: Floats, second: Floats) -> Floats:
-        """The mean of the values by the means of t and of t^2."""
-        return np.asarray(self.base + first @ self.slope + second @ self.curve)
+def _values_at(spread: Spread, t: Mapping[str, float]) -> dict[str, float]:
+    """Factors and additions by the keys of `[spread]`, t half intervals away from the design."""
+    values = {}
+    for name in VALUES:
+        half, away = getattr(spread, name), t.get(name, 0.0)
+        values[name] = half**away if name.endswith("_factor") else half * away
+    return values
 
 
 @dataclass(frozen=True)
 class _End:
-    """A computed end: its record, equilibrium, and the values that the response follows."""
+    """A computed end: its record, its equilibrium, and its values less those of the design."""
 
     record: SpreadEndRecord
     equilibrium: Equilibrium
-    values: Floats
+    change: Floats
 
 
 @dataclass(frozen=True)
@@ -300,50 +257,53 @@ class _Search:
     def __init__(self, shape: Shape, model: DiscreteModel, backend: str, report: Report | None, say: Say) -> None:
         self.shape, self.model, self.backend, self.report, self.say = shape, model, backend, report, say
         surface = shape.at(model.mesh.points, off_sheet_mm(model.layout, len(shape.printed)))
-        self.ends: list[_End] = []
+        self.ends: dict[tuple[str, int], _End] = {}
         self.solves = 0
         self.base = self._solve(model, fit_to_surface(model, surface), "the shape of the design")
         if not self.base.is_minimum:
             raise DesignError("", "the shape does not become a minimum of its design again: compute it anew")
         self.line = _Line.through_highest_point(model, self.base.state.positions)
-        self.base_values = self._values(self.base)
+        self.values = self._values(self.base)
 
-    def end(self, name: str, end: int) -> None:
+    def solve_end(self, name: str, end: int) -> None:
         """The shape with one value at an end of its interval."""
-        called = f"{VALUES[name]} at its {'upper' if end > 0 else 'lower'} end"
-        found = self._solve(varied_model(self.model, {name: float(end)}), self.base.state, called)
-        values = self._values(found)
-        gaps = self._laid(found) - self.base.state.positions
+        model = varied_model(self.model, {name: float(end)})
+        found = self._solve(model, self.base.state, f"{VALUES[name]} at its {END_NAMES[end]}")
+        values, base = self._values(found), self.base.state.positions
+        gaps = self._laid(found) - base
         record = SpreadEndRecord(
             value=name,
             end=end,
             height_mm=float(values[0]),
-            distance_percent=float(100.0 * np.sqrt((gaps**2).sum(axis=1).mean()) / diameter(self.base.state.positions)),
+            distance_percent=float(100.0 * np.sqrt((gaps**2).sum(axis=1).mean()) / diameter(base)),
             is_minimum=found.is_minimum,
             stars_turned=int((found.sides != self.base.sides).sum()),
             comes_back=None,
         )
-        self.ends.append(_End(record, found, values))
+        self.ends[name, end] = _End(record, found, values - self.values)
+
+    def furthest(self) -> list[_End]:
+        """The ends, beginning with that furthest from the shape of the design."""
+        return sorted(self.ends.values(), key=lambda end: -end.record.distance_percent)
 
     def check_furthest(self) -> None:
         """Take back the values of the furthest ends, as many as there are solves left: is it the same form?"""
         design_symmetries = symmetries(self.model.design, self.model.layout)
         start = ExactForm(self.base, self.model, ("design",), True)
-        order = sorted(range(len(self.ends)), key=lambda i: -self.ends[i].record.distance_percent)
-        for i in order[: MAX_SOLVES - self.solves]:
-            end = self.ends[i]
-            back = self._solve(self.model, end.equilibrium.state, f"back from {VALUES[end.record.value]}")
+        for end in self.furthest()[: MAX_SOLVES - self.solves]:
+            record = end.record
+            back = self._solve(self.model, end.equilibrium.state, f"back from {VALUES[record.value]}")
             forms = distinct_forms([start, ExactForm(back, self.model, ("back",), False)], design_symmetries)
-            self.ends[i] = replace(end, record=end.record.changed(comes_back=len(forms) == 1))
+            self.ends[record.value, record.end] = replace(end, record=record.changed(comes_back=len(forms) == 1))
 
-    def response(self, names: list[str]) -> Response:
-        """What the ends say; without an end, the value is linear."""
-        known = {(end.record.value, end.record.end): end.values - self.base_values for end in self.ends}
+    def response(self, names: list[str]) -> tuple[Floats, Floats]:
+        """Slope and curve (names, values) of the change `t @ slope + t^2 @ curve`; without an end it is linear."""
+        known = {at: end.change for at, end in self.ends.items()}
         up, down = (
             np.array([known[name, end] if (name, end) in known else -known[name, -end] for name in names])
             for end in (1, -1)
         )
-        return Response(self.base_values, 0.5 * (up - down), 0.5 * (up + down))
+        return 0.5 * (up - down), 0.5 * (up + down)
 
     def _solve(self, model: DiscreteModel, state: Any, name: str) -> Equilibrium:
         self.solves += 1
@@ -365,18 +325,24 @@ class _Search:
         return np.concatenate([sizes, self.line.seen(self._laid(found)).ravel()])
 
 
-def _record(design: Design, names: list[str], response: Response, search: _Search, wall: float) -> SpreadRecord:
-    spread = design.spread or Spread()
+def _record(spread: Spread, names: list[str], search: _Search, wall: float) -> SpreadRecord:
+    slope, curve = search.response(names)
     normal = np.random.default_rng(SEED).standard_normal((SAMPLES, len(names) + 1))
     t, error = normal[:, :-1] / HALF_INTERVAL_SIGMAS, RESPONSE_ERROR * normal[:, -1:]
-    heights = response.at(t)[:, 0]
-    low, median, high = _nine_in_ten(response, t, error)
-    parts = (t * response.slope[:, 0] + t**2 * response.curve[:, 0]).var(axis=0)
+
+    def nine_in_ten(values: Floats) -> Floats:
+        """(3, 3) mm, `NINE_IN_TEN` of height, length and width, with the random error of the response."""
+        sizes = values[:, :3]
+        return np.asarray(np.quantile(np.maximum(sizes + error * sizes.std(axis=0), 0.0), NINE_IN_TEN, axis=0))
+
+    prints = search.values + t @ slope + t**2 @ curve
+    low, median, high = nine_in_ten(prints)
+    parts = (t * slope[:, 0] + t**2 * curve[:, 0]).var(axis=0)
     shares = [
         SpreadShareRecord(
             value=name,
             variance_percent=float(100.0 * part / max(parts.sum(), 1e-300)),
-            heights_mm=[float(response.at(end * np.eye(len(names)))[i, 0]) for end in (-1.0, 1.0)],
+            heights_mm=(search.values[0] + curve[i, 0] + np.array([-1.0, 1.0]) * slope[i, 0]).tolist(),
         )
         for i, (name, part) in enumerate(zip(names, parts, strict=True))
     ]
@@ -384,13 +350,10 @@ def _record(design: Design, names: list[str], response: Response, search: _Searc
     for name, measured in MEASUREMENTS.items():
         left = np.array([_left(spread, measured, each) for each in names])
         if left.min() < 1.0:
-            after = _nine_in_ten(response, left * t, error)[:, 0]
+            after = nine_in_ten(search.values + (left * t) @ slope + (left * t) ** 2 @ curve)[:, 0]
             measurements.append(MeasurementRecord(name=name, low_mm=float(after[0]), high_mm=float(after[2])))
-    lines = []
-    for each in (low, median, high):
-        near = t[np.abs(heights - each[0]).argsort()[:LINE_SAMPLES]]
-        mean = response.of_moments(near.mean(axis=0), (near**2).mean(axis=0))
-        lines.append(mean[3:].reshape(-1, 2).tolist())
+    near = [np.abs(prints[:, 0] - each[0]).argsort()[:LINE_SAMPLES] for each in (low, median, high)]
+    lines = [prints[some, 3:].mean(axis=0).reshape(-1, 2).tolist() for some in near]
     return SpreadRecord(
         intervals=spread.model_dump(),
         height_low_mm=float(low[0]),
@@ -400,19 +363,13 @@ def _record(design: Design, names: list[str], response: Response, search: _Searc
         size_high_mm=high[1:].tolist(),
         shares=sorted(shares, key=lambda share: -share.variance_percent),
         measurements=sorted(measurements, key=lambda each: each.high_mm - each.low_mm),
-        ends=[end.record for end in search.ends],
+        ends=[end.record for end in search.ends.values()],
         line_low_mm=lines[0],
         line_median_mm=lines[1],
         line_high_mm=lines[2],
         solves=search.solves,
         wall_s=wall,
     )
-
-
-def _nine_in_ten(response: Response, t: Floats, error: Floats) -> Floats:
-    """(3, 3) mm, `NINE_IN_TEN` of height, length and width, with random errors (n, 1) over the standard deviation."""
-    values = response.at(t)[:, :3]
-    return np.asarray(np.quantile(np.maximum(values + error * values.std(axis=0), 0.0), NINE_IN_TEN, axis=0))
 
 
 def _left(spread: Spread, measured: Spread, name: str) -> float:
@@ -428,7 +385,7 @@ def _warnings(record: SpreadRecord) -> list[str]:
     """What makes the range unreliable: each line names the end of an interval."""
     lines = []
     for end in record.ends:
-        where = f"with {VALUES[end.value]} at its {'upper' if end.end > 0 else 'lower'} end"
+        where = f"with {VALUES[end.value]} at its {END_NAMES[end.end]}"
         if not end.is_minimum:
             lines.append(f"{where} no minimum was found: the range of shapes is not reliable")
         elif end.comes_back is False:

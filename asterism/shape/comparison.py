@@ -168,9 +168,14 @@ class Comparison:
     @cached_property
     def _normals(self) -> tuple[Floats, Floats]:
         """(S, 3) of the cell means, at the stars."""
+        one, other = self._vertex_normals
+        return one[self._star_vertices], other[self._star_vertices]
+
+    @cached_property
+    def _vertex_normals(self) -> tuple[Floats, Floats]:
+        """(V, 3) of the cell means."""
         triangles = self.reference.triangles
-        one, other = (self._stars(vertex_normals(mean, triangles)) for mean in (self.reference_mean, self.other_mean))
-        return one, other
+        return vertex_normals(self.reference_mean, triangles), vertex_normals(self.other_mean, triangles)
 
     @cached_property
     def roll_radii_mm(self) -> tuple[float, float] | None:
@@ -178,7 +183,7 @@ class Comparison:
         if None in self.roll_axes_deg:
             return None
         one, other = (
-            tube_radius(self._stars(mean), normals)
+            tube_radius(mean[self._star_vertices], normals)
             for mean, normals in zip((self.reference_mean, self.other_mean), self._normals, strict=True)
         )
         return None if one is None or other is None else (one, other)
@@ -193,14 +198,10 @@ class Comparison:
     @cached_property
     def normals_rms_deg(self) -> float:
         """Root mean square angle of the normals of the cell means, over the printed area."""
-        triangles = self.reference.triangles
-        one, other = (vertex_normals(mean, triangles) for mean in (self.reference_mean, self.other_mean))
+        one, other = self._vertex_normals
         # the arc cosine would lose all digits for small angles
         angle = 2.0 * np.arctan2(np.linalg.norm(one - other, axis=1), np.linalg.norm(one + other, axis=1))
         return float(np.degrees(np.sqrt(self.reference.weights @ angle**2)))
-
-    def _stars(self, values: Floats) -> Floats:
-        return values[self._star_vertices]
 
     @cached_property
     def _star_vertices(self) -> Ints:

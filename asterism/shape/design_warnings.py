@@ -16,12 +16,7 @@ MAX_SIZE_OVER_PRINT = 1.05
 
 
 def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
-    """Yield one line for each warning.
-
-    Parameters
-    ----------
-    weighs : whether the design includes gravity, which determines how a sheet hangs.
-    """
+    """Yield one line for each warning; weight determines how a sheet hangs."""
     yield from held_wide(layout)
     if layout.pins and not weighs and (axes := count_free_tilts(layout)):
         about = "a point" if axes > 1 else "a line"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,15 +17,15 @@ from asterism.shape.shape import Shape
 
 def shape_numbers(layout: Layout, shape: Shape, roll_axis_deg: float | None) -> dict[str, Any]:
     """The numbers that the summaries of both models have, by their keys."""
-    clearance = needle_clearance(layout, shape)
+    above, below = needle_clearance(layout, shape) or (None, None)
     return {
         "roll_axis_deg": roll_axis_deg,
         "roll_radius_mm": None if roll_axis_deg is None else roll_radius(shape, layout),
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
-        "above_needles_mm": clearance and clearance.above_mm,
-        "below_needles_mm": clearance and clearance.below_mm,
+        "above_needles_mm": above,
+        "below_needles_mm": below,
         "contraction": contraction(layout, shape),
         "version": __version__,
     }
@@ -107,40 +107,11 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
     return float(abs(cylinder[4])) if np.linalg.norm(residuals(cylinder)) < MAX_TUBE_RESIDUAL_FACTOR * flat else None
 
 
-class NeedleClearance(NamedTuple):
-    """Heights of a sheet with respect to its supports.
-
-    Attributes
-    ----------
-    above_mm : height of the highest point of the sheet over its highest support.
-    below_mm : depth of the lowest point of the sheet below its lowest support.
-    """
-
-    above_mm: float
-    below_mm: float
-
-
-def needle_clearance(layout: Layout, shape: Shape) -> NeedleClearance | None:
-    """The clearance of a supported sheet; None for a free sheet.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from asterism.pattern.layout.build import layout
-    >>> from asterism.pattern.gallery import load
-    >>> plan = layout(load("dome"))
-    >>> corners = np.vstack([plan.outline, [[0.0, 0.0]]])
-    >>> rim = np.arange(len(plan.outline))
-    >>> fan = np.column_stack([rim, np.roll(rim, -1), np.full(len(rim), len(rim))])
-    >>> height = np.append(np.zeros(len(rim)), 12.0)
-    >>> positions, no_star = np.column_stack([corners, height]), np.full(len(height), -1)
-    >>> tent = Shape(corners, positions, fan, no_star, (), np.array([len(rim)]))
-    >>> [round(height, 6) for height in needle_clearance(plan, tent)]
-    [12.0, 0.0]
-    """
+def needle_clearance(layout: Layout, shape: Shape) -> tuple[float, float] | None:
+    """The heights (mm) of a sheet over its highest support and below its lowest one; None for a free sheet."""
     printed = layout.support_samples.printed
     if len(printed) == 0:
         return None
     supported, heights = shape.at(printed, off_sheet_mm(layout, len(shape.printed)))[:, 2], shape.positions[:, 2]
     above, below = heights.max() - supported.max(), supported.min() - heights.min()
-    return NeedleClearance(max(float(above), 0.0), max(float(below), 0.0))
+    return max(float(above), 0.0), max(float(below), 0.0)

@@ -1,31 +1,9 @@
-"""Principal axes of a sheet, and the standard pose of a free sheet in pictures and measures."""
+"""The standard pose of a free sheet in pictures and measures."""
 
 from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Float
-
-
-def principal_axes(
-    positions: Float[np.ndarray, "V 3"], weights: Float[np.ndarray, " V"]
-) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, " 3"]]:
-    """Compute the principal axes of the second moments about the centre of mass.
-
-    Parameters
-    ----------
-    positions : (V, 3) mm.
-    weights : (V,), adding up to 1.
-
-    Returns
-    -------
-    axes : (3, 3), rows are the axes, right-handed, the largest moment first.
-    moments : (3,) mm^2.
-    """
-    centred = positions - weights @ positions
-    moments, vectors = np.linalg.eigh((weights[:, None] * centred).T @ centred)
-    axes = vectors.T[::-1].copy()
-    axes[2] *= np.sign(np.linalg.det(axes))
-    return axes, moments[::-1]
 
 
 def upright_rotation(
@@ -37,20 +15,14 @@ def upright_rotation(
     """Compute the rotation that turns the principal axes to x, y and z, with the plastic side up.
 
     If two moments are nearly equal (a dome seen from above, the section of a tube), their axes are undetermined. Then
-    the plastic side and the printed directions decide, so that equal shapes have equal pictures.
-
-    Parameters
-    ----------
-    printed : (V, 2) mm.
-    positions : (V, 3) mm.
-    weights : (V,), adding up to 1.
-    plastic_side : (3,) mean direction of the normals, of any length.
-
-    Returns
-    -------
-    (3, 3), applied to column vectors.
+    the plastic side, of any length, and the printed directions decide, so that equal shapes have equal pictures. The
+    weights add up to 1. The rotation is applied to column vectors.
     """
-    (long, middle, short), moments = principal_axes(positions, weights)
+    centred = positions - weights @ positions
+    # principal axes of the second moments, the smallest first
+    moments, axes = np.linalg.eigh((weights[:, None] * centred).T @ centred)
+    (short, middle, long), moments = axes.T, moments[::-1]
+    short = short * np.sign(np.linalg.det([long, middle, short]))
     if moments[1] < 1.3 * moments[2]:
         across = plastic_side - (plastic_side @ long) * long
         if np.linalg.norm(across) > 0:
@@ -59,7 +31,7 @@ def upright_rotation(
         short = -short
     middle = np.cross(short, long)
 
-    flat = (positions - weights @ positions) @ np.column_stack([long, middle])
+    flat = centred @ np.column_stack([long, middle])
     overlap = (weights[:, None] * (printed - weights @ printed)).T @ flat
     turn = np.arctan2(overlap[1, 0] - overlap[0, 1], overlap[0, 0] + overlap[1, 1])
     if moments[0] > 1.1 * moments[1]:

@@ -71,19 +71,13 @@ def read_shape(path: str | Path) -> Shape:
         cell_fields={name: np.asarray(values[0]) for name, values in mesh.cell_data.items()},
         rod_fields=rod_fields,
         summary=shape_record(summary),
-        held=_is_held(summary),
+        held=bool(summary.get("design", {}).get("pins")),
     )
 
 
 def folder_of(path: Path) -> Path:
     """The directory of a result, given the directory or a `.vtu` file in it."""
     return (path if path.is_dir() else path.parent).resolve()
-
-
-def _is_held(summary: dict[str, Any]) -> bool:
-    """Whether the design of a summary has pins."""
-    design = summary.get("design")
-    return isinstance(design, dict) and bool(design.get("pins"))
 
 
 def _rods(path: Path, printed: Floats) -> tuple[tuple[Ints, ...], dict[str, np.ndarray]]:

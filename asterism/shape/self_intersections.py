@@ -18,11 +18,6 @@ MIN_REMOTE_EDGES = 3.0
 def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> int:
     """Count the pairs of triangles that pass through each other, without pairs that share a vertex.
 
-    Parameters
-    ----------
-    positions : (V, 3) mm.
-    triangles : (T, 3).
-
     Examples
     --------
     >>> import numpy as np
@@ -46,12 +41,6 @@ def meets_itself(
     True if two vertices that are printed more than three edge lengths apart are so close in space that their triangles
     can touch. If this is false, `self_intersections` can only find folds within three edge lengths, which a smooth
     sheet does not have. The test takes a fifth of its time.
-
-    Parameters
-    ----------
-    printed : (V, 2) mm.
-    positions : (V, 3) mm.
-    triangles : (T, 3).
     """
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     longest = _lengths(positions, edges).max()

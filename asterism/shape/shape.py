@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -18,6 +18,7 @@ from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
+from asterism.results.records.exact import ExactRecord
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import surface_triangle_areas
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from PIL import Image
 
     from asterism.draw.render import View
-from typing import Any
-
-from asterism.results.records.exact import ExactRecord
 
 AnyShapeRecord = ExactRecord | PreviewRecord
 
@@ -143,7 +141,7 @@ class Shape:
         if self.held:
             sizes = np.ptp(self.positions, axis=0)
         else:
-            sizes = np.sort(np.ptp(self.positions @ self.upright().T, axis=0))[::-1]
+            sizes = np.sort(np.ptp(self.positions @ self.upright.T, axis=0))[::-1]
         return float(sizes[0]), float(sizes[1]), float(sizes[2])
 
     def mesh(self) -> ShapeMesh:
@@ -208,7 +206,7 @@ class Shape:
 
     def aligned(self) -> Shape:
         """A copy with its centre at the origin and its principal axes along x, y, z, largest first, plastic side up."""
-        rotation, weights = self.upright(), self.weights
+        rotation, weights = self.upright, self.weights
         turned = {
             name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
             for name, values in self.point_fields.items()
@@ -216,12 +214,9 @@ class Shape:
         moved = (self.positions - weights @ self.positions) @ rotation.T
         return replace(self, positions=moved, point_fields=turned)
 
+    @cached_property
     def upright(self) -> Floats:
         """(3, 3) rotation of `aligned()`; its rows are the principal axes."""
-        return self._upright
-
-    @cached_property
-    def _upright(self) -> Floats:
         plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
         return upright_rotation(self.printed, self.positions, self.weights, plastic_side)
 

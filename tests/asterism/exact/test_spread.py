@@ -18,9 +18,7 @@ from asterism.exact.spread import (
     RESPONSE_ERROR,
     check_spread,
     spread,
-    varied_design,
-    varied_layout,
-    varied_values,
+    varied,
 )
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -83,10 +81,9 @@ def test_the_response_is_that_of_exact_shapes_of_changed_designs(narrow: tuple[a
     # all at once: the sum, up to second order
     design = Design.from_dict(shape.summary["design"])
     t = dict.fromkeys(up, 1.0)
-    plan = varied_layout(layout(design), varied_values(Spread(**NARROW), t))
-    model = model_on(varied_design(design, t), plan, 4.0)
+    model = model_on(*varied(design, layout(design), t), 4.0)
     found = solve_on_mesh(model, fit_to_surface(model, shape.positions))
-    together = float(np.ptp(found.state.positions @ shape.upright().T, axis=0).min()) - shape.height_mm
+    together = float(np.ptp(found.state.positions @ shape.upright.T, axis=0).min()) - shape.height_mm
     assert abs(sum(up.values())) > 1e-3
     assert together == pytest.approx(sum(up.values()), rel=0.03)
 
@@ -132,14 +129,15 @@ def test_values_follow_their_formulas() -> None:
     design = star({"modulus_ratio_factor": 1.3, "bending_factor": 2.0, "stretch_percent": 10.0})
     plastic, fabric = design.plastic, design.fabric
     eq1 = float(rest_curvature(0.3, fabric, plastic)) - float(plastic.kappa_bar_per_mm)  # type: ignore[arg-type]
-    stiff = varied_design(design, {"modulus_ratio_factor": -1.0})
+    plan = layout(design)
+    stiff, _ = varied(design, plan, {"modulus_ratio_factor": -1.0})
     assert float(rest_curvature(0.3, stiff.fabric, stiff.plastic)) - plastic.kappa_bar_per_mm == pytest.approx(
         1.3 * eq1
     )
-    soft = varied_design(design, {"bending_factor": -0.5}).fabric
+    soft = varied(design, plan, {"bending_factor": -0.5})[0].fabric
     assert soft.bending_tensor == pytest.approx([each / np.sqrt(2.0) for each in fabric.bending_tensor])
     assert soft.modulus == fabric.modulus
-    assert varied_design(design, {"stretch_percent": 1.0}).fabric.stretch == pytest.approx(1.0 + 1.1 * 0.35)
+    assert varied(design, plan, {"stretch_percent": 1.0})[0].fabric.stretch == pytest.approx(1.0 + 1.1 * 0.35)
 
 
 def test_only_values_that_count_are_varied() -> None:
@@ -147,7 +145,7 @@ def test_only_values_that_count_are_varied() -> None:
     assert check_spread(star({}), layout(star({}))) == [name for name in VALUES if name != "grain_error_deg"]
     grained, bare = star({}, fabric=pair), star({}, fabric={"bending": "none"})
     assert check_spread(grained, layout(grained)) == list(VALUES)
-    assert varied_design(grained, {"grain_error_deg": 1.0}).fabric.grain_deg == pytest.approx(3.0)
+    assert varied(grained, layout(grained), {"grain_error_deg": 1.0})[0].fabric.grain_deg == pytest.approx(3.0)
     assert "bending_factor" not in check_spread(bare, layout(bare))
     assert check_spread(star(KNOWN | {"stretch_percent": 1.0}), layout(bare)) == ["stretch_percent"]
     with pytest.raises(DesignError, match="spread: must have an interval"):
@@ -156,11 +154,9 @@ def test_only_values_that_count_are_varied() -> None:
 
 def test_drawn_rods_are_varied_too() -> None:
     rods = {"thickness_mm": 0.4, "draw": [{"line_mm": [[-20, 0], [20, 0]], "kappa_bar_per_mm": 0.002}]}
-    plan = layout(Design.from_dict({"rods": rods, "border": {"rectangle_mm": [60, 40]}}))
-    off = varied_values(Spread(), {"thickness_error_mm": 1.0, "kappa_bar_error_per_mm": -1.0})
-    assert [(rod.thickness[0], rod.kappa_bar) for rod in varied_layout(plan, off).graph.rods] == [
-        pytest.approx((0.43, 0.0005))
-    ]
+    design = Design.from_dict({"rods": rods, "border": {"rectangle_mm": [60, 40]}})
+    _, plan = varied(design, layout(design), {"thickness_error_mm": 1.0, "kappa_bar_error_per_mm": -1.0})
+    assert [(rod.thickness[0], rod.kappa_bar) for rod in plan.graph.rods] == [pytest.approx((0.43, 0.0005))]
 
 
 @pytest.mark.parametrize(
