@@ -23,131 +23,95 @@ if not (Path(__file__).parent / "fem").is_dir():
 from asterism.process.version import __version__
 
 if TYPE_CHECKING:
-    from asterism.equilibrium.errors import Error
-    from asterism.exact.spread import spread
-    from asterism.fitting.fit import Fit, fit
-    from asterism.fitting.load_target import load_target
-    from asterism.fitting.sensitivity import sensitivity
-    from asterism.fitting.settings import FitSettings
-    from asterism.fitting.solve_for import solve_for
-    from asterism.fitting.solve_needle import solve_for_point
-    from asterism.fitting.target import TargetSurface
-    from asterism.homogenize.law.law import Law
-    from asterism.homogenize.law.law_file import load_law
-    from asterism.homogenize.law.material import load_material
-    from asterism.laws.calibrate import calibrate
+    from asterism.equilibrium.errors import Error as Error
+    from asterism.exact.spread import spread as spread
+    from asterism.fitting.fit import Fit as Fit
+    from asterism.fitting.fit import fit as fit
+    from asterism.fitting.load_target import load_target as load_target
+    from asterism.fitting.sensitivity import sensitivity as sensitivity
+    from asterism.fitting.settings import FitSettings as FitSettings
+    from asterism.fitting.solve_for import solve_for as solve_for
+    from asterism.fitting.solve_needle import solve_for_point as solve_for_point
+    from asterism.fitting.target import TargetSurface as TargetSurface
+    from asterism.homogenize.law.law import Law as Law
+    from asterism.homogenize.law.law_file import load_law as load_law
+    from asterism.homogenize.law.material import load_material as load_material
+    from asterism.laws.calibrate import calibrate as calibrate
     from asterism.laws.law_text import show_law as show_law
-    from asterism.measure.compare.compare import compare, write_comparison
-    from asterism.measure.strips.fit_strips import fit_strips, write_material
-    from asterism.measure.strips.new_strips import new_strips
-    from asterism.notebook.show import show
-    from asterism.pattern.design.design import Design, save_design
-    from asterism.pattern.gallery import load as new
-    from asterism.pattern.layout.build import load_design
-    from asterism.previews.session import Preview, preview
-    from asterism.print.export import export
-    from asterism.reports.compare_designs import compare_designs
-    from asterism.reports.design_report import report
-    from asterism.reports.fit_files import write_fit
-    from asterism.reports.verification_page import write_verification
-    from asterism.reports.write_results import write_results
-    from asterism.shape.read_shape import read_shape
-    from asterism.shape.shape import Shape
-    from asterism.sweeps.run import sweep_design as sweep
-    from asterism.sweeps.sweep import Sweep
-    from asterism.sweeps.write_sweep import write_sweep
-    from asterism.verification.both_starts import simulate
-    from asterism.verification.run import verify
-    from asterism.verification.verification import Verification
+    from asterism.measure.compare.compare import compare as compare
+    from asterism.measure.compare.compare import write_comparison as write_comparison
+    from asterism.measure.strips.fit_strips import fit_strips as fit_strips
+    from asterism.measure.strips.fit_strips import write_material as write_material
+    from asterism.measure.strips.new_strips import new_strips as new_strips
+    from asterism.notebook.show import show as show
+    from asterism.pattern.design.design import Design as Design
+    from asterism.pattern.design.design import save_design as save_design
+    from asterism.pattern.gallery import load as _new
+    from asterism.pattern.layout.build import load_design as load_design
+    from asterism.previews.session import Preview as Preview
+    from asterism.previews.session import preview as preview
+    from asterism.print.export import export as export
+    from asterism.reports.compare_designs import compare_designs as compare_designs
+    from asterism.reports.design_report import report as report
+    from asterism.reports.fit_page import write_fit as write_fit
+    from asterism.reports.verification_page import write_verification as write_verification
+    from asterism.reports.write_results import write_results as write_results
+    from asterism.shape.read_shape import read_shape as read_shape
+    from asterism.shape.shape import Shape as Shape
+    from asterism.sweeps.run import sweep_design as _sweep
+    from asterism.sweeps.sweep import Sweep as Sweep
+    from asterism.sweeps.write_sweep import write_sweep as write_sweep
+    from asterism.verification.both_starts import simulate as simulate
+    from asterism.verification.run import verify as verify
+    from asterism.verification.verification import Verification as Verification
 
-# Where each public name is defined. A name is imported when it is first used: the solvers take most of a second.
+    new, sweep = _new, _sweep
+
+# Where each public name is defined. It is imported when it is first used: the solvers take most of a second.
 _HOMES = {
-    "Design": ("asterism.pattern.design.design", "Design"),
-    "Error": ("asterism.equilibrium.errors", "Error"),
-    "Fit": ("asterism.fitting.fit", "Fit"),
-    "FitSettings": ("asterism.fitting.settings", "FitSettings"),
-    "Law": ("asterism.homogenize.law.law", "Law"),
-    "Preview": ("asterism.previews.session", "Preview"),
-    "Shape": ("asterism.shape.shape", "Shape"),
-    "Sweep": ("asterism.sweeps.sweep", "Sweep"),
-    "TargetSurface": ("asterism.fitting.target", "TargetSurface"),
-    "Verification": ("asterism.verification.verification", "Verification"),
-    "calibrate": ("asterism.laws.calibrate", "calibrate"),
-    "compare": ("asterism.measure.compare.compare", "compare"),
-    "compare_designs": ("asterism.reports.compare_designs", "compare_designs"),
-    "export": ("asterism.print.export", "export"),
-    "fit": ("asterism.fitting.fit", "fit"),
-    "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
-    "load_design": ("asterism.pattern.layout.build", "load_design"),
-    "load_law": ("asterism.homogenize.law.law_file", "load_law"),
-    "load_material": ("asterism.homogenize.law.material", "load_material"),
-    "load_target": ("asterism.fitting.load_target", "load_target"),
-    "new": ("asterism.pattern.gallery", "load"),
-    "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
-    "preview": ("asterism.previews.session", "preview"),
-    "read_shape": ("asterism.shape.read_shape", "read_shape"),
-    "report": ("asterism.reports.design_report", "report"),
-    "save_design": ("asterism.pattern.design.design", "save_design"),
-    "sensitivity": ("asterism.fitting.sensitivity", "sensitivity"),
-    "show": ("asterism.notebook.show", "show"),
-    "show_law": ("asterism.laws.law_text", "show_law"),
-    "simulate": ("asterism.verification.both_starts", "simulate"),
-    "solve_for": ("asterism.fitting.solve_for", "solve_for"),
-    "solve_for_point": ("asterism.fitting.solve_needle", "solve_for_point"),
-    "spread": ("asterism.exact.spread", "spread"),
-    "sweep": ("asterism.sweeps.run", "sweep_design"),
-    "verify": ("asterism.verification.run", "verify"),
-    "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
-    "write_fit": ("asterism.reports.fit_files", "write_fit"),
-    "write_material": ("asterism.measure.strips.fit_strips", "write_material"),
-    "write_results": ("asterism.reports.write_results", "write_results"),
-    "write_sweep": ("asterism.sweeps.write_sweep", "write_sweep"),
-    "write_verification": ("asterism.reports.verification_page", "write_verification"),
+    "Design": "asterism.pattern.design.design:Design",
+    "Error": "asterism.equilibrium.errors:Error",
+    "Fit": "asterism.fitting.fit:Fit",
+    "FitSettings": "asterism.fitting.settings:FitSettings",
+    "Law": "asterism.homogenize.law.law:Law",
+    "Preview": "asterism.previews.session:Preview",
+    "Shape": "asterism.shape.shape:Shape",
+    "Sweep": "asterism.sweeps.sweep:Sweep",
+    "TargetSurface": "asterism.fitting.target:TargetSurface",
+    "Verification": "asterism.verification.verification:Verification",
+    "calibrate": "asterism.laws.calibrate:calibrate",
+    "compare": "asterism.measure.compare.compare:compare",
+    "compare_designs": "asterism.reports.compare_designs:compare_designs",
+    "export": "asterism.print.export:export",
+    "fit": "asterism.fitting.fit:fit",
+    "fit_strips": "asterism.measure.strips.fit_strips:fit_strips",
+    "load_design": "asterism.pattern.layout.build:load_design",
+    "load_law": "asterism.homogenize.law.law_file:load_law",
+    "load_material": "asterism.homogenize.law.material:load_material",
+    "load_target": "asterism.fitting.load_target:load_target",
+    "new": "asterism.pattern.gallery:load",
+    "new_strips": "asterism.measure.strips.new_strips:new_strips",
+    "preview": "asterism.previews.session:preview",
+    "read_shape": "asterism.shape.read_shape:read_shape",
+    "report": "asterism.reports.design_report:report",
+    "save_design": "asterism.pattern.design.design:save_design",
+    "sensitivity": "asterism.fitting.sensitivity:sensitivity",
+    "show": "asterism.notebook.show:show",
+    "show_law": "asterism.laws.law_text:show_law",
+    "simulate": "asterism.verification.both_starts:simulate",
+    "solve_for": "asterism.fitting.solve_for:solve_for",
+    "solve_for_point": "asterism.fitting.solve_needle:solve_for_point",
+    "spread": "asterism.exact.spread:spread",
+    "sweep": "asterism.sweeps.run:sweep_design",
+    "verify": "asterism.verification.run:verify",
+    "write_comparison": "asterism.measure.compare.compare:write_comparison",
+    "write_fit": "asterism.reports.fit_page:write_fit",
+    "write_material": "asterism.measure.strips.fit_strips:write_material",
+    "write_results": "asterism.reports.write_results:write_results",
+    "write_sweep": "asterism.sweeps.write_sweep:write_sweep",
+    "write_verification": "asterism.reports.verification_page:write_verification",
 }
-__all__ = [
-    "Design",
-    "Error",
-    "Fit",
-    "FitSettings",
-    "Law",
-    "Preview",
-    "Shape",
-    "Sweep",
-    "TargetSurface",
-    "Verification",
-    "__version__",
-    "calibrate",
-    "compare",
-    "compare_designs",
-    "export",
-    "fit",
-    "fit_strips",
-    "load_design",
-    "load_law",
-    "load_material",
-    "load_target",
-    "new",
-    "new_strips",
-    "preview",
-    "read_shape",
-    "report",
-    "save_design",
-    "sensitivity",
-    "show",
-    "show_law",
-    "simulate",
-    "solve_for",
-    "solve_for_point",
-    "spread",
-    "sweep",
-    "verify",
-    "write_comparison",
-    "write_fit",
-    "write_material",
-    "write_results",
-    "write_sweep",
-    "write_verification",
-]
+__all__ = ["__version__", *_HOMES]
 
 
 def __dir__() -> list[str]:
@@ -159,5 +123,5 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    module, attribute = _HOMES[name]
+    module, _, attribute = _HOMES[name].partition(":")
     return getattr(import_module(module), attribute)

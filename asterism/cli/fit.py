@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from asterism.cli.common.options import FileUnit, LawFile, output_option
-from asterism.cli.common.run import DONE, INTERRUPTED, NO_ANSWER, Mistake, Run, command
+from asterism.cli.options import FileUnit, LawFile, check_ending, output_option
+from asterism.cli.run import DONE, INTERRUPTED, NO_ANSWER, Mistake, Run, command
 from asterism.fitting.settings import FitSettings
 
 
@@ -66,12 +66,11 @@ def fit(
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text
     from asterism.print.profiles import load_printer
-    from asterism.reports.fit_files import write_fit
+    from asterism.reports.fit_page import write_fit
     from asterism.results.files import check_writable, write_file
 
     file = output or target.with_suffix(".toml")
-    if file.suffix != ".toml":
-        raise Mistake(f"--output: {str(file)!r} must end with .toml")
+    check_ending(file, ".toml")
     directory = file.with_name(f"{file.stem}-fit")
     check_writable(file.parent, file.name)
     check_writable(directory)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
@@ -24,7 +23,7 @@ from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
-from asterism.reports.html import figures, html_page, html_table, warnings_box
+from asterism.reports.html import design_rows, figures, html_page, html_table, warnings_box
 from asterism.results.files import OutputError, check_writable, write_file
 from asterism.results.words import box_in_words
 from asterism.shape.comparison import compare_shapes
@@ -83,27 +82,34 @@ class ComparedNumber:
     Attributes
     ----------
     label : with the unit.
-    values : numbers; None where a design has none.
-    texts : the same in words.
+    values : numbers, or sizes of boxes; None where a design has none.
     digits : of the numbers after the point.
     """
 
     label: str
-    values: tuple[float | None, ...]
-    texts: tuple[str, ...]
+    values: tuple[float | Sequence[float] | None, ...]
     digits: int = 0
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The values in words; `-` where a design has none."""
+        return tuple(
+            "-"
+            if value is None
+            else f"{value:.{self.digits}f}"
+            if isinstance(value, float)
+            else box_in_words(value).removesuffix(" mm")
+            for value in self.values
+        )
 
     def with_differences(self) -> list[str]:
         """The texts, with the difference from the first design where these digits show one."""
-        first = self.values[0]
-        cells = [self.texts[0]]
-        for value, text in zip(self.values[1:], self.texts[1:], strict=True):
-            change = 0.0 if value is None or first is None else round(value - first, self.digits)
-            if change and first:
-                text += f" ({change:+.{self.digits}f}, {100.0 * change / first:+.0f} %)"
-            elif change:
-                text += f" ({change:+.{self.digits}f})"
-            cells.append(text)
+        first, cells = self.values[0], list(self.texts)
+        for k, value in enumerate(self.values):
+            if not (isinstance(value, float) and isinstance(first, float)):
+                continue
+            if change := round(value - first, self.digits):
+                cells[k] += f" ({change:+.{self.digits}f}" + (f", {100.0 * change / first:+.0f} %)" if first else ")")
         return cells
 
 
@@ -210,76 +216,44 @@ def _headings(names: Sequence[str]) -> list[str]:
 def _numbers(designs: Sequence[ComparedDesign]) -> list[ComparedNumber]:
     """The rows: size, print, accuracy; a row without any number is left out."""
 
-    def of(key: str) -> Callable[[ComparedDesign], float | None]:
-        return lambda each: each.summary.get(key)
+    def row(label: str, digits: int, of: Callable[[ComparedDesign], Any]) -> ComparedNumber:
+        return ComparedNumber(label, tuple(map(of, designs)), digits)
+
+    def key(label: str, digits: int, name: str) -> ComparedNumber:
+        return row(label, digits, lambda each: each.summary.get(name))
 
     rows = [
-        _row(designs, "height, mm", of("height_mm"), 1),
-        _sizes(designs, "finished size, mm", lambda each: each.summary.get("extent_mm")),
-        _sizes(designs, "printed size, mm", lambda each: _printed(each.job)),
-        _row(designs, "rise over the needles, mm", of("above_needles_mm"), 1),
-        _row(designs, "depth below the needles, mm", of("below_needles_mm"), 1),
-        _row(designs, "contraction", of("contraction"), 4),
-        _row(designs, "estimated error of the surface, % of the diameter", of("expected_rms_percent"), 1),
-        _row(designs, "estimated error of the height, mm", lambda each: _height_error(each.summary), 1),
-        _row(designs, "mesh error, % of the diameter", of("mesh_error_percent"), 1),
-        _row(designs, "distance from the first surface, rms, mm", lambda each: each.distance_mm, 2),
-        _row(designs, "stars", lambda each: float(len(each.job.plan.centres)) or None, 0),
-        _row(designs, "drawn rods", lambda each: float(len(each.job.plan.drawn_rods)) or None, 0),
-        _row(designs, "needles", lambda each: float(len(each.job.needles)), 0),
-        _row(designs, "print time, minutes", lambda each: each.job.cost.minutes, 0),
-        _row(designs, "plastic, g", lambda each: each.job.cost.mass_g, 1),
-        _row(designs, "filament, m", lambda each: each.job.cost.filament_m, 2),
+        key("height, mm", 1, "height_mm"),
+        key("finished size, mm", 1, "extent_mm"),
+        row("printed size, mm", 1, lambda each: np.ptp(each.job.plan.outline, axis=0).tolist()),
+        key("rise over the needles, mm", 1, "above_needles_mm"),
+        key("depth below the needles, mm", 1, "below_needles_mm"),
+        key("contraction", 4, "contraction"),
+        key("estimated error of the surface, % of the diameter", 1, "expected_rms_percent"),
+        row("estimated error of the height, mm", 1, lambda each: _height_error(each.summary)),
+        key("mesh error, % of the diameter", 1, "mesh_error_percent"),
+        row("distance from the first surface, rms, mm", 2, lambda each: each.distance_mm),
+        row("stars", 0, lambda each: float(len(each.job.plan.centres)) or None),
+        row("drawn rods", 0, lambda each: float(len(each.job.plan.drawn_rods)) or None),
+        row("needles", 0, lambda each: float(len(each.job.needles))),
+        row("print time, minutes", 0, lambda each: each.job.cost.minutes),
+        row("plastic, g", 1, lambda each: each.job.cost.mass_g),
+        row("filament, m", 2, lambda each: each.job.cost.filament_m),
     ]
-    return [row for row in rows if any(text != "-" for text in row.texts)]
+    return [row for row in rows if any(value is not None for value in row.values)]
 
 
 def _differing_entries(designs: Sequence[ComparedDesign]) -> list[tuple[str, list[str]]]:
     """Paths of the entries in which the designs differ, names aside, and the entry of each design."""
-    tables = [dict(_entries(each.job.drawn.to_dict())) for each in designs]
+    tables = [dict(design_rows(each.job.drawn.to_dict(), longest=100)) for each in designs]
     paths = dict.fromkeys(path for table in tables for path in table if path != "name")
     rows = [(path, [table.get(path, "-") for table in tables]) for path in paths]
     return [(path, texts) for path, texts in rows if len(set(texts)) > 1]
 
 
-def _row(
-    designs: Sequence[ComparedDesign], label: str, of: Callable[[ComparedDesign], float | None], digits: int
-) -> ComparedNumber:
-    values = tuple(map(of, designs))
-    texts = tuple("-" if value is None else f"{value:.{digits}f}" for value in values)
-    return ComparedNumber(label, values, texts, digits)
-
-
-def _sizes(
-    designs: Sequence[ComparedDesign], label: str, of: Callable[[ComparedDesign], Sequence[float] | None]
-) -> ComparedNumber:
-    """A row of boxes, whose differences are not numbers."""
-    texts = tuple("-" if (sizes := of(each)) is None else box_in_words(sizes).removesuffix(" mm") for each in designs)
-    return ComparedNumber(label, (None,) * len(designs), texts)
-
-
-def _printed(job: Job) -> list[float]:
-    low, high = job.plan.outline.min(axis=0), job.plan.outline.max(axis=0)
-    return [float(side) for side in high - low]
-
-
 def _height_error(summary: Mapping[str, Any]) -> float | None:
     percent = summary.get("expected_height_percent")
     return None if percent is None else percent / 100.0 * summary["height_mm"]
-
-
-def _entries(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Dotted paths and texts of all entries of a table; lists of numbers are one entry."""
-    if isinstance(value, Mapping) and value:
-        for key, inner in value.items():
-            yield from _entries(inner, f"{path}.{key}".lstrip("."))
-    elif isinstance(value, list) and value and isinstance(value[0], Mapping):
-        for number, inner in enumerate(value):
-            yield from _entries(inner, f"{path}.{number}")
-    else:
-        text = json.dumps(value, ensure_ascii=False)
-        # longer entries are shortened
-        yield path, text if len(text) <= 100 else f"{text[:100]} ... ({len(text)} characters)"
 
 
 # size of a picture

@@ -29,7 +29,8 @@ from asterism.pattern.design.materials import ResidualCurvature
 from asterism.pattern.layout.layout import Layout
 from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
-from asterism.results.words import VISIBLE_SAG_MM, distance_error, height_error, shape_in_words
+from asterism.results.record import Record
+from asterism.results.words import VISIBLE_SAG_MM, shape_in_words
 from asterism.shape.shape import Shape
 
 Facts = dict[str, list[str]]
@@ -57,19 +58,7 @@ _POINTS = 72 / 25.4
 
 
 def write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], shape: Shape | None) -> float:
-    """Write the page as PDF.
-
-    Parameters
-    ----------
-    job : the design on the printer's bed.
-    facts : from `asterism.reports.design_page.design_facts`.
-    lines : warnings about the shape.
-    shape : shape of the picture; the page has no picture if it is None.
-
-    Returns
-    -------
-    n of the layout's scale 1:n.
-    """
+    """Write the page as PDF, with these facts and warnings; returns n of the layout's scale 1:n."""
     figure = Figure(figsize=tuple(PAGE_MM / 25.4), dpi=72.0, facecolor="white")
     FigureCanvasAgg(figure)
     to_page = Affine2D().scale(_POINTS)
@@ -199,20 +188,19 @@ def _text(
 
 
 def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
-    """Lines on parameters, shape, accuracy and material, as far as they are available.
-
-    Parameters
-    ----------
-    job : the design on the printer's bed.
-    summary : summary of the shape; empty if there is no shape.
-    source : origin of the shape, or the reason for its absence.
-    """
+    """Lines on parameters, shape (with its origin), accuracy and material, as far as they are available."""
     facts = {
         "Fabric": _fabric(job.design),
         "Plastic": _plastic(job.design),
         "Stars": _stars(job.drawn_plan, job.design) if job.arms else [],
         "Rods": _rods(job.drawn_plan),
-        "Shape": [source, *_as_drawn(job, summary), *_shape(summary), *_hanging(job)],
+        "Shape": [
+            source,
+            *_as_drawn(job, summary),
+            *_rows(summary, "height_mm", "extent_mm", "above_needles_mm"),
+            *([shape_in_words(summary)] if "is_minimum" in summary else []),
+            *_hanging(job),
+        ],
         "Computation": _accuracy(summary),
         "Print": _print(job),
     }
@@ -286,17 +274,13 @@ def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
     return ["as drawn, before rounding (see Print)"]
 
 
-def _shape(summary: Mapping[str, Any]) -> list[str]:
-    lines = []
-    if "height_mm" in summary:
-        lines.append(f"height {summary['height_mm']:.1f} mm")
-    if "extent_mm" in summary:
-        lines.append("extent " + " x ".join(f"{size:.1f}" for size in summary["extent_mm"]) + " mm")
-    if (above := summary.get("above_needles_mm")) is not None:
-        lines.append(f"rises {above:.1f} mm over its needles")
-    if "is_minimum" in summary:
-        lines.append(shape_in_words(summary))
-    return lines
+def _rows(summary: Mapping[str, Any], *names: str) -> list[str]:
+    """The rows of the summary's table on the terminal, broken to the width of the column."""
+    if not isinstance(summary, Record):
+        return []
+    rows = summary.table([name for name in names if name in summary.rows])
+    texts = [f"{label} {text}" for label, text in rows.items()]
+    return [line for text in texts for line in textwrap.wrap(text, 46)]
 
 
 def _hanging(job: Job) -> list[str]:
@@ -308,21 +292,7 @@ def _hanging(job: Job) -> list[str]:
 
 
 def _accuracy(summary: Mapping[str, Any]) -> list[str]:
-    lines = []
-    if (expected := summary.get("expected_rms_percent")) is not None:
-        lines += ["estimated rms distance from the exact model:", distance_error(expected, summary.get("diameter_mm"))]
-    if (height := summary.get("expected_height_percent")) is not None:
-        lines.append(f"height give or take {height_error(height, summary['height_mm'])}")
-    if (mesh := summary.get("mesh_error_percent")) is not None:
-        lines.append(f"mesh error about {mesh:.1f} % of the diameter")
-    elif (change := summary.get("mesh_change_percent")) is not None:
-        lines += ["mesh error unknown;", f"{change:.1f} % from the next coarser mesh"]
-    elif summary and summary.get("model") != "preview":
-        lines.append("mesh error unknown: one mesh was solved")
-    elif summary and not lines:
-        lines.append("no error estimate")
-    if (law := summary.get("law")) is not None:
-        lines.append(f"law: {law['material']}, edges of {law['edge_mm']:g} mm")
+    lines = _rows(summary, "expected_rms_percent", "mesh_error_percent", "law")
     if lines:
         lines += ["Errors of the computation, not of the print,", "whose distance was not measured."]
     return lines

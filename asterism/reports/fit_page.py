@@ -1,16 +1,20 @@
-"""report.html of a fit: target and shape, distance, needed contraction, what remains; one self-contained file."""
+"""The files of a fit, and its report.html: target and shape, distance, needed contraction, and what remains."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools
 from asterism.fitting.fit import Fit
+from asterism.fitting.target import TargetSurface
+from asterism.pattern.design.arguments import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
+from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.fit_plots import (
     colour_limit,
     contraction_map,
@@ -19,22 +23,57 @@ from asterism.reports.fit_plots import (
     sections,
     signed_distance_map,
 )
-from asterism.reports.html import figures, html_page, html_table, png, tiles, warnings_box
-from asterism.reports.verification_page import design_rows
-from asterism.results.records.fit import FitRecord, TargetDistanceRecord
+from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
+from asterism.results.files import SUMMARY_FILE, staged_result
+from asterism.results.records.fit import FitRecord
+from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 
-PART_NAMES = {
-    "stars": "what the stars leave, in the preview",
-    "rounding": "rounding to the printer",
-    "model": "exact model against preview",
-    "bumps": "bumps of the stars",
-}
+
+def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
+    """Write report.html, summary.json, target.obj, and shape.vtu, shape.obj and rods.vtu laid on the target.
+
+    The shape is the exact one, or the preview if the exact model was not asked for. Its field `target_distance_mm` is
+    the signed distance to the target. The target is written in the pose of the fit.
+
+    The files appear together, or none of them if writing fails.
+
+    Returns
+    -------
+    Their names.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    check_type(fitted, Fit, "fit makes them")
+    distance = fitted.distance
+    fields = {
+        **distance.shape.point_fields,
+        "target_distance_mm": distance.surface_mm,
+        "mean_target_distance_mm": distance.mean_mm,
+    }
+    shape = replace(distance.shape, point_fields=fields)
+    with staged_result(directory) as folder:
+        write_shape_vtu(shape, folder / "shape.vtu")
+        write_rods_vtu(shape, folder / "rods.vtu")
+        write_shape_obj(folder / "shape.obj", shape, fitted.summary["design"]["name"])
+        (folder / "target.obj").write_text(_obj(fitted.target), encoding="ascii")
+        # a name may hold characters that are not valid text
+        (folder / "report.html").write_text(fit_page(fitted), encoding="utf-8", errors="backslashreplace")
+        (folder / SUMMARY_FILE).write_text(fitted.summary.json_text())
+        return sorted(file.name for file in folder.iterdir())
+
+
+def _obj(target: TargetSurface) -> str:
+    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in target.disk.vertices]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in target.disk.triangles]
+    return "\n".join(["# target in the pose of the fit, mm", *lines]) + "\n"
 
 
 def fit_page(fitted: Fit) -> str:
     """The whole page, as text."""
     s, name = fitted.summary, fitted.design.name
-    rest = remainder(fitted)
     parts = [
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{_verdict(s)}</p>',
@@ -43,7 +82,7 @@ def fit_page(fitted: Fit) -> str:
         warnings_box("Limits of this fit", s.warnings),
         *_pictures(fitted),
         "<h2>What remains, and why</h2>",
-        *_remains(rest, s),
+        *_remains(fitted),
         "<h2>Distance by stage</h2>",
         html_table(
             ("distance, % of the diameter", "mean over a cell, rms", "with bumps, rms", "largest", "minimum"),
@@ -59,12 +98,8 @@ def fit_page(fitted: Fit) -> str:
     return html_page(f"{name}: target and shape", parts)
 
 
-def _result(s: FitRecord) -> TargetDistanceRecord:
-    return s.exact or s.preview
-
-
 def _verdict(s: FitRecord) -> str:
-    result, by = _result(s), "exact shape" if s.exact else "preview"
+    result, by = (s.exact or s.preview), "exact shape" if s.exact else "preview"
     if not result.is_minimum:
         return (
             f'<span class="bad">No certified equilibrium.</span> The numbers show the state in which the {by} stopped.'
@@ -79,8 +114,7 @@ def _verdict(s: FitRecord) -> str:
 
 
 def _headline(s: FitRecord) -> dict[str, str]:
-    result = _result(s)
-    loss = s.rounding_loss_percent
+    result, loss = s.exact or s.preview, s.rounding_loss_percent
     return {
         "distance, rms, mean over a cell": f"{result.mean_percent:.2f} %",
         "largest distance, with bumps": f"{result.largest_percent:.1f} %",
@@ -136,9 +170,10 @@ def _pictures(fitted: Fit) -> list[str]:
     ]
 
 
-def _remains(rest: Remainder, s: FitRecord) -> list[str]:
-    rows = [[PART_NAMES[name], f"{size:.2f}", sentence] for name, (size, sentence) in rest.parts.items()]
-    total = f"{_result(s).surface_percent:.2f}"
+def _remains(fitted: Fit) -> list[str]:
+    rest, s = remainder(fitted), fitted.summary
+    rows = [[name, f"{size:.2f}", cause] for name, (size, cause) in rest.parts.items()]
+    total = f"{(s.exact or s.preview).surface_percent:.2f}"
     places = [[place, f"{size:.2f}"] for place, size in rest.places.items()]
     return [
         html_table(["part of the distance", "rms, %", "cause"], [*rows, ["all", total, ""]], numbers=False),
@@ -209,7 +244,7 @@ class Remainder:
 
     Attributes
     ----------
-    parts : by cause: rms distance, and a sentence about it. Parts that vanish are left out.
+    parts : by name: rms distance, and its cause. Parts that vanish are left out.
     places : name of a part of the sheet, and the rms distance there.
     advice : one sentence for each place or limit that has most of the distance.
     """
@@ -221,37 +256,36 @@ class Remainder:
 
 def remainder(fitted: Fit) -> Remainder:
     """What remains of the distance of a fit."""
-    places, advice = _places(fitted)
-    return Remainder(_parts(fitted), places, tuple(advice))
+    return Remainder(_parts(fitted.summary), *_places(fitted))
 
 
-def _parts(fitted: Fit) -> dict[str, tuple[float, str]]:
-    s = fitted.summary
-    stars = s.preview if s.unrounded is None else s.unrounded
+def _parts(s: FitRecord) -> dict[str, tuple[float, str]]:
+    stars, final = s.unrounded or s.preview, s.exact or s.preview
     cause = "The stars cannot come nearer: features smaller than a cell remain, and so does what supports do not hold."
     if s.needed_ratio > s.available_ratio:
         cause = (
             f"The target needs contractions of a ratio of {s.needed_ratio:.3f}, and stars give {s.available_ratio:.3f} "
             f"at stretch {s.stretch:g}. A larger stretch, a flatter target or a cut helps."
         )
-    parts = {"stars": (stars.mean_percent, cause)}
     lost, between = _added(s.preview.mean_percent, stars.mean_percent), 0.0
     if s.exact is not None:
         between = _added(s.exact.mean_percent, s.preview.mean_percent)
         if s.corrections:  # then the loss by rounding is that of the exact shape
             unrounded = s.exact.mean_percent - (s.rounding_loss_percent or 0.0)
             lost, between = _added(s.exact.mean_percent, unrounded), _added(unrounded, stars.mean_percent)
-    if lost:
-        parts["rounding"] = (lost, "Thicknesses and widths are whole layers and lines of the printer.")
-    if between:
-        parts["model"] = (
+    parts = {
+        "what the stars leave, in the preview": (stars.mean_percent, cause),
+        "rounding to the printer": (lost, "Thicknesses and widths are whole layers and lines of the printer."),
+        "exact model against preview": (
             between,
             "The fit follows the preview, and the exact shape of the same design differs from it.",
-        )
-    final = s.exact or s.preview
-    if bumps := _added(final.surface_percent, final.mean_percent):
-        parts["bumps"] = (bumps, "The bumps of the stars, which the mean over a cell leaves out.")
-    return parts
+        ),
+        "bumps of the stars": (
+            _added(final.surface_percent, final.mean_percent),
+            "The bumps of the stars, which the mean over a cell leaves out.",
+        ),
+    }
+    return {name: part for name, part in parts.items() if part[0]}
 
 
 def _added(larger: float, smaller: float) -> float:
@@ -259,7 +293,7 @@ def _added(larger: float, smaller: float) -> float:
     return float(np.sqrt(max(larger**2 - smaller**2, 0.0)))
 
 
-def _places(fitted: Fit) -> tuple[dict[str, float], list[str]]:
+def _places(fitted: Fit) -> tuple[dict[str, float], tuple[str, ...]]:
     shape, plan, s = fitted.shape, fitted.shape.layout, fitted.summary
     assert plan is not None
     # of the spacing: width of the rim, about the reach of one star
@@ -277,7 +311,7 @@ def _places(fitted: Fit) -> tuple[dict[str, float], list[str]]:
         places |= {"around stars with the shortest or longest arms": at_end, "around other stars": elsewhere}
         if at_end > MAIN_FACTOR * elsewhere:
             advice.append("Most of the distance is at stars whose arms are the shortest or longest of the law.")
-    return places, advice
+    return places, tuple(advice)
 
 
 def stars_at_ends(fitted: Fit) -> Bools:

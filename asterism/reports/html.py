@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -63,6 +65,21 @@ def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bo
 
     lines = [line(header, "th"), *(line(row, "td") for row in rows)]
     return '<div class="wide"><table>\n' + "\n".join(lines) + "\n</table></div>"
+
+
+def design_rows(entry: Any, path: str = "", longest: int = 600) -> list[list[str]]:
+    """Dotted paths and texts of all entries of a design that are not empty; lists of numbers are one entry."""
+    if entry in (None, [], {}):
+        return []
+    if isinstance(entry, Mapping):
+        inner: Iterable[tuple[Any, Any]] = entry.items()
+    elif isinstance(entry, list) and isinstance(entry[0], Mapping):
+        inner = enumerate(entry)
+    else:
+        text = json.dumps(entry, ensure_ascii=False)
+        cut = text if len(text) <= longest else f"{text[:longest]} ... (all {len(text)} characters: summary.json)"
+        return [[path, cut]]
+    return [row for key, each in inner for row in design_rows(each, f"{path}.{key}".lstrip("."), longest)]
 
 
 def tiles(values: Mapping[str, str]) -> str:

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from asterism.pattern.design.arguments import check_type
 from asterism.print.formats.obj import write_shape_obj
-from asterism.reports.html import figures, html_page, html_table, png, tiles, warnings_box
+from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
 from asterism.reports.plots import comparison_views, distance_map, profiles
 from asterism.results.files import SUMMARY_FILE, staged_result
-from asterism.results.records.exact import mesh_error_in_words
 from asterism.results.records.verification import VerificationRecord
-from asterism.results.words import direction, height_error, small_percent, times
+from asterism.results.words import direction, height_error, times
 from asterism.shape.vtu import write_shape_vtu
-from asterism.verification.minima import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 
@@ -55,6 +50,7 @@ def write_verification(verification: Verification, directory: str | Path) -> lis
 def verification_page(verification: Verification) -> str:
     """The whole page, as text."""
     s, name = verification.summary, verification.design.name
+    seen = s.table()
     parts = [
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{_verdict(s)}</p>',
@@ -64,15 +60,13 @@ def verification_page(verification: Verification) -> str:
         *_pictures(verification),
         "<h2>Numbers</h2>",
         html_table(["", "exact", "preview", "difference"], _numbers(s)),
-        f"<p>Mesh error of the exact shape: {escape(mesh_error_in_words(s.exact))}.</p>",
+        f"<p>Mesh error of the exact shape: {escape(seen['exact mesh error'])}.</p>",
         "<h2>Minima seen</h2>",
         html_table(
-            ["exact model", "energy, N mm", "stars up", "certified", "distance of the preview", "iterations"],
+            ["exact model", "energy, N mm", "stars up", "certified", "distance of the preview", "iterations", "s"],
             _minima(s),
         ),
-        f"<p>{_agreement(s)}</p>",
-        "<h2>Computing time</h2>",
-        html_table(["without compilation of loops", "s"], _seconds(s)),
+        f"<p>{escape(seen['exact model'])}.</p>",
         "<h2>The design</h2>",
         html_table(["", "as computed, with defaults"], design_rows(s.design), numbers=False),
         "<h2>Other inputs</h2>",
@@ -91,34 +85,7 @@ def _verdict(s: VerificationRecord) -> str:
     expected = s.expected_rms_percent
     estimate = "" if expected is None else f" Its estimated error is {expected:.1f} %."
     distance = f"{s.rms_percent:.2f} % of the diameter ({s.rms_mm:.2g} mm)"
-    verdict = f"The preview shows {branch} the exact model, at an rms distance of {distance}."
-    return f"{verdict}{estimate}{_swung(s)}{_nearly(s)}"
-
-
-def _swung(s: VerificationRecord) -> str:
-    """A sentence if most of the distance is a rigid motion that the supports do not leave free."""
-    rest = s.rms_after_motion_percent
-    # smaller distances, in % of the diameter, are not explained by a rigid motion
-    # the distance is mostly a rigid motion if at most this part of it remains after the best one
-    if s.rms_percent < 1.0 or rest > 0.5 * s.rms_percent:
-        return ""
-    return (
-        f" Most of this distance is a rigid motion: after the best rigid motion, {rest:.2f} % remain. The motion "
-        "counts as an error, because the supports prevent it."
-    )
-
-
-def _nearly(s: VerificationRecord) -> str:
-    """A sentence if another exact minimum is nearer to the preview, and its energy is almost the same."""
-    other = s.starts[RELEASE if s.result_from == PREVIEW else PREVIEW]
-    more = gap(s.exact, other)
-    nearer = other.is_minimum and other.rms_percent < s.rms_percent
-    if s.same_branch or not nearer or more > MIN_CERTAIN_GAP:
-        return ""
-    return (
-        f" The exact model has another minimum, {other.rms_percent:.2f} % away, whose energy differs by "
-        f"{small_percent(100.0 * more)}. It is uncertain which of the two is lower."
-    )
+    return f"The preview shows {branch} the exact model, at an rms distance of {distance}.{estimate}"
 
 
 def _how(s: VerificationRecord) -> str:
@@ -128,13 +95,12 @@ def _how(s: VerificationRecord) -> str:
         0: "with both shapes in space as their supports hold them",
         6: "after the preview is rotated and shifted onto the exact shape",
     }.get(s.free_motions, "after the preview is rotated and shifted as far as the supports allow")
+    relief, it = ("the bumps of the stars", "them") if _has_stars(s) else ("their relief", "it")
     return (
         f"Distances are measured between the positions of the same printed points, {motions}. "
-        f"Percentages refer to the diameter of the exact shape, {s.diameter_mm:.0f} mm. "
-        f"Surfaces are compared without {'the bumps of the stars' if _has_stars(s) else 'their relief'} (means over a "
-        f"cell of the lattice), {_points(s)} with {'them' if _has_stars(s) else 'it'}. "
-        "rms means root mean square. Accuracy means agreement with the exact model with the paper's hinges. "
-        "The distance to a real print has not been measured."
+        f"Percentages refer to the diameter of the exact shape, {s.diameter_mm:.0f} mm. Surfaces are compared without "
+        f"{relief} (means over a cell of the lattice), {_points(s)} with {it}. rms means root mean square. Accuracy "
+        "means agreement with the exact model. The distance to a real print has not been measured."
     )
 
 
@@ -148,20 +114,19 @@ def _points(s: VerificationRecord) -> str:
 
 
 def _headline(s: VerificationRecord) -> dict[str, str]:
-    radius = s.roll_radius_error_percent
-    rise = s.rise_error_percent
     if not s.exact.is_minimum:
         return {}
-    return {
+    values = {
         "distance of the surfaces, rms": _percent(s.rms_percent, 2),
         "largest distance": _percent(s.max_percent, 1),
         f"distance of {_points(s)}, rms": _percent(s.rms_stars_percent, 2),
-        **({} if _is_flat(s) else {"height error of the preview": _signed(s.height_error_percent)}),
-        **({} if rise is None else {"error of the rise over the supports": _signed(rise)}),
-        **({} if radius is None else {"error of the roll radius": _signed(radius)}),
-        **_mesh(s.mesh_error_percent, s.mesh_change_percent),
+        "height error of the preview": "-" if _is_flat(s) else _signed(s.height_error_percent),
+        "error of the rise over the supports": _signed(s.rise_error_percent),
+        "error of the roll radius": _signed(s.roll_radius_error_percent),
+        "mesh error of the exact model": _percent(s.mesh_error_percent, 1),
         f"{'faster than' if s.speedup > 1.0 else 'as fast as'} the exact model": f"{times(s.speedup)} ×",
     }
+    return {name: text for name, text in values.items() if text != "-"}
 
 
 def _is_flat(s: VerificationRecord) -> bool:
@@ -170,19 +135,8 @@ def _is_flat(s: VerificationRecord) -> bool:
     return bool(abs(preview - exact) < FLAT_HEIGHT_FACTOR * s.diameter_mm and abs(s.height_error_percent or 0.0) > 50.0)
 
 
-def _mesh(error: float | None, change: float | None) -> dict[str, str]:
-    """The mesh error of the exact model, or the distance to its shape on the next coarser mesh."""
-    if error is not None:
-        return {"mesh error of the exact model": _percent(error, 1)}
-    if change is not None:
-        return {"distance of the exact shape from that on a coarser mesh": _percent(change, 1)}
-    return {"mesh error of the exact model: only one mesh was solved": "unknown"}
-
-
 def _pictures(verification: Verification) -> list[str]:
-    seen = {
-        name: [png(image) for image in images] for name, images in comparison_views(verification.comparison).items()
-    }
+    seen = {name: list(map(png, images)) for name, images in comparison_views(verification.comparison).items()}
     largest = verification.comparison.distance_mm.max()
     of_preview = "preview, with the bumps of its stars" if _has_stars(verification.summary) else "preview"
     return [
@@ -210,35 +164,36 @@ def _pictures(verification: Verification) -> list[str]:
 
 
 def _numbers(s: VerificationRecord) -> list[list[str]]:
-    off = "" if _is_flat(s) else _signed(s.height_error_percent)
-    rows = [["height, mm", *_pair(s.heights_mm, 1), off]]
-    if s.rises_mm is not None:
-        rows.append(["rise over the supports, mm", *_pair(s.rises_mm, 1), _signed(s.rise_error_percent)])
-    if s.roll_radii_mm is not None:
-        rows.append(["radius of the roll, mm", *_pair(s.roll_radii_mm, 1), _signed(s.roll_radius_error_percent)])
-    if s.volumes_mm3 is not None:
-        cm3 = [volume / 1000.0 for volume in s.volumes_mm3]
-        rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s.volume_error_percent)])
+    pairs = {
+        "height, mm": (s.heights_mm, "" if _is_flat(s) else _signed(s.height_error_percent)),
+        "rise over the supports, mm": (s.rises_mm, _signed(s.rise_error_percent)),
+        "radius of the roll, mm": (s.roll_radii_mm, _signed(s.roll_radius_error_percent)),
+        "volume under the sheet, cm³": (
+            s.volumes_mm3 and [volume / 1000.0 for volume in s.volumes_mm3],
+            _signed(s.volume_error_percent),
+        ),
+    }
+    rows = [[name, *(f"{value:.4g}" for value in pair), off] for name, (pair, off) in pairs.items() if pair is not None]
     axes = ["-" if axis is None else direction(axis) for axis in s.roll_axes_deg]
     if axes != ["-", "-"]:
-        itself = s.preview.get("roll_axis_deg")
-        laid = ""
+        itself, laid = s.preview.get("roll_axis_deg"), ""
         if itself is not None and direction(itself) != axes[1]:
             laid = f" (of the preview before the rigid motion: {direction(itself)})"
         rows.append([f"axis of the roll on the print, deg{laid}", *axes, ""])
-    high = s.expected_height_percent
-    return [
-        *rows,
-        ["normals, rms", "", "", f"{s.normals_rms_deg:.1f}°"],
-        ["surface, rms", "", "", _percent(s.rms_percent, 2)],
-        ["surface, largest", "", "", _percent(s.max_percent, 2)],
-        [f"{_points(s)}, rms", "", "", _percent(s.rms_stars_percent, 2)],
-        [f"{_points(s)}, largest", "", "", _percent(s.max_stars_percent, 2)],
-        ["bumps, rms, relative to their size", "", "", _percent(s.relief_error_percent, 0)],
-        ["surface, rms, estimated by the preview", "", "", _percent(s.expected_rms_percent, 2)],
-        ["height, estimated by the preview", "", "", "-" if high is None else height_error(high, s.heights_mm[1])],
-        ["diameter, mm", f"{s.diameter_mm:.1f}", "", ""],
-    ]
+    high, moved = s.expected_height_percent, s.rms_after_motion_percent if s.free_motions < 6 else None
+    single = {
+        "normals, rms": f"{s.normals_rms_deg:.1f}°",
+        "surface, rms": _percent(s.rms_percent, 2),
+        "surface, rms, after the best rigid motion, which the supports prevent": _percent(moved, 2),
+        "surface, largest": _percent(s.max_percent, 2),
+        f"{_points(s)}, rms": _percent(s.rms_stars_percent, 2),
+        f"{_points(s)}, largest": _percent(s.max_stars_percent, 2),
+        "bumps, rms, relative to their size": _percent(s.relief_error_percent, 0),
+        "surface, rms, estimated by the preview": _percent(s.expected_rms_percent, 2),
+        "height, estimated by the preview": "-" if high is None else height_error(high, s.heights_mm[1]),
+    }
+    rows += [[name, "", "", text] for name, text in single.items() if text != "-"]
+    return [*rows, ["diameter, mm", f"{s.diameter_mm:.1f}", "", ""]]
 
 
 def _minima(s: VerificationRecord) -> list[list[str]]:
@@ -250,69 +205,25 @@ def _minima(s: VerificationRecord) -> list[list[str]]:
             "yes" if one.is_minimum else "no",
             _percent(one.rms_percent, 2),
             str(one.iterations),
+            f"{s.exact_s if name == RELEASE else s.exact_from_preview_s:.3g}",
         ]
         for name, one in s.starts.items()
     ]
 
 
-def _agreement(s: VerificationRecord) -> str:
-    if not s.exact.is_minimum:
-        return "Neither start has reached a certified minimum."
-    if s.starts_agree:
-        return "Both starts end in the same minimum."
-    lost = [START_NAMES[name] for name, one in s.starts.items() if not one.is_minimum]
-    if lost:
-        return f"One start ({lost[0]}) has not reached a certified minimum. The other one is the result."
-    apart = f"{s.starts_distance_percent:.2g} % of the diameter apart and of different energy"
-    each = [f"{one.rms_percent:.2g} % from the one {START_NAMES[name]}" for name, one in s.starts.items()]
-    return (
-        f"The two starts end in different minima, {apart}. The preview is {' and '.join(each)}. The certified one of "
-        "lower energy is the result."
-    )
-
-
-def _seconds(s: VerificationRecord) -> list[list[str]]:
-    names = {
-        "preview": s.preview_s,
-        f"exact model, {START_NAMES[RELEASE]}": s.exact_s,
-        f"exact model, {START_NAMES[PREVIEW]}": s.exact_from_preview_s,
-    }
-    return [[text, f"{seconds:.3g}"] for text, seconds in names.items()]
-
-
 def _origins(s: VerificationRecord) -> list[list[str]]:
-    """Rows of a table, from the summary of a verification. The law is missing if another shape replaced the preview."""
+    """Rows of a table. The law is missing if another shape replaced the preview."""
     preview, exact = s.preview, s.exact
     rows = [["command", s.command]] if s.command else []
     if law := preview.get("law"):
         made = f", made by {law['made_by']}" if law["made_by"] else ""
         what = f"{law['material']}, fabric stretched {law['stretch']:g}, edges of {law['edge_mm']:g} mm{made}"
         rows.append(["law", what])
-    if "shell_triangles" in preview:
-        rows.append(["preview", f"{preview['shell_triangles']} triangles, side {preview['side']}"])
+    shell = f"{preview['shell_triangles']} triangles, side {preview['side']}, " if "shell_triangles" in preview else ""
+    rows.append(["preview", f"{shell}{s.preview_s:.3g} s without compilation of loops"])
     mesh = f"edges of {exact.edge_mm:g} mm, {exact.triangles} triangles ({exact.mesh} mesh)"
     rows.append(["exact model", f"{mesh}, fabric bending {exact.fabric_bending}, solver {exact.backend}"])
     return [*rows, ["asterism", s.version]]
-
-
-def design_rows(design: Mapping[str, Any]) -> list[list[str]]:
-    """One row for each entry of the design, without empty entries."""
-    rows = []
-    for name, value in design.items():
-        entries = value if isinstance(value, Mapping) else {"": value}
-        for key, entry in entries.items():
-            if entry not in (None, [], {}):
-                rows.append([f"{name}.{key}".rstrip("."), _shortened(json.dumps(entry, ensure_ascii=False))])
-    return rows
-
-
-def _shortened(text: str) -> str:
-    """The beginning of a long entry, such as an image or an outline of many corners."""
-    return text if len(text) <= 600 else f"{text[:600]} ... (all {len(text)} characters: summary.json)"
-
-
-def _pair(values: list[float], digits: int) -> list[str]:
-    return [f"{value:.{digits}f}" for value in values]
 
 
 def _percent(value: float | None, digits: int) -> str:

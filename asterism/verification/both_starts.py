@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -89,8 +91,7 @@ def simulate(
     try:
         shown = preview(design, law, plan=plan)
         if design.solver.contact and shown.summary["self_intersections"]:
-            tell("no start from the preview: it meets itself, which contact cannot undo")
-            return released
+            raise Error("it meets itself, which contact cannot undo")
         tell("started from the preview")
         near_report = prefixed_report(report, "from the preview")
         near = exact_shape(design, backend, near_report, say, near=shown, plan=plan, shared=shared)
@@ -101,60 +102,46 @@ def simulate(
 
 
 def lower_minimum(design: Design, plan: Layout, released: Shape, near: Shape) -> Shape:
-    """The exact shape that counts of the two starts, with the other one if it is another minimum.
-
-    Parameters
-    ----------
-    plan : layout of the design.
-    released, near : exact shapes from the flat print and from the preview.
-    """
+    """The exact shape that counts, from the flat print or from the preview; with the other one if it is another one."""
     exact = {RELEASE: released, PREVIEW: near}
     agree, between = same_minimum(released, near, plan, symmetries(design, plan), design.gravity.pull)
     first = right_shape(exact)
-    result, second = exact[first], exact[PREVIEW if first == RELEASE else RELEASE]
+    other = PREVIEW if first == RELEASE else RELEASE
+    result, second = exact[first].summary, exact[other].summary
     lost = [name for name, shape in exact.items() if not shape.summary["is_minimum"]]
+    numbers: dict[str, Any] = {"starts": BOTH_STARTS, "starts_lost": len(lost)}
     if agree or lost:
         starts = [name for name in exact if name not in lost] or [first]
-        entry = _entry(result, starts, 0.0)
-        numbers = {
-            "starts": BOTH_STARTS,
-            "starts_lost": len(lost),
+        numbers |= {
             "minima_seen": 1,
-            "minima": [entry],
+            "minima": [_entry(result, starts, 0.0)],
             "next_minimum_percent": None,
             "result_is": BY_ENERGY if starts == [PREVIEW] else FROM_DEFAULT_START,
         }
-        return _with(result, numbers)
-    apart = between.rms_percent
-    higher = second.summary["energy_n_mm"] - result.summary["energy_n_mm"]
-    names = [first, PREVIEW if first == RELEASE else RELEASE]
-    entries = [_entry(result, names[:1], 0.0), _entry(second, names[1:], apart)]
-    numbers = {
-        "starts": BOTH_STARTS,
-        "starts_lost": 0,
+        return replace(exact[first], summary=result | numbers)
+    apart, higher = between.rms_percent, second["energy_n_mm"] - result["energy_n_mm"]
+    numbers |= {
         "result_is": BY_ENERGY if higher >= 0.0 else BY_ENERGY_ON_BRANCH,
         "minima_seen": 2,
         "minima_not_carried": 0,
-        "next_minimum_percent": 100.0 * gap(result.summary, second.summary) * (1.0 if higher >= 0.0 else -1.0),
+        "next_minimum_percent": math.copysign(100.0 * gap(result, second), higher),
         "next_minimum_n_mm": higher,
-        "minima": [entry.changed(file=file) for entry, file in zip(entries, ("shape", "minimum-2"), strict=True)],
+        "minima": [
+            _entry(result, [first], 0.0).changed(file="shape"),
+            _entry(second, [other], apart).changed(file="minimum-2"),
+        ],
         "minima_distance_percent": [[0.0, apart], [apart, 0.0]],
-        "warnings": [*result.summary["warnings"], *two_minima_warnings(exact, first, apart)],
+        "warnings": [*result["warnings"], *two_minima_warnings(exact, first, apart)],
     }
-    return replace(_with(result, numbers), others=(second,))
+    return replace(exact[first], summary=result | numbers, others=(exact[other],))
 
 
-def _with(shape: Shape, values: dict[str, Any]) -> Shape:
-    return replace(shape, summary=shape.summary | values)
-
-
-def _entry(shape: Shape, starts: list[str], distance_percent: float) -> MinimumRecord:
-    summary = shape.summary
+def _entry(summary: Mapping[str, Any], starts: list[str], distance_percent: float) -> MinimumRecord:
     return MinimumRecord(
         **{name: summary[name] for name in SAME_KEYS},
         stars_off_branch=len(summary["stars_off_branch"]),
         starts=len(starts),
-        start_names=list(starts),
+        start_names=starts,
         default=RELEASE in starts,
         distance_percent=distance_percent,
     )

@@ -22,24 +22,12 @@ MIN_CERTAIN_GAP = 0.005
 
 
 def same_energy(one: float, other: float) -> bool:
-    """Whether the energies (N mm) of two minima are equal up to the accuracy of the solver.
-
-    Examples
-    --------
-    >>> same_energy(1808.98, 1808.9801), same_energy(1808.98, 1809.98)
-    (True, False)
-    """
+    """Whether the energies (N mm) of two minima are equal up to the accuracy of the solver."""
     return abs(one - other) <= MAX_EQUAL_ENERGY_GAP * abs(one)
 
 
 def gap(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
-    """Difference of the energies of two minima over the elastic energy of the first; gravity has an arbitrary zero.
-
-    Parameters
-    ----------
-    one : summary of an exact shape.
-    other : summary of another one; only its energy is used.
-    """
+    """Difference of the energies of two summaries over the elastic energy of the first: gravity has any zero."""
     elastic = one["energy_n_mm"] - one.get("gravity", 0.0)
     return float(abs(other["energy_n_mm"] - one["energy_n_mm"]) / elastic) if elastic else math.inf
 
@@ -72,12 +60,8 @@ def same_minimum(
     """Whether both are certified and are one minimum, and the second laid on the first as held.
 
     They are one minimum if their surfaces are nearer than `SAME_FORM_PERCENT` and the same stars are inverted. An image
-    of a minimum may have another energy, as the mesh may be less symmetric than the design.
-
-    Parameters
-    ----------
-    first, second : exact shapes of one design.
-    plan, symmetries, gravity, mean : as in `asterism.shape.comparison.compare_shapes`.
+    of a minimum may have another energy, as the mesh may be less symmetric than the design. Parameters are those of
+    `asterism.shape.comparison.compare_shapes`.
     """
     between = compare_shapes(first, second, plan, symmetries, gravity, mean)
     certain = bool(first.summary["is_minimum"] and second.summary["is_minimum"])

@@ -27,16 +27,10 @@ def numbers(comparison: Comparison) -> DifferenceRecord:
         "volume_error_percent": comparison.volumes_mm3,
         "roll_radius_error_percent": comparison.roll_radii_mm,
     }
-    known = {name: None if pair is None else _relative(*pair) for name, pair in pairs.items()}
-    known |= {"mirrored": comparison.symmetry.mirrors}
-    names = keys_of(DifferenceRecord)  # in the order of the file
-    return DifferenceRecord.from_json(
-        {name: known[name] if name in known else _listed(getattr(comparison, name)) for name in names}
-    )
-
-
-def _listed(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
+    known: dict[str, Any] = {name: pair and _relative(*pair) for name, pair in pairs.items()}
+    known["mirrored"] = comparison.symmetry.mirrors
+    others = {name: getattr(comparison, name) for name in keys_of(DifferenceRecord) if name not in known}
+    return DifferenceRecord.from_json(known | others)
 
 
 def alike(comparison: Comparison) -> bool:
@@ -51,30 +45,12 @@ def alike(comparison: Comparison) -> bool:
         return False
     if one is None or other is None:
         return True
-    return axes_apart_deg(one, other) < MAX_LIKE_AXIS_DEG
-
-
-def axes_apart_deg(one: float, other: float) -> float:
-    """Angle between two axes in degrees, at most 90.
-
-    Examples
-    --------
-    >>> axes_apart_deg(175.0, 5.0)
-    10.0
-    """
     apart = abs(one - other) % 180.0
-    return min(apart, 180.0 - apart)
+    return min(apart, 180.0 - apart) < MAX_LIKE_AXIS_DEG
 
 
 def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
-    """Whether a shape has the form of the exact result, and not that of another exact minimum.
-
-    Parameters
-    ----------
-    comparison : of the shape with the exact result.
-    with_other : of the shape with the other exact minimum; None if there is none.
-    apart_percent : rms distance of the two exact shapes, in % of the diameter.
-    """
+    """Whether a shape has the form of the exact result, not that of another minimum `apart_percent` away."""
     nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
     return bool((nearer or apart_percent < MAX_FORM_DISTANCE_PERCENT) and alike(comparison))
 

@@ -22,13 +22,7 @@ FLAT_HEIGHT_FACTOR = 1e-3
 
 
 def verification_warnings(verification: Verification, apart_percent: float) -> list[str]:
-    """The warnings of the preview, of the exact shape and of their comparison, one line each.
-
-    Parameters
-    ----------
-    verification : the verification.
-    apart_percent : rms distance of the two exact shapes, in % of the diameter.
-    """
+    """The warnings of preview, exact shape and comparison; the two exact shapes are `apart_percent` apart."""
     preview, exact = verification.preview.summary, verification.exact[verification.result].summary
     lines = [*map(str, preview.get("warnings", []))]
     lines += _exact_shape(exact, lines)
@@ -54,14 +48,7 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
 
 
 def two_minima_warnings(exact: Mapping[str, Shape], result: str, apart_percent: float) -> Iterator[str]:
-    """Two exact minima whose energies are so close that either may be the lower one.
-
-    Parameters
-    ----------
-    exact : exact shapes by their start.
-    result : the start of the one that counts.
-    apart_percent : rms distance of the two, in % of the diameter.
-    """
+    """Two exact minima, `apart_percent` of the diameter apart, whose energies are so close that either may be lower."""
     for other in (shape.summary for name, shape in exact.items() if name != result):
         more = gap(exact[result].summary, other)
         if other["is_minimum"] and apart_percent > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
