@@ -111,11 +111,7 @@ def check_ending(path: Path, ending: str) -> None:
 
 
 def results_folder(design: Path, output: Path | None, default: Path, *names: str) -> Path:
-    """The folder given by the user, or the default one.
-
-    Parameters
-    ----------
-    names : of the files that the command can write there; without one, summary.json and those that stand beside it.
+    """The folder given by the user, or the default one, for files of these names (or summary.json and its like).
 
     Raises
     ------

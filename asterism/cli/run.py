@@ -99,12 +99,7 @@ class Run:
 
     @contextmanager
     def computing(self, compile_ahead: Literal["discrete", "fem"] | None = None) -> Iterator[None]:
-        """Announce the compilation of a first run, and end the last line of progress after the block.
-
-        Parameters
-        ----------
-        compile_ahead : package of the model that the block uses last.
-        """
+        """Announce the compilation of a first run, also ahead for the package that the block uses last."""
         from asterism.process.compiling import announce_compiling, compiling_ahead
 
         _collect_from_here()
@@ -121,13 +116,7 @@ class Run:
         return self.stream
 
     def cost(self, cost: Cost) -> None:
-        """Print what a computation costs; ask for consent if that is much.
-
-        Raises
-        ------
-        Mistake
-            It costs much, and neither --yes nor a terminal gives consent.
-        """
+        """Print what a computation costs; if that is much, it takes --yes or consent on the terminal."""
         # larger computations need --yes, or an answer on the terminal
         if (cost.seconds > 300.0 or cost.memory_mb > 4000.0) and not self.yes:
             with self.progress.paused():
@@ -248,15 +237,7 @@ def _options_of(kind: type) -> list[inspect.Parameter]:
 
 
 def _ask(cost: Cost) -> None:
-    """Ask on the terminal whether to begin.
-
-    Raises
-    ------
-    Mistake
-        There is no terminal; the message names the option that consents.
-    typer.Abort
-        The answer is no.
-    """
+    """Ask on the terminal whether to begin; without a terminal, a mistake names the option that consents."""
     question = f"takes about {cost.in_words()}"
     if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
         raise Mistake(f"{question}: use --yes to compute it, or {cost.cheaper}")

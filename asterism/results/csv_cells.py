@@ -44,18 +44,12 @@ class Row:
         return TableError(self.file, self.number, column, problem)
 
     def number_in(self, column: str, low: float, high: float, unit: str = "mm", needed: bool = False) -> float | None:
-        """The number in a cell; None if the cell is empty.
-
-        Parameters
-        ----------
-        low, high : range of the number.
-        unit : unit of the number, for the message.
-        needed : the cell must not be empty.
+        """The number from `low` to `high` in a cell; None if the cell is empty.
 
         Raises
         ------
         TableError
-            The cell holds no number or one out of range, or it is empty although it is `needed`.
+            It is no number or out of range, or empty although it is `needed`; the message says the unit.
         """
         text = self.cells.get(column, "")
         if not text:
