@@ -116,8 +116,13 @@ class Run:
         return self.stream
 
     def cost(self, cost: Cost) -> None:
-        """Print what a computation costs; if that is much, it takes --yes or consent on the terminal."""
-        # larger computations need --yes, or an answer on the terminal
+        """Print what a computation costs; ask for consent if that is much.
+
+        Raises
+        ------
+        Mistake
+            It costs much, and neither --yes nor a terminal gives consent.
+        """
         if (cost.seconds > 300.0 or cost.memory_mb > 4000.0) and not self.yes:
             with self.progress.paused():
                 _ask(cost)

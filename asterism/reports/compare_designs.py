@@ -93,14 +93,14 @@ class ComparedNumber:
     @property
     def texts(self) -> tuple[str, ...]:
         """The values in words; `-` where a design has none."""
-        return tuple(
-            "-"
-            if value is None
-            else f"{value:.{self.digits}f}"
-            if isinstance(value, float)
-            else box_in_words(value).removesuffix(" mm")
-            for value in self.values
-        )
+        return tuple(map(self._text, self.values))
+
+    def _text(self, value: float | Sequence[float] | None) -> str:
+        if value is None:
+            return "-"
+        if isinstance(value, float):
+            return f"{value:.{self.digits}f}"
+        return box_in_words(value).removesuffix(" mm")
 
     def with_differences(self) -> list[str]:
         """The texts, with the difference from the first design where these digits show one."""
@@ -109,7 +109,8 @@ class ComparedNumber:
             if not (isinstance(value, float) and isinstance(first, float)):
                 continue
             if change := round(value - first, self.digits):
-                cells[k] += f" ({change:+.{self.digits}f}" + (f", {100.0 * change / first:+.0f} %)" if first else ")")
+                percent = f", {100.0 * change / first:+.0f} %" if first else ""
+                cells[k] += f" ({change:+.{self.digits}f}{percent})"
         return cells
 
 

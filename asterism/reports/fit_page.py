@@ -92,7 +92,11 @@ def fit_page(fitted: Fit) -> str:
         "<h2>The target</h2>",
         html_table(["", ""], _target(fitted), numbers=False),
         "<h2>The design</h2>",
-        html_table(["", "as it is written, with defaults"], design_rows(s.design), numbers=False),
+        html_table(
+            ["", "as it is written, with defaults; summary.json has long entries whole"],
+            design_rows(s.design),
+            numbers=False,
+        ),
         f'<p class="small">asterism {escape(s.version)}</p>',
     ]
     return html_page(f"{name}: target and shape", parts)

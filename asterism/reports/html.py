@@ -77,8 +77,7 @@ def design_rows(entry: Any, path: str = "", longest: int = 600) -> list[list[str
         inner = enumerate(entry)
     else:
         text = json.dumps(entry, ensure_ascii=False)
-        cut = text if len(text) <= longest else f"{text[:longest]} ... (all {len(text)} characters: summary.json)"
-        return [[path, cut]]
+        return [[path, text if len(text) <= longest else f"{text[:longest]} ... ({len(text)} characters)"]]
     return [row for key, each in inner for row in design_rows(each, f"{path}.{key}".lstrip("."), longest)]
 
 

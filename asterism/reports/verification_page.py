@@ -68,7 +68,11 @@ def verification_page(verification: Verification) -> str:
         ),
         f"<p>{escape(seen['exact model'])}.</p>",
         "<h2>The design</h2>",
-        html_table(["", "as computed, with defaults"], design_rows(s.design), numbers=False),
+        html_table(
+            ["", "as computed, with defaults; summary.json has long entries whole"],
+            design_rows(s.design),
+            numbers=False,
+        ),
         "<h2>Other inputs</h2>",
         html_table(["", ""], _origins(s), numbers=False),
     ]

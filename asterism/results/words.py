@@ -28,7 +28,11 @@ def direction(axis_deg: float) -> str:
 
 
 def roll(axis_deg: float | None, radius_mm: float | None) -> str:
-    """The axis and the radius of a rolled sheet; a dash if the sheet is not rolled."""
+    """The axis and the radius of a rolled sheet; a dash if the sheet is not rolled.
+
+    >>> roll(30.2, 34.56), roll(30.2, None), roll(None, None)
+    ('30 deg, radius 34.6 mm', '30 deg', '-')
+    """
     if axis_deg is None:
         return "-"
     return f"{direction(axis_deg)} deg" + ("" if radius_mm is None else f", radius {radius_mm:.1f} mm")
@@ -40,12 +44,20 @@ def box_in_words(sizes_mm: Sequence[float]) -> str:
 
 
 def height_error(percent: float, height_mm: float) -> str:
-    """An error of a height in mm, and in percent unless it is larger than the height."""
+    """An error of a height in mm, and in percent unless it is larger than the height.
+
+    >>> height_error(11.3, 7.0), height_error(150.0, 2.0)
+    ('0.8 mm (11 %)', '3.0 mm')
+    """
     return f"{percent / 100.0 * height_mm:.1f} mm" + (f" ({percent:.0f} %)" if percent <= 100.0 else "")
 
 
 def distance_error(percent: float, diameter_mm: float | None) -> str:
-    """An rms distance in percent of the diameter, and in mm if the diameter is known."""
+    """An rms distance in percent of the diameter, and in mm if the diameter is known.
+
+    >>> distance_error(0.81, 152.34), distance_error(0.81, None)
+    ('0.8 % of the diameter of 152.3 mm: 1.2 mm', '0.8 % of the diameter')
+    """
     text = f"{percent:.1f} % of the diameter"
     return text if diameter_mm is None else f"{text} of {diameter_mm:.1f} mm: {percent / 100.0 * diameter_mm:.1f} mm"
 

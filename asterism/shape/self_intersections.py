@@ -16,7 +16,7 @@ MIN_REMOTE_EDGES = 3.0
 
 
 def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> int:
-    """Count the pairs of triangles that pass through each other, without pairs that share a vertex.
+    """Count the pairs of triangles (T, 3) at positions (V, 3) mm that pass through each other and share no vertex.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.nd
 def meets_itself(
     printed: Float[np.ndarray, "V 2"], positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
 ) -> bool:
-    """Fast test whether a smooth sheet may pass through itself.
+    """Fast test whether a smooth sheet, printed (V, 2) mm and at positions (V, 3) mm, may pass through itself.
 
     True if two vertices that are printed more than three edge lengths apart are so close in space that their triangles
     can touch. If this is false, `self_intersections` can only find folds within three edge lengths, which a smooth

@@ -50,7 +50,10 @@ def alike(comparison: Comparison) -> bool:
 
 
 def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
-    """Whether a shape has the form of the exact result, not that of another minimum `apart_percent` away."""
+    """Whether a shape has the form of the exact result, and not that of another exact minimum.
+
+    The minima are `apart_percent` of the diameter apart; without a second one, `with_other` is None.
+    """
     nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
     return bool((nearer or apart_percent < MAX_FORM_DISTANCE_PERCENT) and alike(comparison))
 

@@ -22,7 +22,7 @@ FLAT_HEIGHT_FACTOR = 1e-3
 
 
 def verification_warnings(verification: Verification, apart_percent: float) -> list[str]:
-    """The warnings of preview, exact shape and comparison; the two exact shapes are `apart_percent` apart."""
+    """The warnings of preview, exact shape and comparison; `apart_percent` of the diameter is between both starts."""
     preview, exact = verification.preview.summary, verification.exact[verification.result].summary
     lines = [*map(str, preview.get("warnings", []))]
     lines += _exact_shape(exact, lines)

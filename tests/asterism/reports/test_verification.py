@@ -195,7 +195,7 @@ def test_a_long_entry_of_the_design_is_cut_on_the_page(found):
     corners = [[float(k), 0.25] for k in range(500)]
     design = found.summary["design"] | {"border": {"polygon_mm": corners}}
     text = verification_page(replace(found, summary=found.summary | {"design": design}))
-    assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and "characters: summary.json)" in text
+    assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and " characters)" in text
 
 
 def test_heights_of_nothing_are_no_percent(found):
