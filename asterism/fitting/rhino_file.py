@@ -18,23 +18,11 @@ MAX_SURFACE_POINTS = 200
 
 
 def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
-    """The visible surfaces of a 3DM file as triangles.
+    """The visible surfaces of a 3DM file: vertices (V, 3) in mm and triangles (T, 3).
 
     Meshes are taken as they are. A surface that is not trimmed is sampled at its parameters; of a trimmed or joined one
-    the file must hold the render mesh, as files saved by Rhino do.
-
-    Parameters
-    ----------
-    mm : length of the unit of the numbers; None for the unit that the file names.
-
-    Returns
-    -------
-    Vertices (V, 3) in mm and triangles (T, 3).
-
-    Raises
-    ------
-    TargetError
-        `rhino3dm` is not installed, or the file holds no surface that can be read.
+    the file must hold the render mesh, as files saved by Rhino do. `mm` is the length of the unit of the numbers; None
+    for the unit that the file names.
     """
     model = open_rhino_model(path, mm, lambda problem: TargetError(path, problem))
     meshes = [mesh for geometry, _, hidden in model.shown() if not hidden for mesh in _meshes(path, geometry)]
@@ -53,7 +41,7 @@ def _meshes(path: Path, geometry: Any) -> list[tuple[Floats, Ints]]:
     import rhino3dm
 
     if isinstance(geometry, rhino3dm.Mesh):
-        return [_triangles(geometry)]
+        return [mesh_triangles(geometry)]
     if isinstance(geometry, rhino3dm.Extrusion):
         geometry = geometry.ToBrep(False)
     if isinstance(geometry, rhino3dm.Brep):
@@ -65,15 +53,17 @@ def _meshes(path: Path, geometry: Any) -> list[tuple[Floats, Ints]]:
         if any(mesh is None or len(mesh.Vertices) == 0 for mesh in cached):
             problem = "a trimmed or joined surface without its render mesh: save the file shaded, or mesh it in Rhino"
             raise TargetError(path, f"holds {problem}")
-        return [_triangles(mesh) for mesh in cached]
+        return [mesh_triangles(mesh) for mesh in cached]
     if isinstance(geometry, rhino3dm.Surface):
         return [_sampled(geometry)]
     return []
 
 
-def _triangles(mesh: Any) -> tuple[Floats, Ints]:
+def mesh_triangles(mesh: Any) -> tuple[Floats, Ints]:
+    """Vertices (V, 3) and triangles (T, 3) of a mesh of Rhino, in its unit."""
     vertices = np.array([[point.X, point.Y, point.Z] for point in mesh.Vertices], dtype=float).reshape(-1, 3)
-    corners = np.array([mesh.Faces[number] for number in range(len(mesh.Faces))], dtype=np.int64).reshape(-1, 4)
+    faces = mesh.Faces
+    corners = np.array([faces[number] for number in range(len(faces))], dtype=np.int64).reshape(-1, 4)
     # a triangle repeats its third corner
     quads = corners[corners[:, 2] != corners[:, 3]]
     return vertices, np.concatenate([corners[:, :3], quads[:, [0, 2, 3]]])
@@ -81,16 +71,13 @@ def _triangles(mesh: Any) -> tuple[Floats, Ints]:
 
 def _sampled(surface: Any) -> tuple[Floats, Ints]:
     """A grid of points on a surface that is not trimmed."""
-    counts, values = [], []
+    values = []
     for direction in (0, 1):
         count = int(np.clip(POINTS_A_SPAN * surface.SpanCount(direction), MIN_SURFACE_POINTS, MAX_SURFACE_POINTS))
         interval = surface.Domain(direction)
-        counts.append(count)
         values.append(np.linspace(interval.T0, interval.T1, count))
     points = [surface.PointAt(float(u), float(v)) for u in values[0] for v in values[1]]
-    number = np.arange(counts[0] * counts[1]).reshape(counts)
-    a, b, c, d = (
-        number[i : counts[0] - 1 + i, j : counts[1] - 1 + j].ravel() for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
-    )
+    number = np.arange(len(points)).reshape(len(values[0]), -1)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     return np.array([[point.X, point.Y, point.Z] for point in points]), triangles

@@ -231,13 +231,9 @@ def _print(work: Work, values: Values) -> Answer:
 
 
 def read_design_text(text: str, folder: Path) -> Design:
-    """The design of a text in TOML, as other components write it.
+    """The design of a text in TOML, as other components write it; files that it names must lie below a folder.
 
     Older versions of Hops leave the text as it stands in JSON, with `\\n` for the end of a line.
-
-    Parameters
-    ----------
-    folder : files that the text names must lie below it.
     """
     if len(text) > MAX_DESIGN_CHARACTERS:
         raise InputError(f"design: has more than {MAX_DESIGN_CHARACTERS} characters")

@@ -17,13 +17,16 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.errors import Error
+from asterism.fitting.rhino_file import mesh_triangles
 from asterism.pattern.drawing.records import DrawingError
 from asterism.pattern.drawing.rhino import RHINO_NEEDED, RHINO_UNITS_MM, curve_points
 
 # `Length` and `Place` are numbers and points in the unit of the document
 Kind = Literal["Number", "Length", "Integer", "Boolean", "Text", "Place", "Curve", "Mesh"]
 PARAMETER_TYPES = {"Length": "Number", "Place": "Point"}
-MAX_ITEMS = 5000
+# .NET types of values; numbers are System.Double
+_NAMES = {"Place": "Rhino.Geometry.Point3d", "Curve": "Rhino.Geometry.PolylineCurve", "Mesh": "Rhino.Geometry.Mesh"}
+_NAMES |= {"Integer": "System.Int32", "Text": "System.String"}
 # mm, largest distance of a curve from the straight lines that stand for it, and of the ends of a closed curve
 CURVE_MM, CLOSED_MM = 0.005, 0.01
 # mm and plain numbers beyond are mistakes
@@ -93,22 +96,18 @@ class Units:
 
 
 def read_inputs(parameters: tuple[Parameter, ...], request: Mapping[str, Any], units: Units) -> dict[str, list[Any]]:
-    """The values of a request by the names of the inputs; lengths in mm, defaults filled in.
-
-    Raises
-    ------
-    BadInputs
-        The request has other inputs than the component.
-    InputError
-        A value is wrong; the message names it.
-    """
+    """The values of a request by the names of the inputs; lengths in mm, defaults filled in. BadInputs for others."""
     trees, known = request.get("values"), {parameter.name: parameter for parameter in parameters}
     if not isinstance(trees, list) or not all(isinstance(tree, dict) for tree in trees):
         raise InputError("values: must be a list of inputs")
     names = [tree.get("ParamName") for tree in trees]
     if len(set(map(str, names))) < len(names) or not set(map(str, names)) <= set(known):
         raise BadInputs("the inputs are not those of this version of the component")
-    given = {tree["ParamName"]: _items(tree["ParamName"], tree.get("InnerTree")) for tree in trees}
+    given: dict[str, list[Any]] = {}
+    for name, tree in zip(names, (tree.get("InnerTree") for tree in trees), strict=True):
+        if not isinstance(tree, dict) or not all(isinstance(branch, list) for branch in tree.values()):
+            raise InputError(f"{name}: InnerTree must hold lists of values")
+        given[name] = [item for branch in tree.values() for item in branch]
     read: dict[str, list[Any]] = {}
     for name, parameter in known.items():
         items = given.get(name, [])
@@ -122,13 +121,6 @@ def read_inputs(parameters: tuple[Parameter, ...], request: Mapping[str, Any], u
     return read
 
 
-def _items(name: str, tree: Any) -> list[Any]:
-    """The values of all branches, one after the other."""
-    if not isinstance(tree, dict) or not all(isinstance(branch, list) for branch in tree.values()):
-        raise InputError(f"{name}: InnerTree must hold lists of values")
-    return [item for branch in tree.values() for item in branch]
-
-
 def _read(parameter: Parameter, item: Any, units: Units) -> Any:
     name = parameter.name
     data = item.get("data") if isinstance(item, dict) else None
@@ -140,17 +132,8 @@ def _read(parameter: Parameter, item: Any, units: Units) -> Any:
         value = None
     if parameter.kind == "Text":
         return value if isinstance(value, str) else data
-    reader: dict[str, Callable[[], Any]] = {
-        "Number": lambda: _number(value),
-        "Length": lambda: units.mm * _number(value),
-        "Integer": lambda: _whole(value),
-        "Boolean": lambda: _flag(value),
-        "Place": lambda: units.mm * _point(value),
-        "Curve": lambda: _curve(value, units.mm),
-        "Mesh": lambda: _mesh(value, units.mm),
-    }
     try:
-        read = reader[parameter.kind]()
+        read = _READERS[parameter.kind](value, units.mm)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
     low, high = parameter.minimum, parameter.maximum
@@ -159,29 +142,29 @@ def _read(parameter: Parameter, item: Any, units: Units) -> Any:
     return read
 
 
-def _number(value: Any) -> float:
+def _number(value: Any, mm: float = 1.0) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MAX_NUMBER:
         raise InputError("must be a number")
-    return float(value)
+    return mm * float(value)
 
 
-def _whole(value: Any) -> int:
+def _whole(value: Any, mm: float) -> int:
     number = _number(value)
     if not number.is_integer():
         raise InputError("must be a whole number")
     return int(number)
 
 
-def _flag(value: Any) -> bool:
+def _flag(value: Any, mm: float) -> bool:
     if not isinstance(value, bool):
         raise InputError("must be true or false")
     return value
 
 
-def _point(value: Any) -> Floats:
+def _point(value: Any, mm: float) -> Floats:
     if not isinstance(value, Mapping) or not {"X", "Y", "Z"} <= value.keys():
         raise InputError("must be a point")
-    return np.array([_number(value[axis]) for axis in "XYZ"])
+    return np.array([_number(value[axis], mm) for axis in "XYZ"])
 
 
 def _rows(value: Any, length: int, what: str) -> Floats:
@@ -225,12 +208,19 @@ def _mesh(value: Any, mm: float) -> tuple[Floats, Ints]:
         if (numbers != np.rint(numbers)).any():
             raise InputError("must be a mesh of triangles")
         return mm * _rows(value["vertices"], 3, "a mesh of triangles"), numbers.astype(np.int64)
-    mesh = _decoded(value, "Mesh")
-    vertices = np.array([[point.X, point.Y, point.Z] for point in mesh.Vertices], dtype=float).reshape(-1, 3)
-    faces = mesh.Faces
-    corners = np.array([faces[number] for number in range(len(faces))], dtype=np.int64).reshape(-1, 4)
-    quads = corners[corners[:, 2] != corners[:, 3]]  # a triangle repeats its third corner
-    return mm * vertices, np.concatenate([corners[:, :3], quads[:, [0, 2, 3]]])
+    vertices, triangles = mesh_triangles(_decoded(value, "Mesh"))
+    return mm * vertices, triangles
+
+
+_READERS: dict[str, Callable[[Any, float], Any]] = {
+    "Number": lambda value, mm: _number(value),
+    "Length": _number,
+    "Integer": _whole,
+    "Boolean": _flag,
+    "Place": _point,
+    "Curve": _curve,
+    "Mesh": _mesh,
+}
 
 
 def closed(points: Floats) -> Floats:
@@ -241,12 +231,7 @@ def closed(points: Floats) -> Floats:
 
 
 def write_outputs(parameters: tuple[Parameter, ...], values: Mapping[str, Any], units: Units) -> list[dict[str, Any]]:
-    """The trees of an answer.
-
-    Parameters
-    ----------
-    values : by name of the output: None, a value, a list, or a list of lists for the branches of a tree.
-    """
+    """The trees of an answer; the value of an output is None, a value, a list, or lists for the branches of a tree."""
     trees = []
     for parameter in parameters:
         value = values.get(parameter.name)
@@ -263,19 +248,18 @@ def write_outputs(parameters: tuple[Parameter, ...], values: Mapping[str, Any], 
 
 def _write(kind: Kind, value: Any, units: Units) -> dict[str, str]:
     scale = 1.0 / units.mm
+    name, data = _NAMES.get(kind, "System.Double"), value
     if kind == "Place":
-        point = dict(zip("XYZ", (scale * np.asarray(value)).tolist(), strict=True))
-        return {"type": "Rhino.Geometry.Point3d", "data": json.dumps(point)}
-    if kind == "Curve":
+        data = dict(zip("XYZ", (scale * np.asarray(value)).tolist(), strict=True))
+    elif kind == "Curve":
         points = (scale * np.asarray(value)).tolist()
         data = points if units.plain else _polyline(points)
-        return {"type": "Rhino.Geometry.PolylineCurve", "data": json.dumps(data)}
-    if kind == "Mesh":
+    elif kind == "Mesh":
         vertices, faces = (scale * np.asarray(value[0])).tolist(), np.asarray(value[1]).tolist()
         data = {"vertices": vertices, "faces": faces} if units.plain else _rhino_mesh(vertices, faces)
-        return {"type": "Rhino.Geometry.Mesh", "data": json.dumps(data)}
-    name = {"Integer": "System.Int32", "Text": "System.String"}.get(kind, "System.Double")
-    return {"type": name, "data": json.dumps(scale * value if kind == "Length" else value)}
+    elif kind == "Length":
+        data = scale * value
+    return {"type": name, "data": json.dumps(data)}
 
 
 def _rhino3dm() -> Any:

@@ -42,9 +42,7 @@ def _refused(error: str, status: int) -> Response:
 class HopsGuard(Guard):
     """Lets through requests without an origin: Hops sends none, and a page in a browser cannot leave it out.
 
-    Parameters
-    ----------
-    key : what `solve` asks for in the header RhinoComputeKey; None for no key.
+    With a `key`, `solve` asks for it in the header RhinoComputeKey.
     """
 
     def __init__(self, app: Any, hosts: frozenset[str], key: str | None) -> None:
@@ -83,13 +81,7 @@ def describe(part: Component) -> dict[str, Any]:
 
 
 def solve(work: Work, request: Any) -> dict[str, Any]:
-    """The answer to a request.
-
-    Raises
-    ------
-    Error
-        The request is wrong, or the sheet that it asks for.
-    """
+    """The answer to a request; an `Error` if it is wrong, or the sheet that it asks for."""
     pointer = request.get("pointer") if isinstance(request, dict) else None
     part = COMPONENTS.get(pointer.strip("/")) if isinstance(pointer, str) else None
     if part is None:
@@ -177,11 +169,6 @@ def run_hops(
     key : that requests must carry; None for no key.
     patience_s : longest estimated time of an exact shape.
     say : called with the addresses of the components.
-
-    Raises
-    ------
-    ListenError
-        The port is in use.
     """
     with bound(LOOPBACK, port) as listening:
         port = listening.getsockname()[1]

@@ -23,17 +23,7 @@ Traits = dict[str, Any]
 
 
 class LiveSheet:
-    """Changes a preview as the sliders ask.
-
-    Parameters
-    ----------
-    preview : is changed in place.
-    keys : of the sliders, see `SliderBoard`.
-
-    Attributes
-    ----------
-    preview : as given.
-    """
+    """Changes a preview in place as the sliders ask; `keys` as of `SliderBoard`."""
 
     def __init__(self, preview: Preview, keys: Sequence[str] | None = None) -> None:
         self.preview = preview
@@ -47,8 +37,7 @@ class LiveSheet:
 
     def opening(self) -> Traits:
         """What the widget shows at first."""
-        first = self._drawn(False, "equilibrium", None)
-        return first | self._at_rest() | self._told()
+        return self._drawn(False, "equilibrium", None) | self._at_rest() | self._told()
 
     def answer(self, request: Mapping[str, Any]) -> Iterator[Traits]:
         """The answers to a request, as they come; the last one carries its number in `panel["answered"]`.

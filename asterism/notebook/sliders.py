@@ -53,22 +53,7 @@ class Slider:
 
 
 class SliderBoard:
-    """The sliders of a design.
-
-    Parameters
-    ----------
-    design, layout, law : of the preview, when it is shown.
-    keys : some of `SLIDERS`; by default all that the design has.
-
-    Attributes
-    ----------
-    sliders : in the order of the keys.
-
-    Raises
-    ------
-    ValueError
-        A key is no slider, or the design does not have it.
-    """
+    """The sliders of the design of a preview when it is shown, in the order of `keys`; by default all that it has."""
 
     def __init__(self, design: Design, layout: Layout, law: StarLaw, keys: Sequence[str] | None = None) -> None:
         self._design, self._layout = design, layout
@@ -89,13 +74,7 @@ class SliderBoard:
         return {slider.key: slider.start for slider in self.sliders}
 
     def checked(self, values: Mapping[str, Any]) -> dict[str, float]:
-        """Values within the ranges of the sliders; those that are left out are the design's own.
-
-        Raises
-        ------
-        ValueError
-            There is no such slider, or a value is no number.
-        """
+        """Values within the ranges of the sliders; those that are left out are the design's own."""
         out = self.start
         by_key = {slider.key: slider for slider in self.sliders}
         for key, value in values.items():
@@ -117,9 +96,8 @@ class SliderBoard:
             return self._design
         design = self._with_sizes([checked.get(key, 1.0) for key in SIZE_SLIDERS])
         if "stretch" in checked and checked["stretch"] != design.fabric.stretch:
-            design = design.model_copy(
-                update={"fabric": design.fabric.model_copy(update={"stretch": checked["stretch"]})}
-            )
+            fabric = design.fabric.model_copy(update={"stretch": checked["stretch"]})
+            design = design.model_copy(update={"fabric": fabric})
         place, height = checked.get("needle_scale", 1.0), checked.get("needle_height", 1.0)
         return design.model_copy(update={"pins": tuple(_moved(pins, place, height) for pins in design.pins)})
 
@@ -135,23 +113,11 @@ class SliderBoard:
         stretch = design.fabric.stretch
         options = law.even_stretches
         if stretch in options and len(options) > 1:
-            out.append(
-                Slider(
-                    "stretch",
-                    "Stretch of the fabric",
-                    options[0],
-                    options[-1],
-                    0.01,
-                    float(options[options.index(stretch)]),
-                    unit="",
-                    digits=2,
-                    options=options,
-                )
-            )
+            shown: dict[str, Any] = {"start": float(stretch), "unit": "", "digits": 2, "options": options}
+            out.append(Slider("stretch", "Stretch of the fabric", options[0], options[-1], 0.01, **shown))
         if design.pins:
-            out.append(
-                Slider("needle_scale", "Distances of the needles", 0.8, 1.2, PLACE_FACTOR_STEP, unit="×", digits=3)
-            )
+            label = "Distances of the needles"
+            out.append(Slider("needle_scale", label, 0.8, 1.2, PLACE_FACTOR_STEP, unit="×", digits=3))
         heights = [height for pins in design.pins for height in _heights(pins) if height != 0]
         if heights:
             base = (min(heights), max(heights))
@@ -166,15 +132,11 @@ class SliderBoard:
             return design
         # mm, of sizes that a factor gives
         sizes: Floats = np.round(self._layout.site_sizes_mm * np.asarray(factors), 4)
-        numbers = {
-            key: getattr(design.required_stars, key)
-            for key, is_changed in zip(SIZE_KEYS, changed, strict=True)
-            if is_changed
-        }
-        if not design.required_stars.override and all(isinstance(value, int | float) for value in numbers.values()):
+        stars, columns = design.required_stars, np.flatnonzero(changed)
+        if not stars.override and all(isinstance(getattr(stars, SIZE_KEYS[k]), int | float) for k in columns):
             star = int(np.flatnonzero(self._is_star)[0])
-            stars = {key: float(sizes[star, SIZE_KEYS.index(key)]) for key in numbers}
-            return design.model_copy(update={"stars": design.required_stars.model_copy(update=stars)})
+            update = {SIZE_KEYS[k]: float(sizes[star, k]) for k in columns}
+            return design.model_copy(update={"stars": stars.model_copy(update=update)})
         sizes[:, ~changed] = np.nan
         return with_painted_stars(design, self._layout.sheet_sites[self._is_star], sizes[self._is_star])
 

@@ -38,8 +38,6 @@ export default entry.default;
 def widget_module() -> str:
     """The module of the widget with all modules and styles that it imports; it loads nothing from elsewhere.
 
-    Examples
-    --------
     >>> "studio/page/view/view.js" in widget_module()
     True
     """
@@ -53,59 +51,38 @@ def widget_module() -> str:
 
 
 def module_text(files: Mapping[str, str], entry: str) -> str:
-    """One module that exports the default export of an entry.
+    """One module that exports the default export of the module `entry`, of texts of files by path.
 
-    Parameters
-    ----------
-    files : texts by path. JavaScript imports by relative paths, at the beginning of a line; a style sheet is imported
-        as the text that it holds.
-    entry : path of the module to begin with.
+    JavaScript imports by relative paths, at the beginning of a line; a style sheet is imported as the text that it
+    holds.
 
-    Raises
-    ------
-    ValueError
-        A module imports a file that is not there, or modules import each other in a circle.
-
-    Examples
-    --------
     >>> files = {"page/a.js": 'import { b } from "./b.js";\\nexport default b;', "page/b.js": ""}
     >>> text = module_text(files, "page/a.js")
     >>> text.index("page/b.js") < text.index("page/a.js")
     True
     """
     sources: dict[str, str] = {}
-    _collect(entry, files, sources, ())
+
+    def collect(name: str) -> None:
+        """Add a module after those that it imports."""
+        if name.endswith(".css"):
+            sources[name] = f"export default {json.dumps(files[name])};\n"
+        if name in sources:
+            return
+
+        def named(match: re.Match[str]) -> str:
+            imported = posixpath.normpath(posixpath.join(posixpath.dirname(name), match[2]))
+            collect(imported)
+            return f"{match[1]}{MARK}{imported}{match[3]}"
+
+        sources[name] = IMPORT.sub(named, files[name])
+
+    collect(entry)
     return LOADER % (json.dumps(sources, indent=1), MARK, json.dumps(entry))
-
-
-def _collect(name: str, files: Mapping[str, str], sources: dict[str, str], above: tuple[str, ...]) -> None:
-    """Add a module after those that it imports."""
-    if name in sources:
-        return
-    if name in above:
-        raise ValueError(f"{name} imports itself by way of {', '.join(above[above.index(name) + 1 :]) or name}")
-    if name not in files:
-        raise ValueError(f"{above[-1] if above else 'the entry'} imports {name}, which is not there")
-    text = files[name]
-    if name.endswith(".css"):
-        sources[name] = f"export default {json.dumps(text)};\n"
-        return
-
-    def named(match: re.Match[str]) -> str:
-        imported = posixpath.normpath(posixpath.join(posixpath.dirname(name), match[2]))
-        _collect(imported, files, sources, (*above, name))
-        return f"{match[1]}{MARK}{imported}{match[3]}"
-
-    sources[name] = IMPORT.sub(named, text)
 
 
 class SheetWidget(anywidget.AnyWidget):
     """A sheet in space, as `asterism.show` returns it.
-
-    Parameters
-    ----------
-    traits : what is shown at first.
-    live : answers the sliders; None for a shape.
 
     Attributes
     ----------
