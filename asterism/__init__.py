@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from asterism.shape.shape import Shape as Shape
     from asterism.sweeps.run import sweep_design as _sweep
     from asterism.sweeps.sweep import Sweep as Sweep
-    from asterism.sweeps.write_sweep import write_sweep as write_sweep
+    from asterism.sweeps.sweep import write_sweep as write_sweep
     from asterism.verification.both_starts import simulate as simulate
     from asterism.verification.run import verify as verify
     from asterism.verification.verification import Verification as Verification
@@ -108,7 +108,7 @@ _HOMES = {
     "write_fit": "asterism.reports.fit_page:write_fit",
     "write_material": "asterism.measure.strips.fit_strips:write_material",
     "write_results": "asterism.reports.write_results:write_results",
-    "write_sweep": "asterism.sweeps.write_sweep:write_sweep",
+    "write_sweep": "asterism.sweeps.sweep:write_sweep",
     "write_verification": "asterism.reports.verification_page:write_verification",
 }
 __all__ = ["__version__", *_HOMES]

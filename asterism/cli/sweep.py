@@ -57,7 +57,7 @@ def sweep(
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.run import check_model, sampled, sweep_design, sweep_parameters
-    from asterism.sweeps.write_sweep import write_sweep
+    from asterism.sweeps.sweep import write_sweep
 
     check_workers(jobs, dask)
     if exact and law is not None:

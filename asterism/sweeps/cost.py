@@ -38,12 +38,8 @@ class SweepCost(Cost):
         >>> SweepCost(0, 700.0, 11.0, 60).in_words(), SweepCost(4000, 800.0, 600.0, 60).in_words()
         ('60 previews, 0.7 GB, 11 s', '60 exact shapes of up to 4000 vertices, 0.8 GB, 10 min')
         """
-        what = (
-            f"{self.designs} exact shapes of up to {self.vertices} vertices"
-            if self.vertices
-            else f"{self.designs} previews"
-        )
-        return f"{what}, {self.memory_mb / 1000:.1f} GB, {self.time_in_words}"
+        what = f"exact shapes of up to {self.vertices} vertices" if self.vertices else "previews"
+        return f"{self.designs} {what}, {self.memory_mb / 1000:.1f} GB, {self.time_in_words}"
 
 
 def sweep_cost(
@@ -54,17 +50,14 @@ def sweep_cost(
     processes: int,
     law_is_given: bool = False,
 ) -> SweepCost:
-    """The cost of so many designs on so many processes.
-
-    Exact shapes are estimated at the largest of the designs at the ends of each parameter. Previews of a motif solve
-    its cells, unless a law is given.
-    """
+    """The cost of so many designs on so many processes; of exact shapes by the largest at the ends of parameters."""
     processes = min(processes, count)
     if not exact:
         each = PREVIEW_S + PREVIEW_S_A_STAR * _stars(design) if design.rods is None else MOTIF_PREVIEW_S
         # sheets on supports may buckle, and are searched for further forms
         each *= 2.0 if design.pins else 1.0
         if design.rods is not None and not law_is_given and design.law_file is None:
+            # the preview solves the cells of its motif
             each += MOTIF_CELL_S * _motif_cells(design)
         return SweepCost(0, 350.0 * processes, START_S + each * count / processes, count)
     largest = max(map(exact_cost, _ends(design, parameters)), key=lambda cost: cost.seconds)

@@ -56,13 +56,6 @@ class SweepParameter:
     def from_text(cls, text: str) -> SweepParameter:
         """A parameter from the words of a command line.
 
-        Raises
-        ------
-        SweepError
-            The text has another form, or its range is empty.
-
-        Examples
-        --------
         >>> SweepParameter.from_text("stars.thickness_mm=0.2:0.6:5").values
         (0.2, 0.3, 0.4, 0.5, 0.6)
         >>> SweepParameter.from_text("border.rings=1:3:3").values
@@ -107,17 +100,8 @@ class SweepParameter:
 
 
 def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> tuple[SweepParameter, ...]:
-    """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers.
-
-    Raises
-    ------
-    SweepError
-        Such a range begins or ends with a fraction.
-    """
-    return tuple(
-        each if each.limits is None or not _is_count(design, each) else _whole_range(each, each.limits)
-        for each in parameters
-    )
+    """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers."""
+    return tuple(_whole_range(each) if each.limits and _is_count(design, each) else each for each in parameters)
 
 
 def _is_count(design: Design, parameter: SweepParameter) -> bool:
@@ -129,21 +113,15 @@ def _is_count(design: Design, parameter: SweepParameter) -> bool:
     return False
 
 
-def _whole_range(parameter: SweepParameter, limits: tuple[float, float]) -> SweepParameter:
-    low, high = limits
+def _whole_range(parameter: SweepParameter) -> SweepParameter:
+    low, high = parameter.limits or (0.0, 0.0)
     if not (float(low).is_integer() and float(high).is_integer()):
         raise SweepError(f"{parameter.path}={low:g}:{high:g}: must be a range of whole numbers")
     return replace(parameter, limits=(int(low), int(high)), whole=True)
 
 
 def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> None:
-    """Refuse parameters that the design lacks, and values that an entry can never have.
-
-    Raises
-    ------
-    SweepError
-        The message names the parameter, the value and what is allowed.
-    """
+    """Refuse parameters that the design lacks, and values that an entry can never have."""
     paths = [parameter.path for parameter in parameters]
     for path in paths:
         if paths.count(path) > 1:
@@ -202,14 +180,13 @@ def _listed(path: str, given: str) -> list[Any]:
     except RecursionError:
         raise SweepError(f"{path}: is nested too deeply") from None
     except ValueError:
-        return [_value(text) for text in given.split(",")]
-
-
-def _value(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except ValueError:
-        return text.strip()
+        values: list[Any] = []
+        for text in given.split(","):
+            try:
+                values.append(json.loads(text))
+            except ValueError:
+                values.append(text.strip())
+        return values
 
 
 def _checked(path: str, values: Sequence[Any]) -> tuple[Any, ...]:
@@ -230,13 +207,6 @@ def _checked(path: str, values: Sequence[Any]) -> tuple[Any, ...]:
 def grid(parameters: Sequence[SweepParameter]) -> list[dict[str, Any]]:
     """All combinations, by path; the last parameter varies fastest.
 
-    Raises
-    ------
-    SweepError
-        A parameter is a range without a number of values, or there are more than `MAX_POINTS` combinations.
-
-    Examples
-    --------
     >>> grid([SweepParameter("a", (1, 2)), SweepParameter("b", (3, 4))])
     [{'a': 1, 'b': 3}, {'a': 1, 'b': 4}, {'a': 2, 'b': 3}, {'a': 2, 'b': 4}]
     """
@@ -259,11 +229,6 @@ def latin_hypercube(parameters: Sequence[SweepParameter], samples: int, seed: in
 
     Reference: McKay, Beckman and Conover, A comparison of three methods for selecting values of input variables in the
     analysis of output from a computer code, 1979.
-
-    Raises
-    ------
-    SweepError
-        The number of samples is out of range.
     """
     if not 2 <= samples <= MAX_POINTS:
         raise SweepError(f"--samples {samples}: must be from 2 to {MAX_POINTS}")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome
 from asterism.homogenize.campaign.workers import CampaignProgress, Finished, default_jobs, workers_for
@@ -26,18 +28,11 @@ from asterism.sweeps.parameters import (
     latin_hypercube,
     with_whole_ranges,
 )
-from asterism.sweeps.solve_point import SmallPicture, named_law, packed_law, solve_point, sweep_code_version
+from asterism.sweeps.solve_point import named_law, solve_point, sweep_code_version
 from asterism.sweeps.sweep import Sweep
 
 # values by path, or parameters
 Vary = Mapping[str, str | Sequence[Any]] | Sequence[SweepParameter]
-
-
-class _Finished(NamedTuple):
-    """A design for messages, see `homogenize.campaign.workers.Finished`."""
-
-    label: str
-    failed: str | None
 
 
 def sweep_design(
@@ -102,11 +97,11 @@ def sweep_design(
             {"exact": exact, "law": digest if law is not None or exact else named_law(each), "design": each}
             for each in tables
         ]
-        own_law, code = packed_law(None if exact else law), sweep_code_version()
+        own_law, code = None if law is None or exact else pickle.dumps(law), sweep_code_version()
 
         def finished(number: int, outcome: Outcome) -> Finished:
             which = ", ".join(f"{path} = {value}" for path, value in combinations[number].items())
-            return _Finished(f"design {number + 1}, {which}", outcome.failed)
+            return SimpleNamespace(label=f"design {number + 1}, {which}", failed=outcome.failed)
 
         try:
             arguments = [(each, exact, own_law, code) for each in tables]
@@ -120,35 +115,30 @@ def sweep_design(
             )
         except OSError as error:
             raise OutputError(f"cannot write {kept.folder}: {(error.strerror or str(error)).lower()}") from None
-    points = tuple(_row(number, *pair) for number, pair in enumerate(zip(combinations, outcomes, strict=True), 1))
-    pictures = tuple(None if each.sample is None else SmallPicture(**each.sample["picture"]) for each in outcomes)
+    points = tuple(
+        SweepRowRecord(
+            number=number,
+            parameters=values,
+            results=None if outcome.sample is None else outcome.sample["values"],
+            problem=outcome.failed,
+        )
+        for number, (values, outcome) in enumerate(zip(combinations, outcomes, strict=True), 1)
+    )
+    pictures = tuple(None if each.sample is None else each.sample["picture"] for each in outcomes)
     return Sweep(design, parameters, points, pictures, exact, None if samples is None else seed, digest)
 
 
 def check_model(design: Design, exact: bool) -> None:
-    """Refuse previews of drawn lines that do not repeat, or that have stars beside them: no value would make one.
-
-    Raises
-    ------
-    SweepError
-        The message names exact shapes as the way.
-    """
+    """Refuse previews of drawn lines that do not repeat, or that have stars beside them: no value would make one."""
     if exact or design.rods is None or (refused := without_law(design)) is None:
         return
     if refused.field.split(".")[0] in ("rods", "stars"):
-        raise SweepError(
-            f"{refused.field}: {refused.allowed.partition(';')[0]}; a sweep computes exact shapes with --exact"
-        )
+        why = refused.allowed.partition(";")[0]
+        raise SweepError(f"{refused.field}: {why}; a sweep computes exact shapes with --exact")
 
 
 def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
-    """The parameters of a sweep, checked against the design.
-
-    Raises
-    ------
-    SweepError
-        As `sweep_design`.
-    """
+    """The parameters of a sweep, checked against the design; errors as of `sweep_design`."""
     if not vary:
         raise SweepError("a sweep needs a parameter, such as stars.thickness_mm=0.2:0.6:9")
     if isinstance(vary, Mapping):
@@ -161,16 +151,5 @@ def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
 
 
 def sampled(parameters: Sequence[SweepParameter], samples: int | None, seed: int) -> list[dict[str, Any]]:
-    """Values of the parameters by path for each design: all combinations, or a Latin hypercube of so many `samples`.
-
-    Raises
-    ------
-    SweepError
-        As `grid` and `latin_hypercube`.
-    """
+    """Values of the parameters by path for each design: all combinations, or a Latin hypercube of so many `samples`."""
     return grid(parameters) if samples is None else latin_hypercube(parameters, samples, seed)
-
-
-def _row(number: int, values: Mapping[str, Any], outcome: Outcome) -> SweepRowRecord:
-    results = None if outcome.sample is None else outcome.sample["values"]
-    return SweepRowRecord(number=number, parameters=dict(values), results=results, problem=outcome.failed)

@@ -1,4 +1,4 @@
-"""The computation of one design of a sweep, in a process of its own."""
+"""The computation of one design of a sweep, in a process of its own, and the quantities of its row."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import functools
 import hashlib
 import pickle
 from base64 import b64encode
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -37,25 +37,90 @@ from asterism.homogenize.errors import UnreadableLaw
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.process.file_identity import file_identity
+from asterism.results.words import doubts
 from asterism.shape.shape import Shape
-from asterism.sweeps.quantities import table_values
+
+# digits of the numbers in a table: libraries on other machines differ in later ones
+TABLE_DIGITS = 6
+
+CellValue = float | int | bool | str | None
 
 
 @dataclass(frozen=True)
-class SmallPicture:
-    """A picture as WEBP with a transparent background.
+class Quantity:
+    """A column of the table.
 
     Attributes
     ----------
-    webp : text in base 64.
-    width_px, height_px : size.
-    px_per_mm : scale in the plane through the middle of the sheet.
+    name : name of the column.
+    unit : unit; empty for counts, ratios and texts.
+    label : its words on the page.
+    of : gives the value from the summary of a shape; None if the summary lacks it.
     """
 
-    webp: str
-    width_px: int
-    height_px: int
-    px_per_mm: float
+    name: str
+    unit: str
+    label: str
+    of: Callable[[Mapping[str, Any]], CellValue]
+
+
+def _key(name: str, unit: str, label: str) -> Quantity:
+    return Quantity(name, unit, label, lambda summary: summary.get(name))
+
+
+def _extent(axis: int, name: str) -> Quantity:
+    return Quantity(f"extent_{name}_mm", "mm", f"extent along {name}", lambda summary: summary["extent_mm"][axis])
+
+
+_SHAPE = (
+    _key("height_mm", "mm", "height"),
+    _key("above_needles_mm", "mm", "rise over the needles"),
+    _key("below_needles_mm", "mm", "depth below the needles"),
+    _extent(0, "x"),
+    _extent(1, "y"),
+    _extent(2, "z"),
+    _key("contraction", "", "contraction"),
+    _key("roll_radius_mm", "mm", "radius of the roll"),
+    _key("roll_axis_deg", "deg", "axis of the roll"),
+    _key("energy_n_mm", "N mm", "energy"),
+    _key("is_minimum", "", "certified equilibrium"),
+    _key("self_intersections", "", "self-intersections"),
+)
+_PREVIEW = (
+    _key("expected_rms_percent", "% of the diameter", "estimated error"),
+    _key("expected_height_percent", "% of the height", "estimated error of the height"),
+    Quantity("stars_outside_law", "", "stars outside the law", lambda summary: len(summary["stars_outside_law"])),
+)
+_EXACT = (
+    Quantity("minima", "", "minima", lambda summary: len(summary["minima"])),
+    _key("stars_up", "", "stars up"),
+    _key("smallest_eigenvalue", "N/mm", "smallest eigenvalue"),
+    _key("mesh_error_percent", "% of the diameter", "mesh error"),
+    _key("mesh_change_percent", "% of the diameter", "change from the coarser mesh"),
+)
+_WORDS = (
+    Quantity("not_reliable", "", "not reliable", lambda summary: "; ".join(doubts(summary)) or None),
+    Quantity("warnings", "", "warnings", lambda summary: "; ".join(summary["warnings"]) or None),
+)
+
+
+def quantities(exact: bool) -> tuple[Quantity, ...]:
+    """The columns after the parameters, of exact shapes or of previews."""
+    return (*_SHAPE, *(_EXACT if exact else _PREVIEW), *_WORDS)
+
+
+def table_values(summary: Mapping[str, Any], exact: bool) -> dict[str, CellValue]:
+    """The values of a shape by column, with `TABLE_DIGITS` digits."""
+    return {each.name: _rounded(each.of(summary)) for each in quantities(exact)}
+
+
+def _rounded(value: CellValue) -> CellValue:
+    return float(f"{value:.{TABLE_DIGITS}g}") if isinstance(value, float) else value
+
+
+# `webp`, a picture with a transparent background as text in base 64; `width_px`, `height_px`; and `px_per_mm`, its
+# scale in the plane through the middle of the sheet
+SmallPicture = dict[str, Any]
 
 
 def small_picture(shape: Shape) -> SmallPicture:
@@ -70,7 +135,8 @@ def small_picture(shape: Shape) -> SmallPicture:
     image = Image.fromarray(np.rint(255.0 * pixels).astype(np.uint8))
     out = BytesIO()
     image.save(out, "WEBP", quality=85)
-    return SmallPicture(b64encode(out.getvalue()).decode(), image.width, image.height, scale)
+    webp = b64encode(out.getvalue()).decode()
+    return {"webp": webp, "width_px": image.width, "height_px": image.height, "px_per_mm": scale}
 
 
 @functools.cache
@@ -82,18 +148,13 @@ def sweep_code_version() -> str:
 
 
 def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, code: str) -> Outcome:
-    """Compute one design.
+    """Compute one design: the sample holds `values`, see `table_values`, and `picture`, a `SmallPicture`.
 
     Parameters
     ----------
-    table : the design as plain data.
     is_exact : by the exact model from both starts, as `simulate`, not by the preview.
-    law : law of the preview, from `packed_law`.
+    law : law of the preview, pickled; None for that of the design or the paper's.
     code : `sweep_code_version` of the process that asks.
-
-    Returns
-    -------
-    Its sample holds `values`, see `table_values`, and `picture`, the attributes of a `SmallPicture`.
     """
 
     def solve() -> dict[str, Any]:
@@ -108,7 +169,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
             from asterism.previews.session import preview
 
             found = preview(design, None if law is None else _law(law))
-        return {"values": table_values(found.summary, is_exact), "picture": asdict(small_picture(found))}
+        return {"values": table_values(found.summary, is_exact), "picture": small_picture(found)}
 
     return attempt(solve, Error, ValueError, surroundings=(UnreadableLaw,))
 
@@ -118,11 +179,6 @@ def _law(packed: bytes) -> Law[Any]:
     """A law that travelled with its designs, unpacked once in each process."""
     law: Law[Any] = pickle.loads(packed)
     return law
-
-
-def packed_law(law: Law[Any] | None) -> bytes | None:
-    """A law on its way to the workers; None for that of the design or the paper's, which they read."""
-    return None if law is None else pickle.dumps(law)
 
 
 def named_law(table: Mapping[str, Any]) -> str | None:

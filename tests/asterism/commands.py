@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -30,6 +30,10 @@ class Outcome:
         lines = self.err.strip().splitlines()
         assert len(lines) == 1 and lines[0].startswith("asterism: "), self.err
         return lines[0]
+
+
+# runs `asterism WORDS`, see the fixture `cli`
+Cli = Callable[[list[str]], Outcome]
 
 
 @contextmanager

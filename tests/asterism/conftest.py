@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from asterism.shape.shape import Shape
+from tests.asterism.commands import Cli, command
 from tests.asterism.studio.browser import ARGUMENTS, browser_path
 
 
@@ -22,6 +23,12 @@ def browser() -> Iterator[Any]:
         launched = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
         yield launched
         launched.close()
+
+
+@pytest.fixture
+def cli(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Cli:
+    """The command line within this process: starting one anew takes seconds."""
+    return lambda words: command(words, capsys, monkeypatch)
 
 
 @pytest.fixture(autouse=True)

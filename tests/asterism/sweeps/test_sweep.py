@@ -19,10 +19,8 @@ from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
 from asterism.sweeps.run import sweep_design
-from asterism.sweeps.solve_point import named_law
-from asterism.sweeps.sweep import Sweep
-from asterism.sweeps.write_sweep import sweep_csv, write_sweep
-from tests.asterism.commands import command
+from asterism.sweeps.sweep import Sweep, sweep_csv, write_sweep
+from tests.asterism.commands import Cli
 from tests.homogenize import same_process
 
 # arms of 30 mm cross those of their neighbours
@@ -81,18 +79,6 @@ def test_finished_designs_are_not_computed_again(once: tuple[Path, Sweep], monke
     again = sweep_design(small(), VARY, folder=folder, report=reports.append)
     assert [progress.done for progress in reports] == [4] and reports[0].failed == 2
     assert again.summary == result.summary and sweep_csv(again) == sweep_csv(result)
-
-
-def test_a_changed_law_of_the_design_is_not_the_same_law(tmp_path: Path) -> None:
-    file = tmp_path / "own.npz"
-    table = {"material": {"law": str(file)}}
-    assert named_law({}) is None and named_law(table) is None
-    names = []
-    for number, content in enumerate((b"one", b"two", b"one")):
-        file.write_bytes(content)
-        os.utime(file, ns=(number, number))
-        names.append(named_law(table))
-    assert names[0] == names[2] != names[1]
 
 
 def test_a_law_that_this_machine_cannot_read_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,16 +157,14 @@ def written(folder: Path) -> Path:
     return file
 
 
-def test_the_command_writes_the_files(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_writes_the_files(tmp_path: Path, cli: Cli) -> None:
     words = ["sweep", str(written(tmp_path)), "--vary", "stars.thickness_mm=0.3,0.4", "--vary", "stars.length_mm=8,30"]
-    ended = command(words, capsys, monkeypatch)
+    ended = cli(words)
     assert ended.status == 0 and "4, of which 2 failed" in ended.out
     assert "about 4 previews" in ended.err and "no answer: design 2, stars.thickness_mm = 0.3" in ended.err
     folder = tmp_path / "seven-sweep"
     assert sorted(file.name for file in folder.iterdir()) == ["designs", "summary.json", "sweep.csv", "sweep.html"]
-    strict = command([*words, "--strict", "--quiet"], capsys, monkeypatch)
+    strict = cli([*words, "--strict", "--quiet"])
     assert strict.status == 1 and "2 of 4 designs have no shape" in strict.out and strict.err == ""
 
 
@@ -197,48 +181,19 @@ def test_the_command_writes_the_files(
         (["stars.thickness_mm=0.3", "--exact", "--law", "x.npz"], "--law: is for previews, not with --exact"),
     ],
 )
-def test_wrong_words_end_the_command_at_once(
-    words: list[str], line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ended = command(["sweep", str(written(tmp_path)), "--vary", *words], capsys, monkeypatch)
+def test_wrong_words_end_the_command_at_once(words: list[str], line: str, tmp_path: Path, cli: Cli) -> None:
+    ended = cli(["sweep", str(written(tmp_path)), "--vary", *words])
     assert ended.status == 2 and ended.line == f"asterism: {line}"
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
 
 
-def test_a_sweep_without_a_shape_ends_with_1_and_a_reason(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ended = command(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=30", "-q"], capsys, monkeypatch)
+def test_a_sweep_without_a_shape_ends_with_1_and_a_reason(tmp_path: Path, cli: Cli) -> None:
+    ended = cli(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=30", "-q"])
     assert ended.status == 1
     assert ended.line == "asterism: no design has a shape; the column problem of sweep.csv has the reasons"
 
 
-def test_a_folder_in_the_way_is_named_before_anything_is_computed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    page = tmp_path / "seven-sweep" / "sweep.html"
-    page.mkdir(parents=True)
-    ended = command(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"], capsys, monkeypatch)
-    assert ended.status == 2 and ended.line == f"asterism: cannot write {page}: a folder is in the way"
-    assert [file.name for file in page.parent.iterdir()] == ["sweep.html"]
-
-
-def test_numbers_of_options_are_refused_in_plain_words(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    words = ["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"]
-    for option, problem in {
-        "--jobs=0": "'--jobs': must be at least 1",
-        "--jobs=1001": "'--jobs': must be at most 1000",
-        "--seed=x": "'--seed': must be a whole number",
-    }.items():
-        ended = command([*words, option], capsys, monkeypatch)
-        assert ended.status == 2 and ended.line == f"asterism: Invalid value for {problem}"
-
-
-def test_many_designs_need_consent(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_designs_need_consent(tmp_path: Path, cli: Cli) -> None:
     words = [
         "sweep",
         str(written(tmp_path)),
@@ -247,7 +202,7 @@ def test_many_designs_need_consent(
         "--vary",
         "stars.length_mm=6:9:90",
     ]
-    ended = command([*words, "--jobs", "2"], capsys, monkeypatch)
+    ended = cli([*words, "--jobs", "2"])
     assert ended.status == 2 and "takes about 9000 previews" in ended.line
     assert ended.line.endswith("use --yes to compute it, or fewer designs")
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
